@@ -18,6 +18,20 @@ from geometry.errors import GeometryError
 from geometry.hexmesh import HexMesh
 from geometry.quadmesh import QuadMesh
 
+Array = NDArray[np.float64]
+
+IntArray = NDArray[np.int64]
+
+_EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
+)
+
+#: Stiffness of an edge's spring over 1 / length^_STIFFENING.
+_STIFFENING = 2.0
+
+#: Residual of the inner nodes' equilibrium; their places need not be exact.
+_TOLERANCE = 1e-9
+
 
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
     """The mirror image of each node about the plane through zero on `axis`, shape (n,).
@@ -42,18 +56,6 @@ def _same_cells(first: IntArray, second: IntArray) -> bool:
     """Whether two lists of cells (m, c) have the same nodes in each cell, whatever the order of cells."""
     one, other = np.sort(first, axis=1), np.sort(second, axis=1)
     return bool(np.array_equal(one[np.lexsort(one.T)], other[np.lexsort(other.T)]))
-
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-
-_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
-)
-#: Stiffness of an edge's spring over 1 / length^_STIFFENING.
-_STIFFENING = 2.0
-#: Residual of the inner nodes' equilibrium; their places need not be exact.
-_TOLERANCE = 1e-9
 
 
 def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:

@@ -23,6 +23,8 @@ from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
+_CHECK_BYTES = hashlib.sha256().digest_size
+
 
 def chosen_cache() -> Path:
     """The folder for what is kept: WIREWEAR_CACHE, else one in the user's cache folder; RuntimeError without a home."""
@@ -57,9 +59,6 @@ def _users_cache() -> Path:
     stated = os.environ.get("XDG_CACHE_HOME", "")
     # The XDG specification has relative paths ignored.
     return Path(stated) if Path(stated).is_absolute() else Path.home() / ".cache"
-
-
-_CHECK_BYTES = hashlib.sha256().digest_size
 
 
 class KeptCode(NullCache):

@@ -16,6 +16,19 @@ from scipy.sparse import coo_matrix, csr_matrix, dia_matrix, diags
 from geometry import Elastic, HexMesh, QuadMesh
 from solvers.errors import SolverError
 
+Array = NDArray[np.float64]
+
+_CORNERS = {
+    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
+    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
+}
+
+#: Relative residual of the projection to nodes.
+_PROJECTED = 1e-7
+
+#: Rows and columns of the six components.
+TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+
 
 def von_mises(stress: Array) -> Array:
     """Von Mises' equivalent stress (...), √(3 J2)."""
@@ -43,18 +56,6 @@ def hydrostatic(stress: Array) -> Array:
 def turned(stress: Array, rotation: Array) -> Array:
     """The same stresses in axes into which the matrix (3, 3) turns vectors."""
     return components(rotation @ tensors(stress) @ rotation.T)
-
-
-Array = NDArray[np.float64]
-
-_CORNERS = {
-    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
-    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
-}
-#: Relative residual of the projection to nodes.
-_PROJECTED = 1e-7
-#: Rows and columns of the six components.
-TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-#: A thin line of a hundred pixels in a picture of two millions.
-LEAST = 5e-5
+#: A thin line of a few hundred pixels in a picture of a million.
+LEAST = 1e-4
 
 #: Colour bars stand to the right of this share of the width.
 PANELS = 0.84

@@ -40,14 +40,20 @@ NUISANCES = Nuisances(
     evolution_cycles=(100, 20_000),
 )
 
+SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
+
+SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
+
+SATURATED = TrueEffect("saturating_force_cell", {"loss_at_plateau": 0.1})
+
+LAST_DIGITS = slice(9, None, 7)
+
+#: By chance a batch lies above this once in some thousands (Student's distribution, 19 degrees of freedom).
+CHANCE = 4.0
+
 
 def case(kind: str, *effects: TrueEffect, left_out: tuple[str, ...] = ()) -> Case:
     return Case("a case", kind, "easy", effects, left_out, Nominal(cycles=20_000), NUISANCES, 1)
-
-
-SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
-SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
-SATURATED = TrueEffect("saturating_force_cell", {"loss_at_plateau": 0.1})
 
 
 def test_without_an_effect_there_is_no_gap() -> None:
@@ -141,9 +147,6 @@ def metadata(folder: Path) -> list[float]:
     return features
 
 
-LAST_DIGITS = slice(9, None, 7)
-
-
 @pytest.mark.parametrize(
     "model",
     [PlainModel(), pytest.param(IndependentModel(points=6), marks=pytest.mark.slow)],
@@ -173,10 +176,6 @@ def deviations_from_chance(seen: "np.ndarray[Any, Any]", label: "np.ndarray[Any,
         forest = RandomForestClassifier(60, random_state=0, min_samples_leaf=3, oob_score=True).fit(seen, labels)
         areas.append(roc_auc_score(labels, forest.oob_decision_function_[:, 1]))
     return float((areas[0] - np.mean(areas[1:])) / np.std(areas[1:], ddof=1))
-
-
-#: By chance a batch lies above this once in some thousands (Student's distribution, 19 degrees of freedom).
-CHANCE = 4.0
 
 
 @pytest.mark.slow

@@ -40,6 +40,24 @@ from wirewear.simulation import Observer
 
 ROOT = Path(__file__).resolve().parent.parent
 
+# In a process of its own, so that what dies with it takes no other test along.
+KILLED = """
+from tests.test_broken_commands import Silent, killed, killed_maker
+from wirewear.base.engine import results_of
+from wirewear.base.engine import LocalProcesses
+from wirewear.base.errors import WirewearError
+from wirewear.simulation.together import run_side_by_side
+engine = LocalProcesses(1)
+for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
+    try:
+        begin()
+    except WirewearError as error:
+        print(type(error).__name__, error)
+"""
+
+#: A library that a package brought with it.
+OPENBLAS = next(Path(site.getsitepackages()[0]).glob("scipy.libs/lib*openblas*.so"))
+
 
 def told(ended: Result) -> str:
     assert ended.exit_code == 2, ended.output
@@ -63,22 +81,6 @@ class Silent:
 
     def __getattr__(self, _name: str) -> Any:
         return lambda *_: None
-
-
-# In a process of its own, so that what dies with it takes no other test along.
-KILLED = """
-from tests.test_broken_commands import Silent, killed, killed_maker
-from wirewear.base.engine import results_of
-from wirewear.base.engine import LocalProcesses
-from wirewear.base.errors import WirewearError
-from wirewear.simulation.together import run_side_by_side
-engine = LocalProcesses(1)
-for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
-    try:
-        begin()
-    except WirewearError as error:
-        print(type(error).__name__, error)
-"""
 
 
 @pytest.mark.slow
@@ -228,10 +230,6 @@ def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert sum(int(count) for count in re.findall(r" read (\d+)", ended.stdout)) > 30
     assert len(re.findall(r"^.*; at most ", ended.stdout, re.MULTILINE)) == 47
-
-
-#: A library that a package brought with it.
-OPENBLAS = next(Path(site.getsitepackages()[0]).glob("scipy.libs/lib*openblas*.so"))
 
 
 def load_by_name() -> object:

@@ -31,6 +31,16 @@ from wirewear.simulation.workbench import (
 
 OWN = WirewearSide(8.0, 0.1, [0.1] * 10, [0.2] * 10, 4700.0, 0.9, [1.0] * 10, [0.01] * 10)
 
+FAKE_CALCULIX = """#!/bin/sh
+test -s wires.inp || exit 1
+cat > wires.sta <<END
+{sta}END
+cat > wires.dat <<END
+{dat}END
+touch written
+exec sleep 3600
+"""
+
 
 def test_the_table_says_what_calculix_did_not_reach() -> None:
     rows = agreement(OWN, read_forces(DAT), {2.0: 4600.0})
@@ -74,17 +84,6 @@ def test_without_calculix_the_benchmark_says_how_to_get_it(monkeypatch: pytest.M
     ended = CliRunner().invoke(bench_calculix.main, [])
     assert ended.exit_code == 0, ended.output
     assert "apt-get install calculix-ccx" in ended.stdout
-
-
-FAKE_CALCULIX = """#!/bin/sh
-test -s wires.inp || exit 1
-cat > wires.sta <<END
-{sta}END
-cat > wires.dat <<END
-{dat}END
-touch written
-exec sleep 3600
-"""
 
 
 @pytest.mark.slow

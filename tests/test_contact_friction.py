@@ -31,6 +31,8 @@ COARSE_mm, FINE_mm = 0.010, 0.007
 LIMIT_N = FRICTION * LOAD_N
 PER_CYCLE = 40
 
+Slip = tuple[list[ContactState], list[list[IncrementReport]]]
+
 
 def matrix(seed: int = 1, change: float = 0.0) -> Array:
     """A dense matrix with a strong diagonal, and one that differs from it by a share."""
@@ -103,9 +105,6 @@ def rig() -> ContactProblem:
 def gross_slip(rig: ContactProblem) -> tuple[list[ContactState], list[list[IncrementReport]]]:
     """A first quarter from rest and then a closed cycle."""
     return driven(rig, pressed(rig)[0], sines(PER_CYCLE + PER_CYCLE // 4))
-
-
-Slip = tuple[list[ContactState], list[list[IncrementReport]]]
 
 
 def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: PartialSlipPoint) -> None:

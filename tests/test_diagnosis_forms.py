@@ -107,7 +107,7 @@ def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
 
 @pytest.mark.parametrize("lead", [-0.01, 0.01])
 def test_a_distortion_beside_none_is_believed_with_none_whatever_effect_leads(lead: float) -> None:
-    """An effect that happens to lead none by a hair lent its own small belief to what stands beside none."""
+    """An effect that happens to lead none by a hair passed its own small probability on to what stands beside none."""
     none = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0, -4.5)
     found = weigh(none, fits(2, (-4.5 + lead, -9.0)), (), -9.0, (), 1.0, 0.0, {(): [17.0, 0.0]})
     assert found.outside > 0.9

@@ -45,6 +45,8 @@ FORCE_N = 1.24
 
 FIRST = np.array([2.0])
 
+Install = Callable[[str], None]
+
 
 class Unsized(Amplitude):
     """Says nothing of how far solvers differ."""
@@ -54,9 +56,6 @@ class Unsized(Amplitude):
 
 class Again(Amplitude):
     """Takes a name that is taken."""
-
-
-Install = Callable[[str], None]
 
 
 @pytest.fixture

@@ -68,7 +68,7 @@ def left_over(noise: NDArray[np.float64]) -> Remainder:
 
 
 def believed_noise(count: int) -> NDArray[np.float64]:
-    """Draws (count, n) from the covariance that the diagnosis believes in."""
+    """Draws (count, n) from the covariance that the diagnosis assumes."""
     problem, _ = explained()
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)
     return np.random.default_rng(3).multivariate_normal(np.zeros(len(covariance)), covariance, count, method="cholesky")

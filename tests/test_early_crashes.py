@@ -31,6 +31,10 @@ folder, ran, result = early_faults.folder, early_faults.ran, early_faults.result
 
 SMALL_DISK = ("unshare", "-rm", "sh", "-c", 'mount -t tmpfs -o size=64k none "$1" && shift && "$@"', "sh")
 
+SCARS = '[scars.moving]\nfiles = "more.csv"\ncolumns = { x_um = "x", y_um = "y", depth_um = "d", repeat = "n" }\n'
+
+EVOLUTION = '[evolution]\nfiles = "more.csv"\ncolumns = { cycle = "cycle", repeat = "n" }\n'
+
 
 @pytest.mark.parametrize("old", ["friction = 0.62", "normal_load_N = 2.0"])
 def test_a_number_of_hundreds_of_digits_is_refused(folder: Path, old: str) -> None:
@@ -42,10 +46,6 @@ def test_a_number_of_hundreds_of_digits_is_refused(folder: Path, old: str) -> No
 def test_an_encoding_that_is_none_of_text_is_refused(folder: Path, encoding: str) -> None:
     changed(folder / "mapping.toml", '"utf-8"', f'"{encoding}"')
     assert "encoding" in refused_at_once("import", folder / "mapping.toml", "--output", folder / "r")
-
-
-SCARS = '[scars.moving]\nfiles = "more.csv"\ncolumns = { x_um = "x", y_um = "y", depth_um = "d", repeat = "n" }\n'
-EVOLUTION = '[evolution]\nfiles = "more.csv"\ncolumns = { cycle = "cycle", repeat = "n" }\n'
 
 
 @pytest.mark.parametrize(

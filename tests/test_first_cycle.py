@@ -16,7 +16,7 @@ from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records.scar_checks import accumulated_energy_J
+from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of
 from wirewear.views.run_wording import sentence

@@ -20,7 +20,7 @@ from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord, read_record, write_record
-from wirewear.records.scar_checks import accumulated_energy_J
+from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.study import Study, load_study
 
 

@@ -189,7 +189,8 @@ def test_a_surface_is_the_worn_wire(run: ww.Run) -> None:
 
 def test_a_run_draws_itself_and_others_beside_it(run: ww.Run, tmp_path: Path) -> None:
     picture = save(lambda: run.plot(beside=[result("rigid")]), tmp_path / "overview.png")
-    assert shows(picture, *VARIANT_COLOURS[:2], *cycle_colours(5))
+    assert shows(picture, *VARIANT_COLOURS[:2])
+    assert shows(picture, *cycle_colours(5), part=0.5), "loops stand on the left"
     with pytest.raises(ww.ResultError, match="choose one of overview, loops"):
         run.plot("anything")
 

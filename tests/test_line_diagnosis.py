@@ -17,7 +17,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.effects import Effect, effect_named
-from wirewear.planar.supports import of_whole_contact, per_mm
+from wirewear.planar.tables import of_whole_contact, per_mm
 from wirewear.records.line_files import read_line_record
 from wirewear.records.line_tables import LineStated
 from wirewear.records.line_values import LineRecord, MeasuredProfile

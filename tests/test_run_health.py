@@ -39,6 +39,14 @@ EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_ga
 MESH_mm = 0.010
 INCREMENTS = 24
 
+WAITING = """
+import os, time
+{work}
+open("worked", "w").close()
+while not os.path.exists("looked at"):
+    time.sleep(0.01)
+"""
+
 
 @pytest.fixture(scope="module")
 def record() -> ExperimentRecord:
@@ -102,15 +110,6 @@ def test_a_process_is_measured(tmp_path: Path) -> None:
     assert cost.status == 3
     assert not cost.stopped
     assert cost.peak_memory_MB > 0.0
-
-
-WAITING = """
-import os, time
-{work}
-open("worked", "w").close()
-while not os.path.exists("looked at"):
-    time.sleep(0.01)
-"""
 
 
 def looked_at(folder: Path, work: str) -> ProcessCost:

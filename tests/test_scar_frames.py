@@ -186,7 +186,7 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
 
 
 def believed(mapping: Path, stated: str) -> Path:
-    """The mapping once the owner has said what he believes of his rig."""
+    """The mapping once the owner has stated his rig."""
     text = mapping.read_text(encoding="utf-8")
     mapping.write_text(re.sub(r"(\[stated\].*\n)", rf"\1{stated}\n", text), encoding="utf-8")
     return mapping

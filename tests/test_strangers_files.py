@@ -15,9 +15,8 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.area import enclosed_area
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import guessed_mapping
+from wirewear.records.importing.guessing import guessed_mapping, mapping_text
 from wirewear.records.importing.mapping import ColumnMapping, Source
-from wirewear.records.importing.mapping_text import mapping_text
 from wirewear.records.importing.mistaken import open_lines
 from wirewear.records.importing.sources import read_source
 from wirewear.records.values import ExperimentRecord
@@ -34,6 +33,22 @@ OTHERS = {
     "units written out": FRENCH,
     "own signs in UTF-8": CHINESE,
     "own signs in GBK": CHINESE,
+}
+
+STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+
+#: Columns of displacement and force as the command takes them; None is to be recognised.
+LOGGED: dict[str, tuple[str | None, str | None]] = {
+    "xlsx": (None, None),
+    "TDMS": (None, None),
+    "LVM, one time": (None, None),
+    "UMT export": (None, None),
+    "MATLAB vectors": ("Displacement:mm", "Friction_force:N"),
+    "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"),
+    "two columns without names": ("2:cm", "1:N"),
+    "clock with a date": (None, None),
+    "names with blanks": (None, None),
+    "steps of a programme": (None, None),
 }
 
 
@@ -141,9 +156,6 @@ def imported(written: Written, folder: Path) -> ExperimentRecord:
     return import_record(mapping)
 
 
-STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-
-
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("foreign", [False, True], ids=["English", "foreign"])
 def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, foreign: bool) -> None:
@@ -172,21 +184,6 @@ def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, fo
         np.testing.assert_array_equal(table.columns["cycle"], [1, 2, 4])
         np.testing.assert_array_equal(table.columns["dissipated_energy_mJ"], [0.2607, 0.2620, 0.2640])
         np.testing.assert_array_equal(table.columns["max_tangential_force_N"], [1.24, 1.25, 1.26])
-
-
-#: Columns of displacement and force as the command takes them; None is to be recognised.
-LOGGED: dict[str, tuple[str | None, str | None]] = {
-    "xlsx": (None, None),
-    "TDMS": (None, None),
-    "LVM, one time": (None, None),
-    "UMT export": (None, None),
-    "MATLAB vectors": ("Displacement:mm", "Friction_force:N"),
-    "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"),
-    "two columns without names": ("2:cm", "1:N"),
-    "clock with a date": (None, None),
-    "names with blanks": (None, None),
-    "steps of a programme": (None, None),
-}
 
 
 @pytest.mark.parametrize("kind", LOGGED)

@@ -9,9 +9,9 @@ from tests.strangers_files import ENGLISH, GERMAN, SPANISH, bracketed, write
 from tests.strangers_profiles import POINTS, PROFILES, AREA_um2, DEPTH_um
 from tests.test_strangers_files import filled_in
 from wirewear.base.errors import RecordError
+from wirewear.records.importing.guessing import mapping_text
 from wirewear.records.importing.line_guessing import guessed_line_mapping
 from wirewear.records.importing.line_importing import import_line_record
-from wirewear.records.importing.mapping_text import mapping_text
 from wirewear.records.importing.mistaken import open_lines
 
 KNOWN = {"length_mm": 10.0, "radius_mm": 6.0, "pad": {"material": "steel"}, "specimen": {"material": "steel"}} | {

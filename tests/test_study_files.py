@@ -19,6 +19,16 @@ from wirewear.study.tables import StudyTables
 
 STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 
+scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
+
+junk = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3))
+
+paths = st.sampled_from(
+    [(table,) for table in [*StudyTables.model_fields, "variants"]]
+    + [(table, key) for table, value in minimal().items() if isinstance(value, dict) for key in value]
+    + [("log", "loop_cycles"), ("variants", "a"), ("variants", "a", "wires"), ("fidelity", "quick"), ("wires", "fixed")]
+)
+
 
 def test_a_minimal_study_means_no_wear_a_rigid_holder_and_a_dead_weight() -> None:
     study = parse_study(MINIMAL, "study.toml")
@@ -244,15 +254,6 @@ def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
     path = tmp_path / "s.toml"
     path.write_bytes(b"\xef\xbb\xbf" + MINIMAL.encode())
     assert load_study(path) == parse_study(MINIMAL, "s.toml")
-
-
-scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
-junk = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3))
-paths = st.sampled_from(
-    [(table,) for table in [*StudyTables.model_fields, "variants"]]
-    + [(table, key) for table, value in minimal().items() if isinstance(value, dict) for key in value]
-    + [("log", "loop_cycles"), ("variants", "a"), ("variants", "a", "wires"), ("fidelity", "quick"), ("wires", "fixed")]
-)
 
 
 @given(st.text())

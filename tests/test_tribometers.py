@@ -189,7 +189,7 @@ def test_a_wrong_value_is_named_with_line_and_column(tmp_path: Path, values: dic
             "line 4, column materials: '', which is in no table of",
         ),
         (b"\xff\xfe\x00", "line 1: this is not text in UTF-8"),
-        (b'"' + b"x" * 200_000 + b'"', "line 1: these columns are missing"),
+        (b'"' + b"x" * 200_000 + b'"', "line 1: the line cannot be read"),
     ],
 )
 def test_a_file_that_is_no_such_table_is_refused_in_one_sentence(

@@ -17,6 +17,10 @@ from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
 from solvers.wear import Sliding, deposited
 
+Array = NDArray[np.float64]
+
+IntArray = NDArray[np.int64]
+
 
 def largest_within(pressure: Array) -> float:
     """The largest pressure inside a contact, from nodal pressures (n_a, n_t) on the lines of a patch, 0 out of contact.
@@ -47,10 +51,6 @@ def _largest_within(pressure: Array) -> float:
                 if all_touch:
                     largest = pressure[i, j]
     return largest
-
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def accepted(

@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from solvers.compiled import compiled
 from solvers.newton.system import Linearisation
 
+Array = NDArray[np.float64]
+
+BoolArray = NDArray[np.bool_]
+
 
 class Carried(NamedTuple):
     """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3).
@@ -38,10 +42,6 @@ def carried_by(nodes: Nodes, friction: FrictionTerms) -> Carried:
                 constant[k, c] = friction.offset[k] * along
                 shifted |= constant[k, c] != 0.0
     return Carried(per_normal, constant, shifted)
-
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 class Nodes(NamedTuple):

@@ -1,4 +1,4 @@
-"""The workers of a Dask cluster, wherever they are."""
+"""The workers of a Dask cluster, wherever they are, and the choice between them and processes of this machine."""
 
 from __future__ import annotations
 
@@ -18,19 +18,18 @@ from wirewear.base.identity import code_hash
 if TYPE_CHECKING:
     from distributed import Client
 
+#: How long a scheduler may take to answer, and its first worker to come.
+PATIENCE_s = 20.0
+
+#: Tasks that are sent ahead for each worker, so that none waits for the next.
+AHEAD = 2
+
 
 def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:
     """Processes of this machine, by default one a core, or the cluster whose scheduler is named."""
     if scheduler is not None:
         return DaskCluster(scheduler)
     return LocalProcesses(jobs or os.cpu_count() or 1)
-
-
-#: How long a scheduler may take to answer, and its first worker to come.
-PATIENCE_s = 20.0
-
-#: Tasks that are sent ahead for each worker, so that none waits for the next.
-AHEAD = 2
 
 
 class DaskCluster(Engine):

@@ -156,7 +156,10 @@ class DelimitedText:
 
     def _fields(self, line: str) -> list[str]:
         """The fields of one line."""
-        return fields_of(line, self.layout.delimiter)
+        separator = self.layout.delimiter
+        if separator is None or '"' not in line:
+            return fields_of(line, separator)
+        return next((fields for _, fields in self._quoted([line], 1)), [])
 
     def _quoted(self, lines: Iterable[str], first: int) -> Iterator[tuple[int, list[str]]]:
         """Rows of which a field in quotation marks may hold the delimiter, or go over several lines."""

@@ -1,4 +1,4 @@
-"""What an engine is: it does tasks that do not depend on one another, and hands over each as it is done."""
+"""Engines do tasks that do not depend on one another and hand over each as it is done; one uses this machine."""
 
 from __future__ import annotations
 

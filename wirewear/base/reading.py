@@ -1,4 +1,4 @@
-"""Whole files read, with one sentence for whatever keeps them from being read."""
+"""Whole files read, TOML among them, with one sentence for whatever keeps them from being read."""
 
 from __future__ import annotations
 
@@ -24,6 +24,14 @@ _HINTS = {
     r"([-+]?\d[\d.]*(?:e[-+]?\d+)?)\s*[^\W\d][^#,]*": r"the unit stands in the key's name: \1",
     r"([^\W\d][\w.-]*(?: [\w.-]+)*)": r'a text stands in quotes: "\1"',
 }
+
+#: Delimiters by name; None is any white space.
+DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
+
+_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
+
+#: What is called so is a TOML file.
+_TOML = ("study file", "sweep file", "TOML file")
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, Any]:
@@ -77,22 +85,12 @@ def _spelled(value: object) -> str:
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
-#: Delimiters by name; None is any white space.
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
-
-_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
-
-
 def is_encoding_of_text(name: str) -> bool:
     """Whether texts are encoded so; Python calls encodings, too, what packs bytes, or spells hosts or its literals."""
     try:
         return "1,5".encode(name).decode(name) == "1,5" and codecs.lookup(name).name not in _NO_TEXTS
     except (LookupError, ValueError):
         return False
-
-
-#: What is called so is a TOML file.
-_TOML = ("study file", "sweep file", "TOML file")
 
 
 def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"
 
+#: As many as Linux follows.
+_MOST_LINKS = 40
+
 
 def json_text(value: Any, indent: int | None = 2) -> str:
     """A value as JSON, which knows no number that is not finite: null stands for one."""
@@ -120,10 +123,6 @@ def _missing(path: Path) -> list[Path]:
     except FileNotFoundError:
         return [path, *_missing(path.parent)]
     return []
-
-
-#: As many as Linux follows.
-_MOST_LINKS = 40
 
 
 def write_text(path: Path, text: str) -> Path:

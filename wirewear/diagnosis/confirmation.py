@@ -74,7 +74,7 @@ def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[
 def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     """Loops and profiles of the whole contact that a line contact's run leaves."""
     from wirewear.planar.run import run_planar_variants
-    from wirewear.planar.supports import per_mm
+    from wirewear.planar.tables import per_mm
 
     study, length_mm = cast("PlanarStudy", diagnosed.study), diagnosed.setup.length_mm
     effects = (*study.effects, *per_mm(_leading(diagnosed), length_mm))

@@ -32,6 +32,32 @@ from wirewear.effects.wear_rate_offset import WearRateOffset
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 
+#: Entry point group in which a package names its subclasses of `Effect`.
+ENTRY_POINT_GROUP = "wirewear.effects"
+
+EffectType = type[Effect[Any]]
+
+LIBRARY: tuple[EffectType, ...] = (
+    TangentialCompliance,
+    RotationalCompliance,
+    FreePlay,
+    FrictionOffset,
+    FrictionEvolution,
+    RoughnessCompliance,
+    ThirdBodyLayer,
+    Plasticity,
+    CrossingAngleError,
+    Misalignment,
+    NormalLoadDrift,
+    WearRateOffset,
+    WearRateEvolution,
+    ContactOxygenation,
+    DisplacementGain,
+    DisplacementLoadCoupling,
+    ForceCrosstalk,
+    SensorLag,
+)
+
 
 def effects_of_tables(value: object) -> tuple[Effect[Any], ...]:
     """The effects that a list of tables gives; effects already made are kept.
@@ -77,33 +103,6 @@ def _effect(table: object) -> Effect[Any]:
             example = "" if described.share_of else f", for example {key} = {described.easy:g}"
             raise StudyError(f"{kind.name} needs {key}, the {described.meaning}{example}")
     return kind(**values)
-
-
-#: Entry point group in which a package names its subclasses of `Effect`.
-ENTRY_POINT_GROUP = "wirewear.effects"
-
-EffectType = type[Effect[Any]]
-
-LIBRARY: tuple[EffectType, ...] = (
-    TangentialCompliance,
-    RotationalCompliance,
-    FreePlay,
-    FrictionOffset,
-    FrictionEvolution,
-    RoughnessCompliance,
-    ThirdBodyLayer,
-    Plasticity,
-    CrossingAngleError,
-    Misalignment,
-    NormalLoadDrift,
-    WearRateOffset,
-    WearRateEvolution,
-    ContactOxygenation,
-    DisplacementGain,
-    DisplacementLoadCoupling,
-    ForceCrosstalk,
-    SensorLag,
-)
 
 
 def all_effects() -> dict[str, EffectType]:

@@ -146,8 +146,7 @@ def _new_mapping(
 
     from wirewear.base.recognised import Held, require_no_other
     from wirewear.base.writing import prepared_folder, usable_file, write_text
-    from wirewear.records.importing.guessing import with_files_from
-    from wirewear.records.importing.mapping_text import mapping_text
+    from wirewear.records.importing.guessing import mapping_text, with_files_from
     from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.

@@ -1,4 +1,4 @@
-"""The command that lists effects and draws their signatures."""
+"""Commands that list effects and materials, and draw what an effect does to a test."""
 
 from pathlib import Path
 
@@ -8,6 +8,9 @@ from wirewear.base.errors import StudyError
 from wirewear.base.writing import json_text
 from wirewear.faces.group import cli, given
 from wirewear.study import FIDELITIES
+
+#: Options that say what is plotted, how and where, and their parameters.
+_OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
 
 
 @cli.command(name="materials")
@@ -29,10 +32,6 @@ def materials_command() -> None:
         modulus, ratio = item.elastic.youngs_modulus_MPa, item.elastic.poissons_ratio
         table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", item.source)
     wide_console(130).print(table)
-
-
-#: Options that say what is plotted, how and where, and their parameters.
-_OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
 
 
 @cli.command(name="effects")

@@ -17,9 +17,9 @@ from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
 from wirewear.records.line_values import BODIES
-from wirewear.records.scar_checks import accumulated_energy_J
 from wirewear.results import RunResult, read_loops, read_results
 from wirewear.views.run_maps import FreshContact, fresh_contact
 

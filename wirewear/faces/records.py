@@ -1,4 +1,4 @@
-"""Commands on records: check, export, import, compare."""
+"""Commands on records: check, export, import, compare, diagnose."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ import click
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text
 from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory, stage
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
 
 
 @cli.command(name="diagnose")
@@ -53,10 +56,6 @@ def diagnose_command(
         click.echo(path)
 
 
-if TYPE_CHECKING:
-    from wirewear.results import RunResult
-
-
 @cli.command()
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
@@ -66,7 +65,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     from rich.console import Console
 
     from wirewear.kinds import kind_of_file
-    from wirewear.records.remarks import report_text
+    from wirewear.records.printing import report_text
 
     kind = kind_of_file(record_path)
     with busy("reading and checking the record"):

@@ -1,4 +1,4 @@
-"""Runs from Python: one study or its variants, in memory or into a folder, with a bar that shows how far they are."""
+"""Studies loaded and run from Python: one or its variants, in memory or into a folder, with a bar of their progress."""
 
 from __future__ import annotations
 

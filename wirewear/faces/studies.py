@@ -1,4 +1,4 @@
-"""The command that runs a study."""
+"""Commands that run a study, and that draw its results or write their page."""
 
 from __future__ import annotations
 

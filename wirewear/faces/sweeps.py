@@ -1,4 +1,4 @@
-"""The command that runs a study many times."""
+"""Commands on many tests: a sweep of one study, and maps of runs and records."""
 
 from __future__ import annotations
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from wirewear.base.errors import RecordError
 from wirewear.fitting.values import FittedParameter
-from wirewear.records.scar_checks import accumulated_energy_J
+from wirewear.records.course_checks import accumulated_energy_J
 
 if TYPE_CHECKING:
     from wirewear.fitting.subject import FitSubject

@@ -31,6 +31,8 @@ if TYPE_CHECKING:
 #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
 FULL_SLIP = 1.5
 
+COEFFICIENT = "energy_wear_coefficient_mm3_per_J"
+
 
 def contact_stiffness_N_per_um(record: ExperimentRecord) -> float:
     """Mindlin's 2G*a of the unworn wires under the record's load."""
@@ -56,9 +58,6 @@ def rig_compliance(measured_N_per_um: float, contact_N_per_um: float) -> float:
         return 0.0
     most = 2.0 / measured_N_per_um
     return float(brentq(lambda c: loop_stiffness(contact_N_per_um, c) - measured_N_per_um, 0.0, most))
-
-
-COEFFICIENT = "energy_wear_coefficient_mm3_per_J"
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""States of bodies as meshes of pyvista, with fields named with their units."""
+"""States of bodies as meshes of pyvista, with fields named with their units, and sections through them."""
 
 from __future__ import annotations
 
@@ -22,6 +22,10 @@ IntArray = NDArray[np.int64]
 
 #: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
 _BESIDE_um = 1e-4
+
+T = TypeVar("T")
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,9 +81,6 @@ def fanned(points: Array, values: Array, polygons: Iterable[IntArray]) -> Sectio
     return Section(where[:, 0], where[:, 1], np.vstack(triangles), np.concatenate(means))
 
 
-T = TypeVar("T")
-
-
 class Tracked(Protocol):
     """Passes on what is done one after the other, and may show how far that is."""
 
@@ -90,9 +91,6 @@ class Tracked(Protocol):
 def untracked(each: Sequence[T], _doing: str, /) -> Iterable[T]:
     """The same, with nothing shown."""
     return each
-
-
-Array = NDArray[np.float64]
 
 
 def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:

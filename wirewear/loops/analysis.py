@@ -73,6 +73,9 @@ ELLIPSE = (
     "elastic force makes it. That it slides is not shown, and the figures of sliding are left out"
 )
 
+#: What the arithmetic of a closed loop may pass a bound by: corners that coarse samples cut off are put in.
+ROUND_OFF = 5e-3
+
 
 def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured, force_N: Measured) -> Measured:
     """δ0 between 0 and δa; where it lies farther beyond than noise explains, any that the box of the loop allows.
@@ -114,10 +117,6 @@ def bounded(figure: Measured, high: float) -> Measured | None:
         return None
     value = min(max(figure.value, 0.0), high)
     return Measured(value, (max(min(begin, value), 0.0), max(min(end, high * (1.0 + ROUND_OFF)), value)))
-
-
-#: What the arithmetic of a closed loop may pass a bound by: corners that coarse samples cut off are put in.
-ROUND_OFF = 5e-3
 
 
 def analyse_loop(

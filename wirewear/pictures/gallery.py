@@ -38,6 +38,20 @@ from wirewear.pictures.style import (
 )
 from wirewear.results import RunResult, read_results
 
+#: Milliseconds of a frame and of the last one; dots per inch.
+FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100
+
+HEIGHT_in = 3.2
+
+FOLDER_NAME = "pictures"
+
+#: Wear is well seen beside other wear from this share of its depth on.
+WELL_SEEN = 0.25
+
+MOST_IN_SERIES = 5
+
+MOST_CONTACTS = 4
+
 
 def overview(results: Sequence[RunResult]) -> Figure:
     """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the fixed wires.
@@ -73,19 +87,6 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
         axes.set_title(f"fixed wire, {cycle_name(scar.cycle)} cycles")
     axes.set_xlabel("position along the motion x [µm]")
     axes.set_ylabel("height z [µm]")
-
-
-#: Milliseconds of a frame and of the last one; dots per inch.
-FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100
-
-HEIGHT_in = 3.2
-
-FOLDER_NAME = "pictures"
-
-#: Wear is well seen beside other wear from this share of its depth on.
-WELL_SEEN = 0.25
-MOST_IN_SERIES = 5
-MOST_CONTACTS = 4
 
 
 def animation(result: RunResult, path: Path) -> Path:

@@ -26,6 +26,14 @@ PARTS = 6
 #: A corner this close to the wire's surface, as a share of its radius, lies on it.
 ON_SURFACE = 1e-6
 
+PIXELS = 1400
+
+MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
+
+EDGE_COLOUR = "#303438"
+
+Array = NDArray[np.float64]
+
 
 def round_facets(points_mm: Array, facets: IntArray, radius_mm: float) -> tuple[Array, IntArray, IntArray]:
     """Finer points (m, 3), quads (k·PARTS², 4) of them, and the facets' edges (4k, PARTS + 1) as rows of points.
@@ -63,13 +71,6 @@ def _bulge(start: Array, end: Array, along: Array, radius_mm: float) -> Array:
     on_surface = (np.abs(distance[:, [0, -1]] - radius_mm) < ON_SURFACE * radius_mm).all(axis=1)[:, None]
     outward = across * (radius_mm / np.maximum(distance, ON_SURFACE * radius_mm) - 1.0)
     return np.asarray(np.where(on_surface, outward, 0.0))
-
-
-PIXELS = 1400
-MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
-EDGE_COLOUR = "#303438"
-
-Array = NDArray[np.float64]
 
 
 def wire_meshes(

@@ -1,4 +1,4 @@
-"""Scars on finer grids, so that pictures show surfaces and fields and not the elements that they were computed on.
+"""Scars and loops on finer grids, so that pictures show surfaces and fields, not the elements they were computed on.
 
 Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
 along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
@@ -27,6 +27,34 @@ MOST_LOOPS = 6
 
 #: Points along a smooth loop, beside its samples; loops of fewer samples are drawn as they are.
 POINTS, CLOSED_FROM = 400, 5
+
+Array = NDArray[np.float64]
+
+Mask = NDArray[np.bool_]
+
+#: Rings of points around the area that get a value.
+RINGS = 2
+
+#: What keeps points determined that no difference reaches, as a share of the largest weight.
+_RIDGE = 1e-10
+
+#: Points that a picture needs along each axis of a scar's grid, at least.
+_LEAST_POINTS = 400
+
+#: What lies below this share of the largest pressure or slip is drawn as nothing.
+_LEAST_SHARE = 0.01
+
+# A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
+# there to minus this many times its value at the next point.
+_BELOW = (0.05, 8.0)
+
+# By how many grid points the corners of an outline are rounded.
+_ROUNDING = 1.0
+
+# Points that round-off alone puts on either side of an outline lie outside.
+_ON_THE_LINE = 1e-9
+
+_NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
 
 
 def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, ...]:
@@ -63,33 +91,6 @@ def smooth_curve(displacement_um: FloatArray, force: FloatArray, points: int = P
     one, other = curves
     one[-1], other[-1] = one[0], other[0]
     return one, other
-
-
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
-
-#: Rings of points around the area that get a value.
-RINGS = 2
-
-#: What keeps points determined that no difference reaches, as a share of the largest weight.
-_RIDGE = 1e-10
-
-#: Points that a picture needs along each axis of a scar's grid, at least.
-_LEAST_POINTS = 400
-
-#: What lies below this share of the largest pressure or slip is drawn as nothing.
-_LEAST_SHARE = 0.01
-
-# A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
-# there to minus this many times its value at the next point.
-_BELOW = (0.05, 8.0)
-
-# By how many grid points the corners of an outline are rounded.
-_ROUNDING = 1.0
-
-# Points that round-off alone puts on either side of an outline lie outside.
-_ON_THE_LINE = 1e-9
-_NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
 
 
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:

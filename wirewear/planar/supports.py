@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,33 +10,10 @@ from matplotlib.figure import Figure
 from geometry import PlanarMesh, build_planar
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
-from wirewear.effects import Effect
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
 from wirewear.pictures.style import save
 from wirewear.planar.model import plan, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy
-
-#: By which power of the contact's length a whole contact's number is larger than that of one millimetre, by its unit;
-#: of all other units the numbers are the same.
-_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2": -2}
-
-
-def per_mm(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
-    """Effects of a whole contact as a study of one millimetre of it takes them."""
-    return tuple(_scaled(effect, length_mm, -1) for effect in effects)
-
-
-def of_whole_contact(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
-    """Effects of a study per mm as those of the whole contact."""
-    return tuple(_scaled(effect, length_mm, 1) for effect in effects)
-
-
-def _scaled(effect: Effect[Any], length_mm: float, sign: int) -> Effect[Any]:
-    known = effect.parameters().items()
-    powers = {name: sign * _POWERS.get(described.quantity.unit, 0) for name, described in known}
-    return replace(
-        effect, **{name: getattr(effect, name) * length_mm**power for name, power in powers.items() if power}
-    )
 
 
 def write_planar_meshes(study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:

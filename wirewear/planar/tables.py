@@ -1,6 +1,6 @@
 """The tables of a line contact's TOML file: a pad on a flat in plane strain, everything per mm of thickness."""
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
@@ -10,6 +10,7 @@ from geometry import Cylinder, Elastic, EvenProfile, GeometryError, PlanarGeomet
 from solvers import Coulomb
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import Quantity, shown
+from wirewear.effects import Effect
 from wirewear.study.keys import (
     Amplitude,
     ArchardCoefficient,
@@ -52,6 +53,10 @@ RotationalLineStiffness = Annotated[
     float | Literal["rigid"], PlainValidator(Quantity("N_per_rad", 1.0, 1e12, words=("rigid",)))
 ]
 LineSpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm2", 0.0, 1e5))]
+
+#: By which power of the contact's length a whole contact's number is larger than that of one millimetre, by its unit;
+#: of all other units the numbers are the same.
+_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2": -2}
 
 #: An alloy like Ti-6Al-4V.
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}
@@ -341,3 +346,21 @@ LINE_CONTACT = Template(
     },
     "A cylinder on a flat, to be changed into your line contact; everything is per mm of its length.",
 )
+
+
+def per_mm(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
+    """Effects of a whole contact as a study of one millimetre of it takes them."""
+    return tuple(_scaled(effect, length_mm, -1) for effect in effects)
+
+
+def of_whole_contact(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
+    """Effects of a study per mm as those of the whole contact."""
+    return tuple(_scaled(effect, length_mm, 1) for effect in effects)
+
+
+def _scaled(effect: Effect[Any], length_mm: float, sign: int) -> Effect[Any]:
+    known = effect.parameters().items()
+    powers = {name: sign * _POWERS.get(described.quantity.unit, 0) for name, described in known}
+    return replace(
+        effect, **{name: getattr(effect, name) * length_mm**power for name, power in powers.items() if power}
+    )

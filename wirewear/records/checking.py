@@ -10,7 +10,7 @@ from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
 from wirewear.records.loop_statistics import loop_statistics
 from wirewear.records.remarks import CheckedRecord, LoggedTest, RecordReport, Remark
-from wirewear.records.scar_checks import copied_evolution, copied_loops, scar_findings
+from wirewear.records.scar_checks import scar_findings
 from wirewear.records.support import Support, support
 from wirewear.records.values import ExperimentRecord, MeasuredLoop
 
@@ -117,6 +117,6 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     exchanges.renumbered,
     exchanges.exchanged_evolutions,
     exchanges.exchanged_loops,
-    copied_loops,
-    copied_evolution,
+    exchanges.copied_loops,
+    exchanges.copied_evolution,
 )

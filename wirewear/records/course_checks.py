@@ -6,10 +6,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from wirewear.loops import LoopFigures
-from wirewear.records.remarks import CheckedRecord, Remark, listed, plural
+from wirewear.base.course import enclosed_energy
+from wirewear.loops import LoopError, LoopFigures
+from wirewear.records.remarks import CheckedRecord, LoggedTest, Remark, listed, plural
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+
+Array = NDArray[np.float64]
 
 #: Relative difference from the loops, as a median, from which on a figure is another one. In forty records of other
 #: solvers, with noise, hum, drift and steps of sensors, figures of the same definition differ by at most 0.025 (0.002
@@ -28,6 +32,13 @@ ODD_REPEAT, ODD_ENERGY, OTHER_ENERGY = 0.25, 0.1, 2.0
 
 #: A loop's energy exceeds that of the rectangle around it by no more than what figures scatter, or hooks rise.
 RECTANGLE = 1.2
+
+_EVOLVING = {
+    "displacement_amplitude_um": "displacement amplitude",
+    "slip_amplitude_um": "slip amplitude",
+    "max_tangential_force_N": "largest tangential force",
+    "dissipated_energy_mJ": "dissipated energy",
+}
 
 
 @dataclass(frozen=True)
@@ -182,14 +193,6 @@ def evolution(checked: CheckedRecord) -> Iterator[Remark]:
                 break
 
 
-_EVOLVING = {
-    "displacement_amplitude_um": "displacement amplitude",
-    "slip_amplitude_um": "slip amplitude",
-    "max_tangential_force_N": "largest tangential force",
-    "dissipated_energy_mJ": "dissipated energy",
-}
-
-
 def impossible_evolution(checked: CheckedRecord) -> Iterator[Remark]:
     """Figures over the cycles that no loop has: negative ones, energies beyond stroke times force, another stroke."""
     last = checked.record.tables.conditions.cycles
@@ -233,3 +236,35 @@ def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
                 f"loops: {hint}."
             )
             yield Remark("problem", "evolution", text)
+
+
+def accumulated_energy_J(record: LoggedTest, repeat: int) -> float | None:
+    """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
+
+    Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
+    stays.
+    """
+    cycles, energies = energy_per_cycle(record, repeat)
+    if not cycles.size:
+        return None
+    end = float(max(record.tables.conditions.cycles, cycles[-1]))
+    steps = enclosed_energy(np.append(cycles, end), np.append(energies, energies[-1]))
+    return 1e-3 * (float(energies[0] * cycles[0]) + steps)
+
+
+def energy_per_cycle(record: LoggedTest, repeat: int) -> tuple[Array, Array]:
+    """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
+    for part in record.evolution:
+        cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]
+        known = np.isfinite(energy) & (energy > 0.0) & (cycle > 0)
+        if part.repeat == repeat and known.any():
+            return cycle[known], energy[known]
+    rows = []
+    for loop in record.loops:
+        if loop.repeat == repeat and loop.cycle > 0:
+            try:
+                rows.append((float(loop.cycle), loop.figures(None).dissipated_energy_mJ.value))
+            except LoopError:
+                continue
+    found = np.array(rows).reshape(-1, 2)
+    return found[:, 0], found[:, 1]

@@ -6,9 +6,6 @@ from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from rich.console import Group
-from rich.padding import Padding
-from rich.text import Text
 
 from wirewear.base.quantity import counted
 from wirewear.loops import LoopFigures
@@ -18,6 +15,9 @@ from wirewear.records.tables import Noise, RecordConditions
 from wirewear.records.values import MeasuredEvolution, MeasuredLoop
 
 MOST_LISTED = 8
+
+#: Conditions are rounded to this share of themselves, and alike within it.
+ALIKE = 0.01
 
 
 def plural(count: int, noun: str) -> str:
@@ -30,10 +30,6 @@ def listed(values: Sequence[int]) -> str:
     shown = ", ".join(counted(value) for value in values[:MOST_LISTED])
     more = len(values) - MOST_LISTED
     return f"{shown} and {more} more" if more > 0 else shown
-
-
-#: Conditions are rounded to this share of themselves, and alike within it.
-ALIKE = 0.01
 
 
 def unlike_conditions(
@@ -152,31 +148,3 @@ def where(checked: CheckedRecord, wrong: NDArray[np.bool_]) -> str:
         f"{int(np.count_nonzero(wrong))} of {plural(wrong.size, 'loop')} "
         f"(first: repeat {s.repeat[first]}, cycle {s.cycle[first]})"
     )
-
-
-def report_text(report: RecordReport) -> Group:
-    """The report, to be printed with rich."""
-    lines: list[Text | Padding] = [
-        Text(report.name, style="bold"),
-        Text(
-            f"{plural(len(report.repeats), 'repeat')}, {plural(report.loops, 'loop')} of "
-            f"{plural(report.samples, 'sample')} in all, cycles {listed(report.cycles)}"
-        ),
-    ]
-    if report.metadata:
-        lines += _list("Of the test", report.metadata, "default")
-    for level, heading, colour in (("problem", "Problems", "red"), ("note", "To be known", "yellow")):
-        own = [remark for remark in report.remarks if remark.level == level]
-        if own:
-            lines += _list(heading, [f"{remark.topic}: {remark.text}" for remark in own], colour)
-    if not report.remarks:
-        lines.append(Text("Nothing odd was found.", style="green"))
-    lines += _list("The record supports", report.supports, "green")
-    if report.cannot:
-        lines += _list("It cannot support", report.cannot, "yellow")
-    return Group(*lines)
-
-
-def _list(heading: str, sentences: tuple[str, ...] | list[str], colour: str) -> list[Text | Padding]:
-    items = [Padding(Text(f"– {sentence}"), (0, 0, 0, 2)) for sentence in sentences]
-    return [Text(heading, style=colour), *items]

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
-from hashlib import sha256
 from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.base.course import enclosed_energy
-from wirewear.loops import LoopError
-from wirewear.records.remarks import CheckedRecord, LoggedTest, Remark, listed
+from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.exchanges import copied_scars
+from wirewear.records.remarks import listed
 from wirewear.records.scar_geometry import unlike_sizes
 from wirewear.records.values import WIRES, ExperimentRecord, MeasuredScar
 
@@ -33,84 +32,6 @@ BEYOND_NOISE_um = 1.0
 #: Factors between worn volume and what energy and stated wear make it: wear is seldom known better than within the
 #: first, and off by the second only where units are wrong.
 OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
-
-
-def copied_loops(checked: CheckedRecord) -> Iterator[Remark]:
-    """Channels of one loop that are those of another; without noise, as simulations are, two cycles may be alike."""
-    record, noise = checked.record, checked.record.tables.noise
-    for name, stated in (
-        ("displacement_um", noise.displacement_um),
-        ("tangential_force_N", noise.tangential_force_N),
-        ("normal_force_N", noise.normal_force_N),
-    ):
-        channels = ((loop.name, getattr(loop, name)) for loop in record.loops)
-        if pair := _first_copy((called, (channel,)) for called, channel in channels if channel is not None):
-            level: Literal["problem", "note"] = "problem" if stated else "note"
-            text = f"{pair[1]} has the same {name}, sample by sample, as {pair[0]}: one is a copy"
-            yield Remark(level, "copies", f"{text[:1].upper()}{text[1:]}, or the channel has no noise.")
-            return
-
-
-def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
-    """Repeats whose evolutions are the same in every figure."""
-    parts = ((f"repeat {part.repeat}", tuple(part.columns.values())) for part in checked.record.evolution)
-    if pair := _first_copy(parts):
-        tables = checked.record.tables
-        noisy = tables.noise.tangential_force_N and tables.metadata.source != "simulated"
-        level: Literal["problem", "note"] = "problem" if noisy else "note"
-        text = f"The evolution of {pair[1]} is that of {pair[0]}, figure by figure: one is a copy, or without noise."
-        yield Remark(level, "copies", text)
-
-
-def copied_scars(scars: Iterable[MeasuredScar]) -> Iterator[str]:
-    """Maps that are those of another repeat or wire, a sentence."""
-    if pair := _first_copy((f"the {scar.wire} wire's of repeat {scar.repeat}", (scar.depth_um,)) for scar in scars):
-        yield f"A scar stands twice: {pair[1]} is {pair[0]}, point by point, so that one is a copy, or without noise."
-
-
-def _first_copy(named: Iterable[tuple[str, tuple[Array, ...]]]) -> tuple[str, str] | None:
-    """The names of the first two that hold the same numbers, not all of them alike."""
-    seen: dict[bytes, str] = {}
-    for name, arrays in named:
-        if not any(array.size and np.nanmax(array) > np.nanmin(array) for array in arrays if np.isfinite(array).any()):
-            continue
-        digest = sha256(b"".join(np.ascontiguousarray(array).tobytes() for array in arrays)).digest()
-        if digest in seen:
-            return seen[digest], name
-        seen[digest] = name
-    return None
-
-
-def accumulated_energy_J(record: LoggedTest, repeat: int) -> float | None:
-    """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
-
-    Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
-    stays.
-    """
-    cycles, energies = energy_per_cycle(record, repeat)
-    if not cycles.size:
-        return None
-    end = float(max(record.tables.conditions.cycles, cycles[-1]))
-    steps = enclosed_energy(np.append(cycles, end), np.append(energies, energies[-1]))
-    return 1e-3 * (float(energies[0] * cycles[0]) + steps)
-
-
-def energy_per_cycle(record: LoggedTest, repeat: int) -> tuple[Array, Array]:
-    """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
-    for part in record.evolution:
-        cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]
-        known = np.isfinite(energy) & (energy > 0.0) & (cycle > 0)
-        if part.repeat == repeat and known.any():
-            return cycle[known], energy[known]
-    rows = []
-    for loop in record.loops:
-        if loop.repeat == repeat and loop.cycle > 0:
-            try:
-                rows.append((float(loop.cycle), loop.figures(None).dissipated_energy_mJ.value))
-            except LoopError:
-                continue
-    found = np.array(rows).reshape(-1, 2)
-    return found[:, 0], found[:, 1]
 
 
 @dataclass(frozen=True)

@@ -37,6 +37,8 @@ LONGEST_FIXED, SHORTEST_MOVING = 1.15, 0.9
 #: By what crossing angles may be wrong [deg].
 ASKEW_deg = 6.0
 
+_WHY = "are x and y exchanged, or is a map of the other wire, of another scale or of another test?"
+
 
 @dataclass(frozen=True)
 class ScarSize:
@@ -75,9 +77,6 @@ def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
             yield f"{found} in repeat {repeat}: {_WHY}"
         for mirrored in _mirrored(record, known):
             yield f"{mirrored}, in repeat {repeat}."
-
-
-_WHY = "are x and y exchanged, or is a map of the other wire, of another scale or of another test?"
 
 
 def _unlike(record: ExperimentRecord, sizes: dict[str, ScarSize]) -> Iterator[str]:

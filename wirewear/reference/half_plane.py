@@ -12,6 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from geometry import Elastic
 from wirewear.reference.hertz import require_positive
 
+Array = NDArray[np.float64]
+
 
 def half_plane_line_stiffness(
     first: Elastic, second: Elastic, half_width_mm: float, contact_length_mm: float, depth_mm: float = 5.0
@@ -36,9 +38,6 @@ def half_plane_line_stiffness(
         for body in (first, second)
     )
     return float(contact_length_mm / compliance)
-
-
-Array = NDArray[np.float64]
 
 
 def line_stress(

@@ -1,4 +1,4 @@
-"""Hertz contact: circular, elliptic (crossed cylinders) and line contact (N, mm, MPa)."""
+"""Hertz contact: moduli; circular, elliptic (crossed cylinders) and line contact (N, mm, MPa)."""
 
 import math
 from dataclasses import dataclass
@@ -7,6 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geometry import Elastic
+
+Array = NDArray[np.float64]
 
 
 def contact_modulus(first: Elastic, second: Elastic) -> float:
@@ -24,9 +26,6 @@ def require_positive(**values: float) -> None:
     for name, value in values.items():
         if not value > 0.0:
             raise ValueError(f"{name} must be positive, not {value:g}")
-
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,11 @@ from wirewear.study import Study, Wire
 
 Array = NDArray[np.float64]
 
+Worn = tuple[PlacedBody, Array, Array, Array, Array]
+
+#: What names of a holder's measured elements begin with.
+MEASURED = "measured_"
+
 
 def dissipated_energy_mJ(trace: CycleTrace) -> float:
     """The area of a closed loop; without friction what is left of it is round-off to either side of 0."""
@@ -92,9 +97,6 @@ def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Stud
     return _scar(*driven, cycle, "moving", study.moving_wire), _scar(*other, cycle, "fixed", study.fixed_wire)
 
 
-Worn = tuple[PlacedBody, Array, Array, Array, Array]
-
-
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
     """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle."""
     state = trace.middle
@@ -170,10 +172,6 @@ def evolution_row(
         "mirror_error": mirrored_mismatch(problem, trace),
         "jump_cycles": jump,
     }
-
-
-#: What names of a holder's measured elements begin with.
-MEASURED = "measured_"
 
 
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:

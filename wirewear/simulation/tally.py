@@ -1,4 +1,4 @@
-"""What a run counts: increments and cycles, the worst residuals that it met, and the time that it took."""
+"""What a run counts: increments, cycles, the worst residuals and time; and how sound they show it to be."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A study's wires for scripts that go beneath a whole run: meshes, stiffness, condensation, single increments."""
+"""A study's wires for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
 
 from __future__ import annotations
 

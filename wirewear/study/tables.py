@@ -53,6 +53,18 @@ from wirewear.study.keys import (
     one_of,
 )
 
+Formulation = Literal["augmented-lagrangian", "penalty"]
+
+Variation = Literal["none", "cycles", "energy_J"]
+
+WearUpdate = Literal["implicit", "explicit"]
+
+#: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
+PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
+
+#: Kinds of contact that are asked for and that there are not.
+NOT_YET = ("sphere-on-flat", "ball-on-flat", "sphere-on-sphere")
+
 
 def _law_of(value: object) -> FrictionLaw:
     """The law that a key's value describes; ValueError when there is none such."""
@@ -81,18 +93,6 @@ def _described(law: FrictionLaw) -> str | dict[str, Any]:
 
 #: A key that takes a friction law.
 FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
-
-
-Formulation = Literal["augmented-lagrangian", "penalty"]
-Variation = Literal["none", "cycles", "energy_J"]
-WearUpdate = Literal["implicit", "explicit"]
-
-#: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
-PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
-
-
-#: Kinds of contact that are asked for and that there are not.
-NOT_YET = ("sphere-on-flat", "ball-on-flat", "sphere-on-sphere")
 
 
 def _checked_kind(value: object) -> str:

@@ -1,4 +1,4 @@
-"""A sweep as a value: its study, its design, and the study of each run."""
+"""A sweep as a value: its study, its design, the study of each run and what it leaves."""
 
 from __future__ import annotations
 
@@ -48,6 +48,10 @@ TECHNICAL = (*QUALITY, PRESSURE_LENGTH)
 
 #: All figures of a row, in the table's order.
 FIGURES = (*AT_END, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL)
+
+EFFECTS = "effects"
+
+CODE = (*RUN_CODE, "wirewear/sweeps")
 
 
 @dataclass(frozen=True)
@@ -103,11 +107,6 @@ def figures_of(result: RunResult) -> dict[str, float | None]:
     length = {PRESSURE_LENGTH: float(result.settings[PRESSURE_LENGTH])}
     found = {**last, VOLUME: volume, **first, **quality, **length}
     return {name: found[name] if isfinite(found[name]) else None for name in FIGURES}
-
-
-EFFECTS = "effects"
-
-CODE = (*RUN_CODE, "wirewear/sweeps")
 
 
 @dataclass(frozen=True, eq=False)

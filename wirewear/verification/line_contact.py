@@ -34,6 +34,24 @@ DEPTH_mm = 1.0
 _BLOCK_mm = 60.0
 _FAR_mm = 3.0
 
+Array = NDArray[np.float64]
+
+RADIUS_mm = 6.0
+
+LOAD_N_per_mm = 120.0
+
+FRICTION = 0.6
+
+MATERIAL = Elastic(200_000.0, 0.3)
+
+_SHARE = 0.5
+
+_TOLERANCE = 0.02
+
+_STEP_mm = 2e-4
+
+_MOST_STEPS = 60
+
 
 def stuck_line_rows(level: Level) -> tuple[Row, ...]:
     """Stiffness per length between points 1 mm deep under a contact 0.2 mm wide."""
@@ -44,18 +62,6 @@ def stuck_line_rows(level: Level) -> tuple[Row, ...]:
     computed = move_stuck(block, block, material, material, a).stiffness_between(DEPTH_mm)
     exact = reference.half_plane_line_stiffness(MATERIAL, MATERIAL, a, 1.0, DEPTH_mm)
     return (compared("Line contact, stuck", "stiffness, points 1 mm deep [N/mm²]", computed, exact, _TOLERANCE),)
-
-
-Array = NDArray[np.float64]
-
-RADIUS_mm = 6.0
-LOAD_N_per_mm = 120.0
-FRICTION = 0.6
-MATERIAL = Elastic(200_000.0, 0.3)
-_SHARE = 0.5
-_TOLERANCE = 0.02
-_STEP_mm = 2e-4
-_MOST_STEPS = 60
 
 
 def line_contact_rows(level: Level) -> tuple[Row, ...]:

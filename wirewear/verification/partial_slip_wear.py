@@ -52,6 +52,22 @@ _FINER = {
     "half the jumps": {"jump_tolerance": 0.25 * _JUMP_TOLERANCE},
 }
 
+_FRICTION = 0.6
+
+_APPROACH_mm = CONTACT_RADIUS_mm**2 / RADIUS_mm
+
+#: About two thirds of the fresh contact stick.
+_AMPLITUDE_mm = 2.0e-4
+
+_RATE_mm3_per_mJ = 1.5e-7
+
+_INCREMENTS = 16
+
+#: Jumps of growing size until next to nothing wears.
+_JUMPS = tuple(9.0 * 2.5**k for k in range(11))
+
+_DEPTH_TOLERANCE = 0.5
+
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
     """The worst mirror error, and beside finer runs the pressure at a node about mid-stroke and the largest mean."""
@@ -91,17 +107,6 @@ def _study(cycles: int, mesh: dict[str, float]) -> PlanarStudy:
         "mesh": mesh,
     }
     return planar_study_from_tables(tables, "the reference problem")
-
-
-_FRICTION = 0.6
-_APPROACH_mm = CONTACT_RADIUS_mm**2 / RADIUS_mm
-#: About two thirds of the fresh contact stick.
-_AMPLITUDE_mm = 2.0e-4
-_RATE_mm3_per_mJ = 1.5e-7
-_INCREMENTS = 16
-#: Jumps of growing size until next to nothing wears.
-_JUMPS = tuple(9.0 * 2.5**k for k in range(11))
-_DEPTH_TOLERANCE = 0.5
 
 
 def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:

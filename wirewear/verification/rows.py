@@ -1,4 +1,4 @@
-"""One line of the verification table, and what is derived from errors on several meshes."""
+"""Lines of the verification table, the levels of its meshes, and what is derived from errors on several."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The sliding wires that rig loop, book-keeping and limits share: proportions like the steel wires' test."""
+"""Sliding wires, in proportions like the steel wires' test: loop of the rig, book-keeping of energies."""
 
 from __future__ import annotations
 
@@ -38,6 +38,25 @@ from wirewear.verification.wires import (
 
 _TOLERANCE = 0.01
 
+_RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
+
+_CYCLES = 50.0
+
+_ROUND_OFF = 1e-10
+
+_MIRROR_TOLERANCE = 0.02
+
+Array = NDArray[np.float64]
+
+FRICTION = 0.6
+
+#: Sliding bends the rig by half a contact radius; the contact slides by about two to each side.
+RIG_STIFFNESS_N_per_mm = FRICTION * LOAD_N / (0.5 * CONTACT_RADIUS_mm)
+
+AMPLITUDE_mm = 2.4 * CONTACT_RADIUS_mm
+
+INCREMENTS = 40
+
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
     """Friction work, loop area, width at zero force and largest force of a loop."""
@@ -64,12 +83,6 @@ def rig_loop_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-_RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
-_CYCLES = 50.0
-_ROUND_OFF = 1e-10
-_MIRROR_TOLERANCE = 0.02
-
-
 def book_keeping_rows(level: Level) -> tuple[Row, ...]:
     """Worn volumes after a cycle jump, and a closed loop on the worn wires with the wear frozen."""
     problem = sliding_wires(level.loop_resolution, wear=_RATES)
@@ -92,15 +105,6 @@ def book_keeping_rows(level: Level) -> tuple[Row, ...]:
             name, "mirror error of the pressures", nan if mirror is None else mirror, 0.0, _MIRROR_TOLERANCE, scale=1.0
         ),
     )
-
-
-Array = NDArray[np.float64]
-
-FRICTION = 0.6
-#: Sliding bends the rig by half a contact radius; the contact slides by about two to each side.
-RIG_STIFFNESS_N_per_mm = FRICTION * LOAD_N / (0.5 * CONTACT_RADIUS_mm)
-AMPLITUDE_mm = 2.4 * CONTACT_RADIUS_mm
-INCREMENTS = 40
 
 
 def sliding_wires(

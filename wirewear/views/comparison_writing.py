@@ -26,6 +26,11 @@ from wirewear.views.comparison_pictures import BAND, MEASURED, SIMULATED, evolut
 from wirewear.views.differences import REPEATS
 from wirewear.views.registration import ScarPair
 
+#: Blue where the simulation wears too little, red where it wears too much.
+DIFFERENCE_COLOURS = "RdBu_r"
+
+TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
+
 
 def differences_table(comparison: RecordComparison) -> Table:
     """The largest difference of each quantity over its cycles, to be printed with rich."""
@@ -43,12 +48,6 @@ def differences_table(comparison: RecordComparison) -> Table:
     if any(row.in_scatter is None and row.basis != REPEATS for row in worst):
         table.caption = "– one repeat tells no scatter: differences of quantities with a dash cannot be judged"
     return table
-
-
-#: Blue where the simulation wears too little, red where it wears too much.
-DIFFERENCE_COLOURS = "RdBu_r"
-
-TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
 
 def maps_picture(pairs: Sequence[ScarPair]) -> Figure:

@@ -1,4 +1,4 @@
-"""The verdict in a sentence."""
+"""The verdict in a sentence, and what a diagnosis shows of itself in Python."""
 
 from __future__ import annotations
 
@@ -21,6 +21,11 @@ from wirewear.records import ExperimentRecord
 from wirewear.records.line_values import LineRecord
 from wirewear.study import Study
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
+
+#: Parameters whose names end so carry these units.
+_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
+
+_ENDINGS["_per_100k_cycles"] = " per 100\u2009000 cycles"
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -48,11 +53,6 @@ class Diagnosed:
         }
         note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
         return notebook.table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
-
-
-#: Parameters whose names end so carry these units.
-_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
-_ENDINGS["_per_100k_cycles"] = " per 100\u2009000 cycles"
 
 
 def plain(name: str) -> str:

@@ -23,6 +23,15 @@ from wirewear.records.values import MeasuredLoop
 
 Array = NDArray[np.float64]
 
+_OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
+
+_LARGEST = 1e15
+
+SPLIT = (
+    "no column counts the cycles: the samples were split at the reversals of the displacement into {}, and {} samples "
+    "were left over"
+)
+
 
 @dataclass(frozen=True, eq=False)
 class SampledLoop:
@@ -44,15 +53,6 @@ class SampledLoop:
         """A record's loop, under that load where none was measured."""
         normal = load_N if loop.normal_force_N is None else loop.normal_force_N
         return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)
-
-
-_OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
-_LARGEST = 1e15
-
-SPLIT = (
-    "no column counts the cycles: the samples were split at the reversals of the displacement into {}, and {} samples "
-    "were left over"
-)
 
 
 @dataclass(frozen=True)

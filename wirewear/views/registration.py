@@ -1,4 +1,4 @@
-"""Laying a measured scar onto a simulated one: shift and rotation that make the difference least."""
+"""Measured scars beside simulated ones, laid onto them by the shift and rotation that make the difference least."""
 
 import warnings
 from dataclasses import dataclass

@@ -26,19 +26,6 @@ _OF_NODES: tuple[Course, ...] = (
     ("mid_stroke_pressure_MPa", "at a node at mid-stroke", ""),
 )
 
-
-def pressure_courses(evolution: Mapping[str, NDArray[np.float64]], settings: Mapping[str, Any]) -> tuple[Course, ...]:
-    """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
-    if PRESSURE_LENGTH not in settings:
-        return _OF_NODES
-    over = f"mean over {settings[PRESSURE_LENGTH]:.3g} µm"
-    found: tuple[Course, ...] = (
-        ("max_mean_pressure_MPa", f"largest {over}", "5 3"),
-        ("mid_stroke_mean_pressure_MPa", f"{over} at mid-stroke", ""),
-    )
-    return found if all(name in evolution for name, _, _ in found) else _OF_NODES
-
-
 Array = NDArray[np.float64]
 
 #: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
@@ -57,6 +44,18 @@ BEYOND = 4.0
 
 #: What dashes tell runs apart in SVG.
 DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")
+
+
+def pressure_courses(evolution: Mapping[str, NDArray[np.float64]], settings: Mapping[str, Any]) -> tuple[Course, ...]:
+    """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
+    if PRESSURE_LENGTH not in settings:
+        return _OF_NODES
+    over = f"mean over {settings[PRESSURE_LENGTH]:.3g} µm"
+    found: tuple[Course, ...] = (
+        ("max_mean_pressure_MPa", f"largest {over}", "5 3"),
+        ("mid_stroke_mean_pressure_MPa", f"{over} at mid-stroke", ""),
+    )
+    return found if all(name in evolution for name, _, _ in found) else _OF_NODES
 
 
 def page_data(results: Iterable[RunResult]) -> dict[str, Any]:

@@ -37,7 +37,7 @@ _COMPARABLE = _KNOWN.number("comparable")
 #: Sizes of a free smooth difference: shares of the plateau force (and of the slip that it bends a rig by).
 FREE_SIZES = _KNOWN.numbers("free_sizes")
 
-#: Log evidence that solver differences were seen to lend an effect on gap-free records, by its name.
+#: Log evidence that solver differences were seen to add to an effect on gap-free records, by its name.
 LENT: Mapping[str, float] = constants("infer.inference.lent").all()
 
 

@@ -1,4 +1,4 @@
-"""Explanations that fit by what they are not named for, such as a rough layer that never wears in."""
+"""Explanations that fit by what they are not named for, and gaps that are none: what is said of them instead."""
 
 from __future__ import annotations
 

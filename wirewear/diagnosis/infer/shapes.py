@@ -17,6 +17,8 @@ from wirewear.diagnosis.model.readings import KNEE, SLIDING
 from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Seam
 
+_DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
+
 
 @dataclass(frozen=True, eq=False)
 class Family:
@@ -30,12 +32,12 @@ class Family:
         scale: unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force,
             "force" that force.
         develops: whether its sizes may change over the cycles.
-        allowed: log evidence that friction laws and solvers were seen to lend it beside known effects.
+        allowed: log evidence that friction laws and solvers were seen to add to it beside known effects.
         instead: sets of shapes that it may have instead of these, each as likely.
         step: share of unit size over which changes are taken; 0 for that of small ones. Rounded corners change readings
             by no straight law, so that they are taken as a whole.
         counts: whether it speaks for a cause outside the library; else it names one that others speak for, as nothing
-            that solvers lend it was learned.
+            that solvers add to it was learned.
     """
 
     seam: Seam
@@ -65,9 +67,6 @@ class Family:
         return cls(
             seam, name, first, develops=develops, allowed=allowed, instead=tuple(others), step=step, counts=False
         )
-
-
-_DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,7 +122,7 @@ class Candidate:
 
 def nominal_line_setup(study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study of a line contact states, of the whole contact, its own effects among them."""
-    from wirewear.planar.supports import of_whole_contact
+    from wirewear.planar.tables import of_whole_contact
 
     setup = Setup.of_line(study, length_mm, drive)
     return replace(setup, effects=of_whole_contact(study.effects, length_mm))

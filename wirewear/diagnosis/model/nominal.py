@@ -23,6 +23,25 @@ Result = TypeVar("Result")
 
 _FOLDER = "wirewear-nominal-"
 
+ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
+
+_KNOWN = constants("model.nominal")
+
+#: Relative difference up to which model and record describe the same test.
+SAME = _KNOWN.number("same_test")
+
+#: What a study may state at most.
+MOST_WEAR_mm3_per_J = _KNOWN.number("most_wear_mm3_per_J")
+
+#: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
+_WEAR_MARGINS = _KNOWN.numbers("wear_margins")
+
+#: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
+INCREMENTS_PER_CYCLE = _KNOWN.count("increments_per_cycle")
+
+#: Late loops change most: shares of the cycles at which one more is logged; and how many a run that fails must have.
+_LATE_LOOPS, _FEWEST_LOOPS = _KNOWN.numbers("late_loops"), _KNOWN.count("fewest_loops")
+
 
 def kept_or_made(
     name: str, read: Callable[[Path], Result], make: Callable[[Path], tuple[Result, Path]]
@@ -50,26 +69,6 @@ def kept_or_made(
             except OSError as problem:
                 not_kept(path, problem)
     return result, path
-
-
-ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
-
-_KNOWN = constants("model.nominal")
-
-#: Relative difference up to which model and record describe the same test.
-SAME = _KNOWN.number("same_test")
-
-#: What a study may state at most.
-MOST_WEAR_mm3_per_J = _KNOWN.number("most_wear_mm3_per_J")
-
-#: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
-_WEAR_MARGINS = _KNOWN.numbers("wear_margins")
-
-#: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
-INCREMENTS_PER_CYCLE = _KNOWN.count("increments_per_cycle")
-
-#: Late loops change most: shares of the cycles at which one more is logged; and how many a run that fails must have.
-_LATE_LOOPS, _FEWEST_LOOPS = _KNOWN.numbers("late_loops"), _KNOWN.count("fewest_loops")
 
 
 def nominal_study(record: ExperimentRecord) -> Study:

@@ -49,6 +49,17 @@ TURNED = (
     "resists motion in +x"
 )
 
+#: In place of the number of a cycle where a sample belongs to none.
+_NO_CYCLE = -1.0
+
+_EVOLUTION = (
+    "cycle",
+    "displacement_amplitude_um",
+    "slip_amplitude_um",
+    "max_tangential_force_N",
+    "dissipated_energy_mJ",
+)
+
 
 def bridged(scar: MeasuredScar) -> tuple[MeasuredScar, tuple[str, ...]]:
     """The scar with small gaps interpolated along its lines, and a sentence on how many points that were."""
@@ -239,10 +250,6 @@ def _samples_first(columns: dict[str, Array]) -> dict[str, Array]:
     return {name: values.T if values.shape == x.shape else values for name, values in columns.items()}
 
 
-#: In place of the number of a cycle where a sample belongs to none.
-_NO_CYCLE = -1.0
-
-
 def _split(source: LoopSource, x: Array, force: Array) -> Array:
     """Cycle numbers of a signal without time, split where the drive turns round."""
     known = np.flatnonzero(np.isfinite(x) & np.isfinite(force))
@@ -290,15 +297,6 @@ def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> 
             own = np.flatnonzero(repeat == number)
             own = own[np.unique(complete["cycle"][own], return_index=True)[1]]
             yield MeasuredEvolution(int(number), {name: values[own] for name, values in complete.items()})
-
-
-_EVOLUTION = (
-    "cycle",
-    "displacement_amplitude_um",
-    "slip_amplitude_um",
-    "max_tangential_force_N",
-    "dissipated_energy_mJ",
-)
 
 
 def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:

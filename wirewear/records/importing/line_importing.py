@@ -34,6 +34,8 @@ FEWEST_POINTS = 20
 #: Shares of a profile at either end that are taken to be unworn at first.
 MARGIN = 0.15
 
+_TAKEN_OVER = ("format", "name", "contact", "pad", "specimen", "stated", "noise", "scatter", "metadata")
+
 
 @dataclass(frozen=True, eq=False)
 class LevelledProfile:
@@ -140,9 +142,6 @@ def import_line_record(mapping_path: str | Path) -> ImportedLine:
     return ImportedLine(
         LineRecord(tables, loops, evolution, tuple(one.profile for one in fitted), notes), tuple(fitted)
     )
-
-
-_TAKEN_OVER = ("format", "name", "contact", "pad", "specimen", "stated", "noise", "scatter", "metadata")
 
 
 def _conditions(mapped: MappedConditions, length_mm: float, path: Path) -> LineConditions:

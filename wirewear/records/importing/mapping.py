@@ -19,6 +19,10 @@ from wirewear.study.keys import FORMAT, NormalLoad, Table, checked_format, check
 #: Kind of the files that hold a height map, which SurfaceTopography reads.
 PROFILOMETER = "profilometer"
 
+StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
+
+Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
+
 
 def one_of_words(*words: str) -> PlainValidator:
     """What checks that a value is one of some words."""
@@ -145,10 +149,6 @@ class PointColumns(Table):
     depth_um: OptionalColumn = Field(None, description="worn depth")
     height_um: OptionalColumn = Field(None, description="height of the surface, in place of the worn depth")
     repeat: OptionalColumn = Field(None, description="number of the repeat")
-
-
-StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
-Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
 
 
 class Source(Table):

@@ -24,8 +24,7 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam, effect_named
-from wirewear.planar.supports import per_mm
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.tables import PlanarStudy, per_mm
 from wirewear.records import MeasuredEvolution, MeasuredLoop
 from wirewear.records.line_believed import believed_study
 from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
