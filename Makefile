@@ -12,6 +12,7 @@ INSTALL   := sh tools/install.sh $(BIN)/python
 # One process a core, each with its linear algebra on one thread; the tests of a file stay together for their fixtures,
 # in the order that tests/conftest.py gives them.
 PYTEST    := OPENBLAS_NUM_THREADS=1 $(BIN)/python -m pytest --numprocesses $(shell nproc) --dist loadfile --no-loadscope-reorder
+TESTS     := -m "not slow"
 SOURCES   := $(wildcard geometry solvers wirewear studies tests tools)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 
@@ -19,14 +20,14 @@ COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run test test-all test-fast lint bench clean
+.PHONY: help setup run test test-all test-fast lint style types bench clean
 
 help:
 	@echo "make setup      create $(VENV) and install wirewear with all that its developers need"
 	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
-	@echo "make test       lint, then the tests; the exam of the diagnosis only where its code has changed"
-	@echo "make test-all   lint, then all tests"
-	@echo "make test-fast  the tests that take seconds"
+	@echo "make test       lint and the tests that every change runs; of the exam of the diagnosis only where its code has changed"
+	@echo "make test-all   lint and all tests, also those that are slow"
+	@echo "make test-fast  the tests that take less than a second"
 	@echo "make lint       formatting, style and types"
 	@echo "make bench      every studies/benchmarks/bench_*.py"
 	@echo "make clean      remove caches (runs/ and $(VENV) stay)"
@@ -53,22 +54,27 @@ run: $(INSTALLED)
 	$(BIN)/wirewear show $(OUTPUT)$(if $(COMPARE), & shown=$$!; $(BIN)/python $(COMPARE) $(OUTPUT); compared=$$?; wait $$shown && exit $$compared)
 	@echo "Results and pictures are in $(abspath $(OUTPUT))"
 
-# Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so.
-test: lint
+# Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so. Types are checked
+# meanwhile, and remembered as long as $(VENV) stays.
+test: style
 	@sh tools/prepare_machine.sh "$(PYTHON)" chromium
-	$(PYTEST)
+	@$(MAKE) --no-print-directory types & types=$$!; $(PYTEST) $(TESTS); tested=$$?; wait $$types && exit $$tested
 
-test-all: PYTEST += --all
+test-all: TESTS := --all
 test-all: test
 	$(BIN)/python -m tools.examined
 
 test-fast: $(DEVELOPED)
-	$(PYTEST) -m "not slow"
+	$(PYTEST) -m "not slow and not seconds"
 
-lint: $(DEVELOPED)
+lint: style types
+
+style: $(DEVELOPED)
 	$(BIN)/ruff format --check $(SOURCES)
 	$(BIN)/ruff check $(SOURCES)
-	$(BIN)/mypy $(SOURCES)
+
+types: $(DEVELOPED)
+	$(BIN)/mypy --cache-dir $(VENV)/mypy $(SOURCES)
 
 bench: $(DEVELOPED)
 	@set -e; for script in $(sort $(wildcard studies/benchmarks/bench_*.py)); do \

@@ -23,6 +23,11 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--all", action="store_true", help="the exam of the diagnosis too, where its code is unchanged")
 
 
+def pytest_report_header() -> str | None:
+    """What is due before a release."""
+    return None if is_examined() else "the diagnosis has changed since it passed its exam: `make test-all` is due"
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Files of some minutes first, those with most that is slow, then large ones: processes end together.

@@ -3,7 +3,8 @@
     python -m tools.examined        note that the present state has passed; `make test-all` does
 
 The exam takes longer than all other tests together, so `make test` leaves it out while neither the diagnosis nor the
-exam is other than in the state that is noted in tests/examined.txt.
+exam is other than in the state that is noted in tests/examined.txt. Frozen scores and all else of it that is slow wait
+for `make test-all`, and every session of tests says that they do.
 """
 
 from __future__ import annotations
