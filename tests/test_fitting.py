@@ -1,5 +1,6 @@
 """Parameters fitted to records of another code's rigs, energies of whole tests, stiffness without the contact's."""
 
+import dataclasses
 import json
 from collections.abc import Mapping
 from functools import cache
@@ -16,6 +17,7 @@ from wirewear.base.course import enclosed_energy
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, GivenWear, fit_record
+from wirewear.fitting.loading import spring_of_loads
 from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
@@ -97,6 +99,33 @@ def test_running_in_is_found_where_there_is_one_and_nowhere_else() -> None:
     assert known(fit, "friction_cycles").value == pytest.approx(3000.0, rel=0.4)
     assert fit.study.effects != ()
     assert all("friction" in fitted(rig).parameters for rig in ("as stated", "softer", "loose"))
+
+
+SPRING = "normal_spring_stiffness_N_per_mm"
+
+
+@pytest.mark.slow
+def test_the_spring_that_presses_the_wires_is_that_of_another_codes_test() -> None:
+    fit = fitted("as stated")
+    assert holds(known(fit, SPRING), 1.0)
+    assert fit.study.given()["holder"][SPRING] == pytest.approx(known(fit, SPRING).value, rel=1e-3)
+    unknown = [dataclasses.replace(loop, normal_force_N=None) for loop in record_of("as stated").loops]
+    assert SPRING not in fit_record(dataclasses.replace(record_of("as stated"), loops=tuple(unknown))).parameters
+
+
+def test_a_spring_is_told_from_a_drift_and_from_scatter_or_not_at_all() -> None:
+    cycles, descent_um = np.array([100.0, 1000.0, 10_000.0, 100_000.0]), np.array([0.6, 2.6, 8.0, 28.0])
+    scatter = 0.001 * np.random.default_rng(1).standard_normal((3, 4)) + np.array([[2.02], [2.0], [1.97]])
+    found = spring_of_loads(scatter - 1e-3 * 1.4 * descent_um, descent_um, cycles)
+    assert found is not None
+    assert holds(found, 1.4)
+    assert found.repeats == 3
+    missing = np.where(np.arange(4) == 1, np.nan, scatter - 1e-3 * 1.4 * descent_um)
+    assert spring_of_loads(missing, descent_um, cycles) is not None
+    for undecided in (scatter, scatter + 1e-3 * descent_um, scatter - 0.04 * cycles / 1e5, np.full((3, 4), np.nan)):
+        assert spring_of_loads(undecided, descent_um, cycles) is None
+    # Two cycles have no course.
+    assert spring_of_loads(scatter[:, [0, 3]] - 1e-3 * descent_um[[0, 3]], descent_um[[0, 3]], cycles[[0, 3]]) is None
 
 
 @pytest.mark.slow

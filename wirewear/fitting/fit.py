@@ -1,4 +1,4 @@
-"""Friction, rig stiffness, play and wear coefficients of a record with intervals, and the study that they make."""
+"""Friction, rig and wear coefficients of a record with intervals, and the study that they make."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from scipy.stats import t as students_t
 
 from wirewear.fitting.fast_fit import FastFit, fast_fit
 from wirewear.fitting.lines import LineTestFit
+from wirewear.fitting.loading import SPRING, with_spring
 from wirewear.fitting.loops_of_tests import FITTED, AnyRecord, LoopsOfTests, loops_of_tests
 from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, FitSubject
 from wirewear.fitting.values import FittedParameter, FittedTest
@@ -74,8 +75,9 @@ def fit_record(
     rough = _rough_study(subject, contact, tests, worn)
     states, limits = subject.states(rough, observer_of)
     with stage("fitting all cycles"):
+        states, spring = with_spring(states, subject.setup(rough), record, tests)
         fitted = fast_fit(states, subject.setup(rough), tests)
-    parameters = _of_fit(fitted, len(tests.repeats), subject, contact) | _play(tests) | worn
+    parameters = _of_fit(fitted, len(tests.repeats), subject, contact) | spring | _play(tests) | worn
     study = fitted_study(subject, parameters, record.cycles)
     notes = [*told, *limits, *_misfit(fitted), *notes, *_missing(subject, parameters, tests)]
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=subject.rigid_N_per_mm)
@@ -114,7 +116,7 @@ def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> 
         stated["friction"] = parameters["friction"].value
     stiffness = parameters["tangential_stiffness_N_per_mm"].value
     stated["tangential_stiffness_N_per_mm"] = stiffness if stiffness < rigid_N_per_mm else "rigid"
-    return stated | {key: parameters[key].value for key in WEAR_KEYS if key in parameters}
+    return stated | {key: parameters[key].value for key in (SPRING, *WEAR_KEYS) if key in parameters}
 
 
 def _friction_of(tests: LoopsOfTests) -> float:

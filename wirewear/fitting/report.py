@@ -31,6 +31,7 @@ NAMES = {
     "friction_final": "µ run in",
     "friction_cycles": "cycles of running-in",
     "tangential_stiffness_N_per_mm": "rig stiffness K_rig, all cycles",
+    "normal_spring_stiffness_N_per_mm": "spring of the loading train",
     "free_play_um": "free play",
     "energy_wear_coefficient_mm3_per_J": "wear coefficient V/ΣE_d",
     "moving_share": "moving wire's share of the wear",
