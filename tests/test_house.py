@@ -248,11 +248,12 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: 50 of either for bodies of line contacts that are not described, 40 of either for slip that walls hide and runs that
 #: come back without a gap.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 64_800,
-    "lines of wirewear": 53_150,
+    # With the spring that a fit finds, 80 lines.
+    "lines of geometry, solvers and wirewear": 64_880,
+    "lines of wirewear": 53_230,
     "lines of studies": 19_500,
     "lines of tests": 36_000,
-    "files of geometry, solvers and wirewear": 463,
+    "files of geometry, solvers and wirewear": 464,
     "rooms of wirewear": 24,
     "arrows between rooms": 139,
     # Twelve of them ask whether there is a length, which only a line contact has.

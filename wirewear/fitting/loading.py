@@ -14,6 +14,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.fitting.fast_fit import EVIDENCE
 from wirewear.fitting.loops_of_tests import AnyRecord, LoopsOfTests
 from wirewear.fitting.values import FittedParameter
+from wirewear.records.normal_force import median_load_N
 
 Array = NDArray[np.float64]
 
@@ -35,7 +36,10 @@ def with_spring(
     ends = [simulate(states, replace(setup, cycles=cycle), np.array([cycle])) for cycle in tests.cycles]
     profiles = [sum(float(depth.max()) for _, depth in one.profiles.values()) for one in ends]
     descent_um = np.array([one.scars[:, 1].sum() for one in ends]) + profiles
-    spring = spring_of_loads(_loads(record, tests), descent_um, tests.cycles)
+    loads = np.full((len(tests.repeats), tests.cycles.size), np.nan)
+    for loop in record.loops:
+        loads[tests.repeats.index(loop.repeat), tests.cycles == loop.cycle] = median_load_N(loop)
+    spring = spring_of_loads(loads, descent_um, tests.cycles)
     if spring is None:
         return states, {}
     worn_um3 = np.array([one.volume_um3[-1] for one in ends])
@@ -59,7 +63,7 @@ def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedP
 
 
 def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
-    """Slope of rows over places, each row with a level of its own; squares left, the slope's deviation, their freedom."""
+    """Slope of rows over places, each with a level of its own; squares left, the slope's deviation, their freedom."""
     rows, columns = np.nonzero(np.isfinite(values))
     levels = rows[:, None] == np.unique(rows)
     design, wanted = np.column_stack([levels, at[columns]]), values[rows, columns]
@@ -68,14 +72,3 @@ def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
     free = wanted.size - np.linalg.matrix_rank(design)
     spread = float(np.linalg.pinv(design.T @ design)[-1, -1])
     return float(found[-1]), left, float(np.sqrt(spread * left / max(free, 1))), int(free)
-
-
-def _loads(record: AnyRecord, tests: LoopsOfTests) -> Array:
-    """Medians (repeats, cycles) of the normal force, NaN where none was measured."""
-    loads = np.full((len(tests.repeats), tests.cycles.size), np.nan)
-    for loop in record.loops:
-        known = loop.normal_force_N is not None and np.isfinite(loop.normal_force_N).any()
-        if known and loop.cycle in tests.cycles:
-            place = tests.repeats.index(loop.repeat), int(np.flatnonzero(tests.cycles == loop.cycle)[0])
-            loads[place] = np.nanmedian(loop.normal_force_N)
-    return loads

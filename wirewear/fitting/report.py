@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from rich import box
@@ -20,9 +20,6 @@ from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.planar.tables import LINE_CONTACT
 from wirewear.records.toml_file import with_checksums
 from wirewear.study.template import CROSSED_WIRES, study_text
-
-if TYPE_CHECKING:
-    pass
 
 #: What parameters and figures are called.
 NAMES = {

@@ -57,7 +57,7 @@ def impossible_loads(
     length_mm: of a line contact, whose forces may have been logged per millimetre.
     """
     low, high = _extents(loops).T
-    middle = np.array([_median(loop) for loop in loops])
+    middle = np.array([median_load_N(loop) for loop in loops])
     known = np.isfinite(middle)
     exchanged = (low < 0.0) & (high > 0.0) & (np.abs(high + low) < high - low) & _one_signed(loops)
     largest = np.maximum(np.abs(low), np.abs(high))
@@ -110,7 +110,8 @@ def _quantiles(channel: NDArray[np.float64] | None) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _median(loop: MeasuredLoop) -> float:
+def median_load_N(loop: MeasuredLoop) -> float:
+    """Of a loop's normal force; NaN where none was measured."""
     values = np.empty(0) if loop.normal_force_N is None else loop.normal_force_N[np.isfinite(loop.normal_force_N)]
     return float(np.median(values)) if values.size else np.nan
 
