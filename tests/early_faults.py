@@ -1,7 +1,6 @@
 """Commands as users give them, a coarse study and a mapping: what tests of an early version's faults share.
 
-They use commands alone, so that they can be run on version 8318817 as well. docs/promises.md says which other tests
-guard against the faults that are not among them.
+They use commands alone, so that they can be run on version 8318817 as well.
 """
 
 import os
@@ -16,9 +15,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-
-from wirewear.faces import cli
 
 ROOT = Path(__file__).resolve().parent.parent
 PROGRAM = (sys.executable, "-c", "from wirewear.faces import main; main()")
@@ -106,15 +102,6 @@ def refused(ended: subprocess.CompletedProcess[str]) -> str:
     assert all(line.startswith("wirewear: ") and not line.endswith(".") for line in progress), ended.stderr
     assert sentence.startswith("wirewear: ")
     return sentence
-
-
-def refused_at_once(*arguments: str | Path) -> str:
-    """The one sentence of a command in this process."""
-    ended = CliRunner().invoke(cli, [str(argument) for argument in arguments])
-    assert ended.exit_code == 2, ended.output or ended.exception
-    assert ended.stderr.startswith("wirewear: ")
-    assert ended.stderr.count("\n") == 1
-    return ended.stderr
 
 
 @pytest.fixture

@@ -91,17 +91,6 @@ def test_a_stroke_before_tells_where_the_bodies_slide(
     assert np.allclose(np.diff(both), half, rtol=0.02, atol=1e-6 * amplitude)
 
 
-@given(amplitudes, st.floats(0.0, 0.7), st.integers(6, 200))
-def test_a_holder_that_stands_still_asks_for_the_same_places_known_or_not(
-    amplitude: float, share: float, count: int
-) -> None:
-    carried = share * amplitude
-    onset = amplitude - 2.0 * carried
-    drive = np.array([onset, -amplitude])
-    known = wear_path(amplitude, carried, count, Stroke(drive, np.full(2, -carried)))
-    assert np.allclose(known[1:], wear_path(amplitude, carried, count)[1:], rtol=1e-9, atol=1e-9 * amplitude)
-
-
 def half(side: float) -> Guide:
     """The stroke that starts at side x 0.06 mm."""
     drive = side * np.array([0.05, 0.01, -0.03, -0.06])
@@ -135,20 +124,6 @@ def test_the_other_stroke_is_not_guessed_unless_a_mirror_makes_it(side: float) -
         assert back is not None
         assert back.holder_x == pytest.approx(-there.holder_x)
         assert back.traction == pytest.approx(there.traction[MIRROR.primary] * MIRROR.signs)
-
-
-def test_a_whole_cycle_and_one_without_symmetry_stay_as_they_are() -> None:
-    guide = half(1.0)
-    assert with_images(guide, None) is guide
-    whole = with_images(guide, MIRROR)
-    assert with_images(whole, MIRROR) is whole
-
-
-def test_a_stroke_begins_where_the_other_one_ends() -> None:
-    whole = with_images(half(1.0), MIRROR)
-    start = whole.at(0.01, 0.06)
-    assert start is not None
-    assert start.holder_x == pytest.approx(whole.holder_x[-1])
 
 
 def stroke(trace: CycleTrace, *, falling: bool) -> tuple[Array, Array]:
@@ -218,19 +193,6 @@ def test_the_area_of_a_thin_loop_is_its_friction_work(wires: ContactProblem, str
     force = float(np.abs(loop.tangential_force).max())
     assert 0.0 < loop.friction_work < 0.1 * 4.0 * stroke_mm * force
     assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=4e-4)
-
-
-def test_phases_are_those_of_a_cosine_and_mid_stroke_is_met(wires: ContactProblem) -> None:
-    problem = with_holder(wires, "spring")
-    state = first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
-    end, loop = closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
-    assert loop.drive == pytest.approx(AMPLITUDE_mm * np.cos(2.0 * np.pi * loop.phase), abs=1e-9)
-    assert (loop.drive == 0.0).sum() == 2
-    assert end.drive == loop.drive[-1] == -AMPLITUDE_mm
-    assert loop.middle.drive == 0.0
-    rising = [state for state, phase in zip(loop.states, loop.phase, strict=True) if phase == pytest.approx(0.75)]
-    assert loop.middle is rising[0]
-    assert np.abs(np.diff(loop.drive)).max() <= 2.0 * np.pi * AMPLITUDE_mm / INCREMENTS * 1.25
 
 
 def test_no_step_is_refined_without_end_where_the_force_is_rough(

@@ -13,7 +13,7 @@ from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element import model
 from studies.blind.generators.finite_element.changes import changes_of
 from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, believed_study
-from studies.blind.generators.finite_element.readings import between, channels_of, moments, read_test
+from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
@@ -23,7 +23,6 @@ from wirewear import read_record
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
 from wirewear.results import Loop, RunResult
 from wirewear.simulation import discretise
-from wirewear.simulation.mesh_stages import mesh_stages
 from wirewear.study import Study
 
 Array = NDArray[np.float64]
@@ -83,17 +82,6 @@ def test_debris_that_is_thrown_out_makes_friction_jump_and_come_back() -> None:
     assert frictions == pytest.approx([0.5, 0.6, 0.5], abs=1e-6)
 
 
-def test_scattered_specimens_and_effects_without_more_wear_keep_the_nominal_meshes() -> None:
-    study = believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"])
-    draw = SpecimenDraw(1.02, 0.99, 1.1, 0.4)
-    other = study.with_effects(*changes_of((TrueEffect("free_play", {"gap_um": 3.0}),), draw))
-
-    def meshes(of: Study) -> object:
-        return mesh_stages(of, FIDELITY, discretise(of, FIDELITY))
-
-    assert meshes(other) == meshes(study)
-
-
 def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> None:
     control, other = (believed_study(Nominal(), plain_nuisances(), NUMERICS[tier]) for tier in ("T0", "T1"))
     assert control.contact.formulation != other.contact.formulation
@@ -101,23 +89,6 @@ def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> No
     plans = [discretise(study, FIDELITY) for study in (control, other)]
     assert plans[0].fixed != plans[1].fixed
     assert plans[0].increments_per_cycle < plans[1].increments_per_cycle
-
-
-def test_another_waveform_comes_by_the_places_of_a_loop_at_other_times() -> None:
-    loop = a_loop(increments=96)
-    shape = Waveform(0.03, -0.02).shape()
-    passed = moments(loop, shape)
-    assert np.all(np.diff(passed) > 0.0)
-    assert passed[0] >= 0.0
-    assert passed[-1] < 1.0
-    even = np.arange(shape.size) / shape.size
-    assert 60.0 * np.interp(passed, even, shape, period=1.0) == pytest.approx(loop.displacement_um, abs=1e-3)
-    assert np.abs(passed - np.arange(96) / 96).max() > 0.01
-
-
-def test_on_its_own_waveform_a_loop_keeps_its_even_times() -> None:
-    passed = moments(a_loop(increments=64), Waveform().shape())
-    assert passed == pytest.approx(np.arange(64) / 64, abs=1e-4)
 
 
 def test_loops_are_logged_at_their_increments_and_at_the_times_of_the_waveform() -> None:
@@ -133,13 +104,6 @@ def test_loops_are_logged_at_their_increments_and_at_the_times_of_the_waveform()
         assert loop.tangential_force_N == pytest.approx(loops[0].tangential_force_N)
         passed = moments(loops[0], nuisances.waveform.shape())
         assert loop.time_s == pytest.approx(passed / case.nominal.frequency_Hz)
-
-
-def test_between_logged_cycles_loops_are_interpolated_in_the_logarithm_of_the_cycle() -> None:
-    loops = [(n, channels_of(a_loop(n, height_N=height))) for n, height in ((10, 1.0), (1000, 2.0), (2000, 3.0))]
-    assert between(loops, 100)[1].max() == pytest.approx(1.5)
-    assert between(loops, 2000)[1].max() == pytest.approx(3.0)
-    assert between(loops, 1)[1].max() == pytest.approx(1.0)
 
 
 def readings(*effects: TrueEffect, draw: SpecimenDraw = QUIET) -> dict[int, tuple[Array, Array, Array]]:
@@ -160,16 +124,6 @@ def test_sensors_read_gain_coupling_crosstalk_and_zero_errors() -> None:
     assert offset[1] == pytest.approx(plain[1] + 0.01)
 
 
-def test_a_sensor_that_warms_up_and_a_force_cell_that_saturates_are_in_the_readings() -> None:
-    plain = readings()
-    warm = readings(TrueEffect("thermal_gain_drift", {"gain_change": 0.1, "cycles": 1000.0}))
-    assert np.ptp(warm[100000][0]) == pytest.approx(1.1 * np.ptp(plain[100000][0]))
-    assert np.ptp(warm[100][0]) < 1.02 * np.ptp(plain[100][0])
-    saturated = readings(TrueEffect("saturating_force_cell", {"loss_at_plateau": 0.1}))
-    lost = 1.0 - saturated[100000][1].max() / plain[100000][1].max()
-    assert lost == pytest.approx(0.1 * (1.2 / 1.24) ** 2)
-
-
 def a_run(study: Study, _name: str) -> RunResult:
     """What a run of the study might have left: trapezoids whose height follows friction and load, and round scars."""
     late = Age(float(study.conditions.cycles), 0.0)
@@ -182,18 +136,6 @@ def a_run(study: Study, _name: str) -> RunResult:
     )
     scars = tuple(bowl(wire, 15.0, 150.0, 150.0, cycle=study.conditions.cycles) for wire in ("moving", "fixed"))
     return replace(result(), loops=loops, scars=scars)
-
-
-def test_a_share_of_the_records_keeps_its_specimens(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(model, "run", a_run)
-    monkeypatch.setattr(IndependentModel, "differences", lambda _self, _case: {})
-    cases = planned_cases(60, 4, GENERATOR.library, GENERATOR.outside)
-    whole = model.FiniteElementModel("T1", several=1.0)
-    for case in cases[:3]:
-        assert whole.make(case).nuisances.repeats == case.nuisances.repeats
-    assert all(model.FiniteElementModel("T1", several=0.0).make(case).nuisances.repeats == 1 for case in cases[:3])
-    kept = [model.FiniteElementModel("T1").make(case).nuisances.repeats > 1 for case in cases[:24]]
-    assert 0 < sum(kept) < 12
 
 
 @pytest.mark.parametrize("tier", ["T0", "T1"])

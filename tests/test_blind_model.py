@@ -7,16 +7,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from studies.blind.generators.cases import planned_cases
-from studies.blind.generators.generator import LIBRARY_EFFECTS
-from studies.blind.generators.independent.effects import LIBRARY, changed
+from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.foundation import Grid, Shapes
 from studies.blind.generators.independent.friction import LAWS
 from studies.blind.generators.independent.loop import chebyshev_step, stages_needed
-from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.independent.sensing import read
-from studies.blind.generators.independent.unknown_causes import FIRST
-from studies.blind.generators.independent.wear_test import Snapshot, grid_of, snapshots
+from studies.blind.generators.independent.wear_test import Snapshot, snapshots
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.independent.worlds import believed_world
 from studies.blind.generators.nominal import Nominal
@@ -88,12 +84,6 @@ def test_the_unworn_world_wears_in_proportion_to_the_shares() -> None:
     world = replace(STEEL, wear=replace(STEEL.wear, moving_share=0.2))
     [snapshot] = at(world, 2000, points=16)
     assert snapshot.shapes.moving.sum() / snapshot.shapes.fixed.sum() == pytest.approx(0.25, rel=1e-9)
-
-
-def test_jumps_are_converged() -> None:
-    coarse, fine = (next(snapshots(STEEL, [30000], 16, growth)) for growth in (1.3, 1.1))
-    assert coarse.shapes.fixed.max() == pytest.approx(fine.shapes.fixed.max(), rel=0.01)
-    assert coarse.loop.tangential_force_N.max() == pytest.approx(fine.loop.tangential_force_N.max(), rel=0.03)
 
 
 def test_a_stabilised_step_is_of_second_order_and_stable() -> None:
@@ -168,12 +158,6 @@ SIZES: dict[str, dict[str, float]] = {
 }
 
 
-def test_every_effect_is_tried_and_at_least_four_are_of_no_library() -> None:
-    """Those of the second family stand in test_blind_outside.py."""
-    assert set(SIZES) == set(LIBRARY) | set(FIRST)
-    assert len(FIRST) >= 4
-
-
 def with_effect(effect: str, world: World = STEEL) -> World:
     return changed(world, effect, SIZES[effect])
 
@@ -241,57 +225,3 @@ def test_roughness_softens_the_early_loop_and_wears_in() -> None:
     # δ0 loses C Q* with C = layer/(0.82 P).
     assert early == pytest.approx(5.0 / (0.82 * 2.0) * 1.24 * np.exp(-100 / 3000), rel=0.05)
     assert abs(late) < 0.05
-
-
-def test_a_wrong_angle_shows_in_the_skew_of_the_scar_only(nominal: dict[str, float]) -> None:
-    turned = with_effect("crossing_angle_error")
-    assert figures(turned, 1000) == pytest.approx(nominal, rel=0.01, abs=2e-3)
-    [plain], [skewed] = at(STEEL, 1000, points=16), at(turned, 1000, points=16)
-    grid = grid_of(turned, 16)
-    moments = [abs(grid.x_mm @ s.shapes.fixed.T @ grid.y_mm) / s.shapes.fixed.sum() for s in (plain, skewed)]
-    assert moments[1] > 100.0 * moments[0]
-
-
-def test_flattening_shows_in_the_scar_without_wear() -> None:
-    [flat] = at(with_effect("plasticity"), 1, points=16)
-    assert 1e3 * flat.shapes.fixed.max() == pytest.approx(1.0, abs=0.1)
-    assert 1e3 * flat.shapes.moving.max() == pytest.approx(1.0, abs=0.1)
-
-
-def test_debris_that_stays_makes_late_loops_softer_and_the_scar_deeper_in_the_middle() -> None:
-    [plain], [filled] = at(STEEL, 30000, points=16), at(with_effect("third_body"), 30000, points=16)
-    assert filled.shapes.fixed.max() > 1.03 * plain.shapes.fixed.max()
-
-
-def test_the_load_drifts_with_the_cycles() -> None:
-    drifting = figures(with_effect("normal_load_drift"), 50000)
-    assert drifting["load_N"] == pytest.approx(1.8, abs=0.03)
-
-
-@pytest.mark.parametrize("effect", FIRST)
-def test_effects_of_no_library_change_the_loop(effect: str) -> None:
-    [true], [other] = at(STEEL, 1000, points=12), at(with_effect(effect), 1000, points=12)
-    seen = [read(world, s.loop, 1000) for world, s in ((STEEL, true), (with_effect(effect), other))]
-    change = seen[1].tangential_force_N - seen[0].tangential_force_N
-    assert np.sqrt(np.mean(change**2)) > 0.01
-
-
-def test_a_rig_softer_than_the_stroke_is_refused() -> None:
-    with pytest.raises(ArithmeticError, match="does not slip"):
-        at(changed(STEEL, "tangential_compliance", {"stiffness_N_per_mm": 15.0}), 1)
-
-
-def test_the_size_of_a_gap_counts_what_the_record_holds() -> None:
-    case = next(
-        case
-        for case in planned_cases(400, 1, LIBRARY_EFFECTS, ())
-        if [effect.effect for effect in case.effects] == ["force_crosstalk"]
-    )
-    model = IndependentModel(points=12)
-    sizes = {}
-    for recorded in (True, False):
-        nuisances = replace(case.nuisances, has_normal_force=recorded, has_scars=recorded)
-        sizes[recorded] = model.differences(replace(case, nuisances=nuisances))
-    left = {name for name in sizes[True] if not name.startswith(("normal_force", "scar"))}
-    assert set(sizes[False]) == left < set(sizes[True])
-    assert all(sizes[False][name] == sizes[True][name] for name in left)

@@ -5,7 +5,6 @@ from functools import cache
 import numpy as np
 import pytest
 
-from studies.blind.errors import BlindError
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.loop import TrueLoop
@@ -17,8 +16,6 @@ from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.independent.worlds import believed_world
 from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.sizes import drawn_parameters
-from studies.blind.generators.tiers import generator_of
 from studies.blind.scoring.answers import OUTSIDE as UNKNOWN
 from studies.blind.scoring.judging import Truth, judged
 from tests.blind_answers import answer
@@ -54,14 +51,6 @@ def test_there_are_sixteen_kinds_and_more_in_two_halves_over_all_seams() -> None
     assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
     assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
     assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)
-
-
-@pytest.mark.parametrize("effect", OUTSIDE)
-def test_hard_sizes_are_smaller_than_easy_ones_and_all_can_be_applied(effect: str) -> None:
-    random = np.random.default_rng(1)
-    for ease in ("easy", "hard"):
-        for _ in range(5):
-            assert changed(STEEL, effect, drawn_parameters(effect, ease, Nominal(), random)) != STEEL
 
 
 def test_an_asymmetric_cell_stretches_one_sign_of_the_force() -> None:
@@ -143,22 +132,6 @@ def test_friction_breathes_and_wear_is_severe_for_a_while() -> None:
     wear = changed(STEEL, "severe_wear", {"factor": 4.0, "cycle": 1e4, "recovery_cycles": 5e3}).wear
     assert [wear.factor_at(cycle) for cycle in (9999.0, 1e4)] == [1.0, 4.0]
     assert wear.factor_at(1e5) == pytest.approx(1.0, abs=1e-6)
-
-
-def test_a_batch_draws_from_the_half_that_is_asked_for() -> None:
-    assert set(generator_of("T2", outside="sealed").outside) == set(SEALED)
-    assert set(generator_of("T2").outside) == set(FIRST)
-    with pytest.raises(BlindError, match="there is no set 'all' of causes"):
-        generator_of("T2", outside="all")
-    assert len(generator_of("T1", outside="sealed").outside) >= 4
-    assert set(generator_of("T1", outside="sealed").outside) < set(SEALED)
-    assert set(generator_of("T1", outside="unseen").outside) < set(generator_of("T2", outside="unseen").outside)
-    assert generator_of("T1").outside == ("debris_ejection", "thermal_gain_drift", "saturating_force_cell")
-    assert generator_of("T1").description in generator_of("T1", outside="unseen").description
-    assert "another set" not in generator_of("T1").description
-    for tier in ("T1", "L1"):
-        with pytest.raises(BlindError, match=f"{tier} has no set 'development' of causes"):
-            generator_of(tier, outside="development")
 
 
 def test_an_effect_that_another_one_contains_cannot_be_unexplained() -> None:

@@ -7,28 +7,21 @@ import numpy as np
 import pytest
 
 from studies.blind.generators.ageing import Hanging
-from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
-from studies.blind.generators.independent.marks import Remounted, Spalled
 from studies.blind.generators.independent.reserved import RESERVED
 from studies.blind.generators.independent.unknown_causes import OUTSIDE_SETS
 from studies.blind.generators.independent.wear_test import grid_of, snapshots
 from studies.blind.generators.instruments import Signals
 from studies.blind.generators.sizes import DRAWS
 from studies.blind.generators.strokes import since_reversal
-from studies.blind.generators.tiers import generator_of
-from studies.blind.options import SETS_OF_CAUSES
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
-from tests.reserved_causes import AT_SEAMS, LOADS, NOTHING, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
+from tests.reserved_causes import LOADS, NOTHING, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ, require_read_alike
 from tests.withheld_causes import (
     Array,
     drawn,
     gaps_in_scatters,
-    require_alike_at_seams,
-    require_same_of_uneven_samples,
-    require_sizes_for_all_tests,
     require_traceless,
     require_untouched,
     seen,
@@ -41,9 +34,6 @@ BLOCK = replace(LOOP, tangential_force_N=np.asarray(1.2 * np.sign(np.cos(TURN + 
 PASSED, DIRECTION = since_reversal(LOOP)
 STIFF = replace(LOOP, tangential_force_N=np.asarray(1.2 * DIRECTION * np.clip(PASSED / 0.3 - 1.0, -1.0, 1.0)))
 FORTH, BACK = np.cos(TURN) > 0.05, np.cos(TURN) < -0.05
-
-#: What is worn or brought along at a place of its own: a finite element run has no seam for it.
-OF_T2_ALONE = set(RESERVED) - {*READ, *AT_SEAMS}
 
 
 def factor_on_force(found: Signals, of: Signals = BLOCK) -> Array:
@@ -72,16 +62,6 @@ def test_the_normal_force_is_another_under_other_loads_alone(effect: str) -> Non
     if effect in LOADS:
         ratio = found.normal_force_N / LOOP.normal_force_N
         assert found.tangential_force_N == pytest.approx(LOOP.tangential_force_N * ratio)
-
-
-@pytest.mark.parametrize("effect", sorted(set(READ) - ONE_WAY_IN_DISPLACEMENT))
-def test_the_displacement_is_left_by_all_but_its_sensors(effect: str) -> None:
-    assert (seen(effect, **drawn(effect)).displacement_um == LOOP.displacement_um).all()
-
-
-@pytest.mark.parametrize("effect", READ)
-def test_samples_at_uneven_times_are_read_as_those_at_even_ones(effect: str) -> None:
-    require_same_of_uneven_samples(effect)
 
 
 def test_an_encoder_errs_alike_a_line_of_its_scale_further() -> None:
@@ -242,16 +222,6 @@ def test_a_wire_put_back_turned_has_its_scar_aside_and_is_worn_in_anew() -> None
     assert means[1] > 0.01
 
 
-def test_incidents_at_one_cycle_both_happen_and_those_after_the_test_do_not() -> None:
-    pit, turn = Spalled(500.0, 3e-3, 0.03, 0.0, 0.0), Remounted(500.0, 0.02)
-    together, *_ = snapshots(replace(STEEL, incidents=(pit, turn)), [500], 10)
-    alone, *_ = snapshots(replace(STEEL, incidents=(pit,)), [500], 10)
-    never, *_ = snapshots(replace(STEEL, incidents=(replace(pit, cycle=501.0),)), [500], 10)
-    plain, *_ = snapshots(STEEL, [500], 10)
-    assert np.abs(together.shapes.fixed - alone.shapes.fixed).max() > 1e-3
-    assert (never.shapes.fixed == plain.shapes.fixed).all()
-
-
 def test_a_groove_lies_along_the_fixed_wire_and_leaves_the_other_whole() -> None:
     world = changed(STEEL, "grooved_wire", {"depth_um": 2.0, "half_width_um": 40.0, "aside_um": 15.0})
     fresh, *_ = snapshots(world, [0], 16)
@@ -273,22 +243,6 @@ def test_there_are_fourteen_kinds_and_more_at_all_seams_that_no_other_set_has() 
     assert not set(RESERVED) & {*earlier, *LIBRARY_EFFECTS}
 
 
-def test_a_batch_draws_from_the_set_and_ten_kinds_are_also_of_finite_elements() -> None:
-    assert tuple(OUTSIDE_SETS) == SETS_OF_CAUSES
-    assert generator_of("T2", outside="reserved").outside == tuple(RESERVED)
-    for tier in ("T0", "T1"):
-        assert len(generator_of(tier, outside="reserved").outside) >= 10
-    assert set(OF_RUNS["reserved"]) == set(RESERVED) - OF_T2_ALONE
-    assert {OUTSIDE_SEAMS[effect] for effect in OF_T2_ALONE} == {"wear", "specimens"}
-
-
-@pytest.mark.parametrize("tier", ["T1", "T2"])
-def test_manifests_name_the_set_no_more_than_any_other(tier: str) -> None:
-    descriptions = {generator_of(tier, outside=one).description for one in ("withheld", "reserved")}
-    assert len(descriptions) == 1
-    assert not any(effect in one for effect in RESERVED for one in descriptions)
-
-
 @pytest.mark.parametrize("effect", RESERVED)
 def test_records_are_the_same_again_and_their_files_of_one_size_without_the_cause(effect: str, tmp_path: Path) -> None:
     require_traceless(effect, RESERVED, tmp_path)
@@ -299,19 +253,9 @@ def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
     require_untouched(effect, NOTHING[effect])
 
 
-@pytest.mark.parametrize("effect", RESERVED)
-def test_sizes_can_be_drawn_and_run_for_tests_of_every_kind(effect: str) -> None:
-    require_sizes_for_all_tests(effect)
-
-
 @pytest.mark.parametrize("effect", READ)
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     require_read_alike(effect, drawn(effect))
-
-
-@pytest.mark.parametrize("effect", AT_SEAMS)
-def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(effect: str) -> None:
-    require_alike_at_seams(effect)
 
 
 @pytest.mark.slow

@@ -2,30 +2,23 @@
 
 import ast
 import json
-import time
 from collections import Counter
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from studies.blind import Truth, default_key_path, generator_of, make_batch, score_batch, verified
+from studies.blind import default_key_path, make_batch, score_batch
 from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
-from studies.blind.batch import diagnosing_tasks, oracle_tasks, run_tasks
+from studies.blind.batch import diagnosing_tasks
 from studies.blind.compare import main as compare
-from studies.blind.errors import BlindError
-from studies.blind.forest import features, label, main, said, trained
 from studies.blind.generators.cases import Case, exact_class, planned_cases
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.model import IndependentModel
-from studies.blind.generators.nominal import MOST_LOST, WIDEST_SCAR, drawn_nominals
-from studies.blind.generators.owners import EARLIER_TESTS, OwnersWhoKnow, estimated
+from studies.blind.generators.owners import OwnersWhoKnow
 from tests.blind_batches import PlainModel
 from tests.test_house import ROOT, imported_modules
-from wirewear import read_record
-from wirewear.base.engine import LocalProcesses
 
 OUTSIDE = PlainModel().outside
 
@@ -67,14 +60,6 @@ def test_cases_that_leave_their_effect_out_hide_among_others_that_leave_out_one_
             assert not {effect.effect for effect in case.effects} & set(case.left_out)
 
 
-def test_nominal_tests_slip_and_keep_their_scars_inside_the_wire() -> None:
-    for nominal in drawn_nominals(50, np.random.default_rng(0)):
-        assert nominal.expected_scar_mm < WIDEST_SCAR * nominal.diameter_mm / 2
-        if nominal.stiffness_N_per_mm is not None:
-            lost_um = 1e3 * nominal.friction * nominal.load_N / nominal.stiffness_N_per_mm
-            assert lost_um < MOST_LOST * nominal.amplitude_um
-
-
 def test_what_a_record_looks_like_depends_on_seed_and_place_not_on_its_effect() -> None:
     planned = planned_cases(60, 4, LIBRARY_EFFECTS, OUTSIDE)
     others = planned_cases(60, 4, LIBRARY_EFFECTS[:9], ())
@@ -106,37 +91,6 @@ def test_the_stated_share_of_records_states_all_of_the_scatter_and_the_others_ar
             np.array_equal(a.displacement_um, b.displacement_um) for a, b in zip(made.loops, plain.loops, strict=True)
         )
     assert 2 <= stating <= 10
-
-
-def test_an_owner_states_the_same_whatever_effect_there_is() -> None:
-    own = OwnersWhoKnow(MODEL, 1.0)
-    case = next(one for one in cases() if one.kind == "single")
-    without = replace(case, kind="none", ease=None, effects=())
-    assert own.make(case).record.tables.scatter == own.make(without).record.tables.scatter
-
-
-def test_what_an_owner_states_is_off_as_a_standard_deviation_of_ten_tests_is() -> None:
-    nuisances, random = cases()[0].nuisances, np.random.default_rng(3)
-    ratios = np.array([estimated(nuisances, random).wear for _ in range(2000)]) / nuisances.scatter.wear
-    assert np.mean(ratios**2) == pytest.approx(1.0, abs=0.05)
-    assert np.std(ratios) == pytest.approx(np.sqrt(0.5 / (EARLIER_TESTS - 1)), rel=0.1)
-
-
-@pytest.mark.slow
-def test_a_batch_says_in_how_many_records_scatter_is_stated_and_goes_on_with_the_same_share_only(
-    tmp_path: Path,
-) -> None:
-    make_batch(tmp_path / "records", cases=3, seed=2, generator=OwnersWhoKnow(MODEL, 1.0), tests=2)
-    manifest = (tmp_path / "records" / "manifest.json").read_text(encoding="utf-8")
-    assert "stated in 100% of the records" in manifest
-    assert read_record(tmp_path / "records" / "case_001").tables.scatter.wear is not None
-    with pytest.raises(BlindError, match="other arguments"):
-        make_batch(tmp_path / "records", cases=3, seed=2, generator=MODEL, tests=2)
-
-
-def test_line_contacts_state_none() -> None:
-    with pytest.raises(BlindError, match="state no scatter"):
-        generator_of("L1", stated_scatter=0.5)
 
 
 def imports_of(file: Path) -> set[str]:
@@ -203,10 +157,6 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def truths_of(batch: Path) -> tuple[Truth, ...]:
-    return verified(batch, default_key_path(batch)).truths
-
-
 def test_only_records_without_an_answer_are_still_to_be_diagnosed(records: Path, tmp_path: Path) -> None:
     assert len(diagnosing_tasks(records, tmp_path)) == 30
     write_json(tmp_path / "case_003" / DIAGNOSIS, {})
@@ -215,50 +165,6 @@ def test_only_records_without_an_answer_are_still_to_be_diagnosed(records: Path,
     names = [task.args[0].name for task in diagnosing_tasks(records, tmp_path)]  # type: ignore[attr-defined]
     assert len(names) == 28
     assert not {"case_003", "case_005"} & set(names)
-
-
-def test_a_diagnosis_is_told_what_to_leave_out_and_nothing_else(records: Path, tmp_path: Path) -> None:
-    cases = json.loads((records / "manifest.json").read_text())["cases"]
-    for task in diagnosing_tasks(records, tmp_path):
-        record, left_out, diagnoses = task.args  # type: ignore[attr-defined]
-        assert (list(left_out), diagnoses) == (cases[record.name]["left_out"], tmp_path)
-
-
-def test_the_oracle_is_asked_about_known_effects_only(records: Path, tmp_path: Path) -> None:
-    asked = {task.args[0].name: task.args[1] for task in oracle_tasks(records, default_key_path(records), tmp_path)}  # type: ignore[attr-defined]
-    assert asked == {t.case: t.effects for t in truths_of(records) if t.kind in ("single", "pair")}
-
-
-def test_no_record_is_begun_when_the_time_is_up() -> None:
-    assert run_tasks([], LocalProcesses(1), "nothing", time.monotonic() - 1.0)
-    assert not run_tasks([lambda: None], LocalProcesses(1), "something", time.monotonic() - 1.0)
-
-
-@pytest.mark.slow
-def test_a_forest_that_saw_such_records_answers_better_than_the_commonest_answer(records: Path, tmp_path: Path) -> None:
-    training = tmp_path / "training"
-    make_batch(training, cases=80, seed=11, generator=PlainModel())
-    truths = truths_of(records)
-    ran = CliRunner().invoke(main, [str(training), str(records), str(tmp_path / "answers")])
-    assert ran.exit_code == 0, ran.output
-    found = {
-        path.parent.name: json.loads(path.read_text()) for path in tmp_path.glob("answers/baselines/random_forest/*/*")
-    }
-    assert set(found) == {truth.case for truth in truths}
-    first = [found[t.case]["causes"][0]["effect"] for t in truths if t.kind in ("none", "single")]
-    right = [label(t) for t in truths if t.kind in ("none", "single")]
-    share = np.mean(np.array(first) == np.array(right))
-    assert share > max(right.count(name) for name in right) / len(right)
-
-
-def test_what_is_left_out_counts_as_outside_the_library(records: Path) -> None:
-    forest = trained(records, truths_of(records)[:20])
-    record = read_record(records / "case_021")
-    answer = said(forest, record, ())
-    every = said(forest, record, [name for name in forest.classes_ if name != "none"])
-    assert sum(cause["probability"] for cause in answer["causes"]) == pytest.approx(1.0)
-    assert {cause["effect"] for cause in every["causes"]} == {"none", "outside_library"}
-    assert np.isfinite(features(record)).all()
 
 
 def test_a_score_keeps_every_case_and_is_set_beside_others(tmp_path: Path) -> None:

@@ -11,9 +11,7 @@ from studies.blind import make_batch
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import record_hash, write_traceless
 from studies.blind.generators.generator import Generator
-from studies.blind.generators.independent import fair_size as fair_size_module
 from studies.blind.generators.independent.fair_size import fair_size
-from studies.blind.generators.independent.friction import LAWS
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, Scatter
@@ -44,7 +42,6 @@ SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
 
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 
-SATURATED = TrueEffect("saturating_force_cell", {"loss_at_plateau": 0.1})
 
 LAST_DIGITS = slice(9, None, 7)
 
@@ -56,10 +53,6 @@ def case(kind: str, *effects: TrueEffect, left_out: tuple[str, ...] = ()) -> Cas
     return Case("a case", kind, "easy", effects, left_out, Nominal(cycles=20_000), NUISANCES, 1)
 
 
-def test_without_an_effect_there_is_no_gap() -> None:
-    assert fair_size(case("none"), MODEL) == 0.0
-
-
 @pytest.mark.slow
 def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
     whole = fair_size(case("single", SPRING), MODEL)
@@ -69,44 +62,10 @@ def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
 
 
 @pytest.mark.slow
-def test_an_effect_that_may_not_be_named_imitates_nothing() -> None:
-    allowed = fair_size(case("left_out", SPRING), MODEL)
-    barred = fair_size(case("left_out", SPRING, left_out=("tangential_compliance",)), MODEL)
-    assert allowed < 1e-3
-    assert barred > 100.0
-
-
-@pytest.mark.slow
 def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> None:
     pair = fair_size(case("pair", SPRING, SLIPPERY), MODEL)
     both = fair_size(case("single", SPRING, SLIPPERY), MODEL)
     assert 1.0 < pair < both
-
-
-@pytest.mark.slow
-def test_a_saturating_force_cell_is_imitated_in_part_by_less_friction() -> None:
-    seen = fair_size(case("single", SATURATED), MODEL)
-    left = fair_size(case("outside", SATURATED), MODEL)
-    assert 1.0 < left < 0.9 * seen
-
-
-@pytest.mark.slow
-def test_what_moves_the_force_as_its_zero_does_is_no_larger_than_a_zero_may_be() -> None:
-    """A crosstalk of 0.4 % of the load: less than one force zero of 1 % of 0.7 times the load."""
-    crossed = TrueEffect("force_crosstalk", {"coefficient": 0.004})
-    assert fair_size(case("single", crossed), MODEL) < 1.5
-
-
-@pytest.mark.slow
-def test_how_friction_is_mobilised_is_no_gap(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A stiff spring stands out less where the law of friction is not known: both act just after a reversal."""
-    stiff = case("single", TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 3000.0}))
-    unsure = fair_size(stiff, MODEL)
-    fair_size_module._by_other_laws.cache_clear()
-    monkeypatch.setattr(fair_size_module, "LAWS", {MODEL.law: LAWS[MODEL.law]})
-    sure = fair_size(stiff, MODEL)
-    fair_size_module._by_other_laws.cache_clear()
-    assert 1.0 < unsure < 0.8 * sure
 
 
 @pytest.mark.parametrize("share", [0.5, 2.0])

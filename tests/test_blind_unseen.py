@@ -7,17 +7,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solvers import WearRates
 from studies.blind.generators.ageing import Film
-from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from studies.blind.generators.finite_element.changes import changes_of, instruments_of
 from studies.blind.generators.finite_element.readings import read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
-from studies.blind.generators.independent.fair_size import fair_size
 from studies.blind.generators.independent.loop import TrueLoop
-from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.unknown_causes import OUTSIDE, SEALED, UNSEEN
 from studies.blind.generators.independent.wear_test import Snapshot, snapshots
@@ -28,7 +25,7 @@ from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.test_blind_finite_element import a_loop, plain_nuisances
-from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
+from wirewear.effects import Seam
 
 Array = NDArray[np.float64]
 Named = dict[str, float]
@@ -230,41 +227,3 @@ def require_read_alike(effect: str, parameters: Named) -> None:
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     parameters = drawn_parameters(effect, "easy", Nominal(), np.random.default_rng(1))
     require_read_alike(effect, parameters)
-
-
-@pytest.mark.parametrize(
-    "effect", ["film_breakthrough", "relaxing_load", "unequal_wear", "breathing_friction", "severe_wear"]
-)
-def test_both_tiers_have_the_same_friction_load_and_wear_at_every_cycle(effect: str) -> None:
-    parameters = drawn_parameters(effect, "easy", Nominal(), np.random.default_rng(2))
-    world = changed(STEEL, effect, parameters)
-    changes = changes_of([TrueEffect(effect, parameters)], QUIET)
-    for cycle in (0.0, 10.0, 1000.0, 1e5):
-        age = Age(cycle, 0.0)
-        friction = applied(changes, Seam.CONTACT, ContactLaw(0.62), age).friction
-        assert friction == pytest.approx(world.friction.at(cycle))
-        load = applied(changes, Seam.LOADING, Loading(2.0), age).normal_load_N
-        assert load == pytest.approx(world.loading.load_at(cycle))
-        rates = applied(changes, Seam.WEAR, WearRates(0.5, 0.5), age)
-        share, factor = world.wear.moving_share, world.wear.factor_at(cycle)
-        assert rates.lower_mm3_per_mJ == pytest.approx(share * factor)
-        assert rates.upper_mm3_per_mJ == pytest.approx((1.0 - share) * factor)
-
-
-def test_uneven_times_are_filtered_as_even_ones() -> None:
-    uneven = np.unique(np.concatenate([TURN[::3], TURN[1::7]]))
-    rows = np.searchsorted(TURN, uneven)
-    names = ("time_s", "displacement_um", "tangential_force_N", "normal_force_N")
-    thinned = replace(LOOP, **{name: getattr(LOOP, name)[rows] for name in names})
-    found = seen("leaking_charge", thinned, time_s=0.3).tangential_force_N
-    assert found == pytest.approx(seen("leaking_charge", time_s=0.3).tangential_force_N[rows], abs=5e-3)
-
-
-@pytest.mark.slow
-def test_fair_sizes_are_found_for_unseen_causes() -> None:
-    model = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
-    nuisances = replace(plain_nuisances(), drive="stroke", has_scars=True, has_normal_force=True)
-    test = Nominal(cycles=20_000)
-    for effect in ("hooked_friction", "unequal_wear", "one_sided_holder"):
-        true = TrueEffect(effect, drawn_parameters(effect, "easy", test, np.random.default_rng(1)))
-        assert fair_size(Case("a case", "outside", "easy", (true,), (), test, nuisances, 1), model) > 1.0, effect

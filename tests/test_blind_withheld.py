@@ -1,37 +1,24 @@
 """Causes of the withheld set: at all seams, the same again, without a trace, in both tiers alike, and how large."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from studies.blind.generators.ageing import Growth, Shedding, Steps, Swing
-from studies.blind.generators.cases import Case, TrueEffect, planned_cases
-from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
-from studies.blind.generators.independent.fair_size import fair_size
-from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.independent.unknown_causes import DEVELOPMENT, FIRST, SEALED, UNSEEN
 from studies.blind.generators.independent.wear_test import grid_of, snapshots
 from studies.blind.generators.independent.withheld import WITHHELD
-from studies.blind.generators.nominal import Nominal
-from studies.blind.generators.sizes import drawn_parameters
-from studies.blind.generators.tiers import generator_of
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
-from tests.test_blind_finite_element import plain_nuisances
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ, require_read_alike
 from tests.withheld_causes import (
-    AT_SEAMS,
     NOTHING,
     ONE_WAY,
     READ,
     drawn,
     gaps_in_scatters,
-    require_alike_at_seams,
-    require_same_of_uneven_samples,
-    require_sizes_for_all_tests,
     require_traceless,
     require_untouched,
     seen,
@@ -209,11 +196,6 @@ def test_a_flat_section_makes_a_wide_scar_and_one_on_edge_a_narrow_one() -> None
     assert width(crown_factor=0.5) < width() < width(crown_factor=2.0)
 
 
-@pytest.mark.parametrize("effect", READ)
-def test_samples_at_uneven_times_are_read_as_those_at_even_ones(effect: str) -> None:
-    require_same_of_uneven_samples(effect)
-
-
 def test_there_are_twelve_kinds_and_more_at_all_seams_that_no_other_set_has() -> None:
     seams = [OUTSIDE_SEAMS[effect] for effect in WITHHELD]
     assert len(WITHHELD) >= 12
@@ -221,28 +203,6 @@ def test_there_are_twelve_kinds_and_more_at_all_seams_that_no_other_set_has() ->
     assert set(seams) == set(Seam)
     assert set(NOTHING) == set(WITHHELD)
     assert not set(WITHHELD) & {*FIRST, *DEVELOPMENT, *SEALED, *UNSEEN, *LIBRARY_EFFECTS}
-
-
-def test_a_batch_draws_from_the_set_and_eight_kinds_are_also_of_finite_elements() -> None:
-    assert generator_of("T2", outside="withheld").outside == tuple(WITHHELD)
-    for tier in ("T0", "T1"):
-        assert len(generator_of(tier, outside="withheld").outside) >= 8
-    assert set(OF_RUNS["withheld"]) == {*READ, *AT_SEAMS} < set(WITHHELD)
-    assert {OUTSIDE_SEAMS[effect] for effect in OF_RUNS["withheld"]} == set(Seam) - {"specimens"}
-
-
-@pytest.mark.parametrize("tier", ["T1", "T2"])
-def test_manifests_name_the_set_no_more_than_any_other(tier: str) -> None:
-    descriptions = {generator_of(tier, outside=one).description for one in ("sealed", "unseen", "withheld")}
-    assert len(descriptions) == 1
-    assert not any(effect in one for effect in WITHHELD for one in descriptions)
-
-
-def test_planned_cases_are_the_same_again_and_look_alike_whatever_set_they_draw_from() -> None:
-    plans = [planned_cases(40, 6, LIBRARY_EFFECTS, tuple(outside)) for outside in (WITHHELD, WITHHELD, UNSEEN)]
-    assert plans[0] == plans[1]
-    looks = [[(case.nominal, case.nuisances, case.seed) for case in plan] for plan in plans]
-    assert looks[0] == looks[2]
 
 
 @pytest.mark.parametrize("effect", ["crossover_distortion", "loose_plug", "opening_joint", "used_wire"])
@@ -255,19 +215,9 @@ def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
     require_untouched(effect, NOTHING[effect])
 
 
-@pytest.mark.parametrize("effect", WITHHELD)
-def test_sizes_can_be_drawn_and_run_for_tests_of_every_kind(effect: str) -> None:
-    require_sizes_for_all_tests(effect)
-
-
 @pytest.mark.parametrize("effect", READ)
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     require_read_alike(effect, drawn(effect))
-
-
-@pytest.mark.parametrize("effect", AT_SEAMS)
-def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(effect: str) -> None:
-    require_alike_at_seams(effect)
 
 
 @pytest.mark.slow
@@ -277,13 +227,3 @@ def test_sizes_of_gaps_lie_about_two_to_twenty_scatters() -> None:
         assert size["hard"] < size["easy"], effect
         assert 0.5 < size["hard"] < 15.0, effect
         assert 4.0 < size["easy"] < 50.0, effect
-
-
-@pytest.mark.slow
-def test_fair_sizes_are_found_for_withheld_causes() -> None:
-    model = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
-    nuisances = replace(plain_nuisances(), drive="stroke", has_scars=True, has_normal_force=True)
-    test = Nominal(cycles=20_000)
-    for effect in ("hard_spot", "wearing_pivot", "used_wire"):
-        true = TrueEffect(effect, drawn_parameters(effect, "easy", test, np.random.default_rng(1)))
-        assert fair_size(Case("a case", "outside", "easy", (true,), (), test, nuisances, 1), model) > 1.0, effect

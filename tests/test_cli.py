@@ -1,6 +1,5 @@
 """The command line passes on what was asked, and ends foreseeable errors in one sentence and an exit code."""
 
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +13,7 @@ from solvers import SolverError
 from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import ResultError, RunError, __version__, write_result
-from wirewear.faces import cli, default_output
+from wirewear.faces import cli
 from wirewear.results import RunResult
 
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
@@ -65,13 +64,6 @@ def test_run_takes_the_standard_fidelity_and_a_folder_named_after_the_study(
     assert asked["study"].variant_names == ("rigid",)
 
 
-def test_run_passes_on_fidelity_variant_output_and_resume(study_file: Path, asked: dict[str, Any]) -> None:
-    result = wirewear("run", study_file, "--fidelity", "fine", "--variant", "rigid", "--output", "out", "--resume")
-    assert result.exit_code == 0, result.output
-    assert (asked["fidelity"], asked["output"], asked["resume"]) == ("fine", Path("out"), True)
-    assert asked["study"].variant_name == "rigid"
-
-
 @pytest.mark.parametrize(
     ("status", "words"), [("complete", "a complete result, and"), ("running", "an unfinished result, and")]
 )
@@ -90,24 +82,6 @@ def test_run_takes_the_place_of_no_result_unless_it_is_told_to(
         assert wirewear("run", study_file, "--output", tmp_path / "out", option).exit_code == 0
 
 
-def test_what_cannot_be_read_is_no_result_that_could_be_lost(
-    study_file: Path, tmp_path: Path, asked: dict[str, Any]
-) -> None:
-    (tmp_path / "out").mkdir()
-    (tmp_path / "out" / "result.h5").write_bytes(b"junk")
-    assert wirewear("run", study_file, "--output", tmp_path / "out").exit_code == 0
-    assert asked
-
-
-def test_show_prints_where_the_pictures_are(asked: dict[str, Any]) -> None:
-    result = wirewear("show", "runs/a", "--output", "pictures")
-    assert result.stdout.splitlines() == ["loops.png", "scars.png"]
-    assert (asked["result"], asked["output"]) == (Path("runs/a"), Path("pictures"))
-    assert (asked["ending"], asked["moving"]) == ("png", False)
-    wirewear("show", "runs/a", "--format", "svg", "--animation")
-    assert (asked["ending"], asked["moving"]) == ("svg", True)
-
-
 @pytest.mark.parametrize(
     "error",
     [RunError("no space."), ResultError("no result."), GeometryError("a bad element."), SolverError("no convergence.")],
@@ -120,37 +94,6 @@ def test_every_error_of_ours_ends_in_its_sentence_and_exit_code_2(
         assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"wirewear: {error}\n")
 
 
-def test_a_mistake_in_the_study_is_told_before_anything_runs(study_file: Path, asked: dict[str, Any]) -> None:
-    study_file.write_text(MINIMAL.replace("friction = 0.62", "friction = -1"), encoding="utf-8")
-    result = wirewear("run", study_file)
-    assert result.exit_code == 2
-    assert result.stderr == f"wirewear: friction in [contact] of {study_file} is -1, but must lie between 0 and 2.\n"
-    assert asked == {}
-
-
-def test_an_unknown_variant_is_answered_with_the_known_ones(study_file: Path, asked: dict[str, Any]) -> None:
-    result = wirewear("run", study_file, "--variant", "soft")
-    assert result.exit_code == 2
-    assert "no variant 'soft': its variants are rigid." in result.stderr
-    assert asked == {}
-
-
-def test_an_interrupted_run_says_how_to_go_on(study_file: Path, asked: dict[str, Any]) -> None:
-    asked["raises"] = KeyboardInterrupt()
-    result = wirewear("run", study_file)
-    assert result.exit_code == 130
-    assert "--resume" in result.stderr
-
-
-def test_a_programming_error_is_not_disguised(study_file: Path, asked: dict[str, Any]) -> None:
-    asked["raises"] = ZeroDivisionError()
-    assert isinstance(wirewear("run", study_file).exception, ZeroDivisionError)
-
-
-def test_a_study_file_of_another_name_gives_its_own_name_to_the_results() -> None:
-    assert default_output(Path("somewhere/soft_rig.toml")) == Path("runs/soft_rig")
-
-
 def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
     command = Path(sys.executable).with_name("wirewear")
     version = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)
@@ -158,17 +101,6 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
     missing = subprocess.run([command, "run", "none.toml"], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert missing.returncode == 2
     assert missing.stderr == "wirewear: there is no study file none.toml.\n"
-
-
-def test_python_runs_the_package_as_the_command() -> None:
-    run = subprocess.run([sys.executable, "-m", "wirewear", "--version"], capture_output=True, text=True, check=True)
-    assert run.stdout == f"wirewear, version {__version__}\n"
-
-
-def test_the_list_of_commands_holds_whole_sentences() -> None:
-    _, listed = wirewear("--help").output.split("Commands:\n")
-    assert "..." not in listed
-    assert len(re.findall(r"\.$", listed, re.MULTILINE)) == len(re.findall(r"^  \w", listed, re.MULTILINE))
 
 
 def test_help_loads_nothing_that_computes() -> None:

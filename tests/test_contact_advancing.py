@@ -19,7 +19,7 @@ from solvers.fretting import anew
 from solvers.guide import FirstGuess
 from solvers.newton import outcome
 from solvers.placement import place
-from tests.bodies import FRICTION, LOAD_N, condensed_wire, crossed_wires, driven, pressed
+from tests.bodies import LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped
 from wirewear import parse_study
@@ -79,20 +79,6 @@ def test_where_the_rim_falls_between_nodes_does_not_show(edge: float) -> None:
     assert largest_within(np.outer(_band(edge), _band(12.0))) == pytest.approx(1.0, abs=0.26)
 
 
-def test_the_peak_of_a_smooth_pressure_is_that_of_its_node() -> None:
-    x = np.arange(-5, 6) / 4.2
-    squared = 1.0 - x[:, None] ** 2 - x**2
-    assert largest_within(np.sqrt(np.maximum(squared, 0.0))) == 1.0
-
-
-def test_a_node_alone_counts_by_what_its_load_comes_to_over_elements() -> None:
-    alone = np.zeros((5, 5))
-    alone[2, 2] = 8.0
-    assert largest_within(alone) == 2.0
-    assert largest_within(np.array([[0.0], [3.0], [0.0]])) == 1.5
-    assert largest_within(np.zeros((4, 4))) == 0.0
-
-
 @pytest.mark.parametrize(("slip_mm", "told"), [(1e-6, 0.1), (1e-17, 0.0)])
 def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
     monkeypatch: pytest.MonkeyPatch, slip_mm: float, told: float
@@ -137,10 +123,6 @@ def forces(problem: ContactProblem) -> list[float]:
 def test_motion_across_the_lower_wire_is_motion_along_the_upper_one() -> None:
     swapped = replace(turned(90.0), primary_is_upper=False)
     assert forces(swapped) == pytest.approx(forces(turned(0.0)), abs=1e-6 * LOAD_N)
-
-
-def test_equal_crossed_wires_answer_alike_in_every_direction() -> None:
-    assert forces(turned(45.0)) == pytest.approx(forces(turned(0.0)), abs=0.01 * FRICTION * LOAD_N)
 
 
 def test_the_fine_patches_reach_as_far_as_the_crossing_of_the_crowns_travels_along_each_wire() -> None:
@@ -192,15 +174,6 @@ def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(
     assert state.drive == pytest.approx(1.0)
     assert len(reports) == 2
     assert [guessed for _, guessed in calls] == [True, False, False]
-
-
-def test_an_increment_is_cut_as_far_as_it_needs(monkeypatch: pytest.MonkeyPatch, problem: ContactProblem) -> None:
-    solve, _ = solved(longest_mm=0.13, misleading=False)
-    monkeypatch.setattr(advancing, "solve_increment", solve)
-    start: Any = At(0.0)
-    state, reports = advance(problem, start, 1.0, 0.0)
-    assert state.drive == pytest.approx(1.0)
-    assert len(reports) == 8
 
 
 def test_an_increment_that_no_cut_helps_fails_with_the_place_and_the_reason(

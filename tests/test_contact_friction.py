@@ -61,17 +61,6 @@ def test_equations_that_changed_are_solved_whatever_the_change(change: float) ->
         assert found == pytest.approx(exact, rel=1e-7, abs=1e-9 * np.abs(exact).max())
 
 
-def test_a_small_change_needs_no_new_factors(monkeypatch: pytest.MonkeyPatch) -> None:
-    similar, every = SimilarEquations(), np.arange(COUNT)
-    assert solved(similar, matrix(), np.delete(every, 7)) is not None
-    monkeypatch.setattr("solvers.wear_step.similar_equations.lapack.dgetrf", None)
-    assert solved(similar, matrix(2, 1e-6), every) is not None
-
-
-def test_singular_equations_have_no_solution() -> None:
-    assert solved(SimilarEquations(), np.zeros((COUNT, COUNT)), np.arange(COUNT)) is None
-
-
 @pytest.fixture(scope="module")
 def mindlin() -> PartialSlipPoint:
     steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
@@ -234,12 +223,3 @@ def test_swapped_roles_give_the_same_loop_within_mesh_error(rig: ContactProblem,
     _, reports = driven(swapped, pressed(swapped)[0], sines(count))
     assert forces(reports) == pytest.approx(forces(gross_slip[1][:count]), abs=0.01 * LIMIT_N)
     assert works(reports).sum() == pytest.approx(works(gross_slip[1][:count]).sum(), rel=0.01)
-
-
-def test_a_very_stiff_rig_is_a_rigid_one() -> None:
-    drives = sines(PER_CYCLE // 2)[::3]
-    found = []
-    for stiffness in (None, 1e9):
-        problem = crossed_wires(COARSE_mm, long_patch=True, rig_N_per_mm=stiffness)
-        found.append(forces(driven(problem, pressed(problem)[0], drives)[1]))
-    assert found[1] == pytest.approx(found[0], abs=1e-4 * LIMIT_N)

@@ -8,13 +8,12 @@ from threadpoolctl import threadpool_limits
 
 from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
-from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
+from solvers.contact_layer import RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, WearState
-from solvers.errors import SolverError
 from solvers.fretting import first_quarter
 from solvers.holder import Holder
 from solvers.wear import WearRates
-from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
+from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear.loops.area import enclosed_area
 
 COARSE_mm = 0.010
@@ -125,17 +124,6 @@ def test_roughness_makes_the_stick_branch_soft_and_stiffens_with_the_load(smooth
     assert stick_stiffness(worn_in) == pytest.approx(stick_stiffness(rigid), rel=1e-4)
 
 
-def test_sliding_through_a_layer_takes_the_same_force(smooth: ContactProblem) -> None:
-    found = []
-    for layers in ((), (ROUGH,), (ThirdBody(0.3, 2000.0),)):
-        problem = replace(smooth, layers=layers)
-        _, reports = driven(problem, pressed(problem)[0], STEPS)
-        found.append(reports[-1][-1].tangential_force)
-        assert max(piece.force_error for pieces in reports for piece in pieces) < 1e-9
-    assert found == pytest.approx([found[0]] * 3, rel=5e-3)
-    assert found[0] == pytest.approx(FRICTION * LOAD_N, rel=0.02)
-
-
 def test_a_loop_through_a_thick_rough_layer_encloses_its_friction_work(smooth: ContactProblem) -> None:
     problem = replace(smooth, layers=(RoughLayer(4e-4, 100.0),))
     with threadpool_limits(1, user_api="blas"):
@@ -166,25 +154,3 @@ def test_neutral_layers_change_nothing(smooth: ContactProblem, layer: RoughLayer
         results.append(states[-1])
     assert np.array_equal(results[0].traction, results[1].traction)
     assert np.array_equal(results[0].wear.primary_depth, results[1].wear.primary_depth)
-
-
-def test_layers_add_up_in_series() -> None:
-    worn, pressure = np.array([1e-3]), np.array([[0.0, 0.0, 200.0]])
-    both = layers_at_nodes((ROUGH, ThirdBody(0.5, 1000.0)), worn, pressure, np.array([[0.0, 0.0, 1.0]]))
-    assert both.closure(np.array([200.0]))[0][0] == pytest.approx(2e-4 * np.log(3.0) + 0.5e-3 * 0.2)
-
-
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        lambda _: RoughLayer(-1e-6),
-        lambda _: RoughLayer(1e-4, 0.0),
-        lambda _: ThirdBody(1.0),
-        lambda _: ThirdBody(0.5, -1.0),
-        lambda _: ThirdBody(0.5, 100.0, 0.5),
-        lambda problem: replace(problem, layers=(ThirdBody(0.6), ThirdBody(0.5))),
-    ],
-)
-def test_layers_that_cannot_be_are_refused(smooth: ContactProblem, wrong: object) -> None:
-    with pytest.raises(SolverError):
-        wrong(smooth)  # type: ignore[operator]

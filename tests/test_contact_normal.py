@@ -10,7 +10,7 @@ from click.testing import CliRunner
 
 from geometry import GradedAxis, WireGeometry, build_wire
 from solvers.condensation import condense
-from solvers.contact import ContactProblem, advance, press, unloaded_state
+from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import IncrementReport
 from solvers.errors import SolverError
 from solvers.holder import Holder
@@ -29,13 +29,12 @@ from tests.bodies import (
 from tests.studies import minimal
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
-from wirewear import RunResult, record_of_result
+from wirewear import RunResult
 from wirewear.faces import cli
-from wirewear.loops import LoopError, analyse_loop, position_resolved_friction
+from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import OPENS
 from wirewear.reference import Elastic, PointContact, contact_modulus, hertz_point
 from wirewear.results import write_result
-from wirewear.views.comparison import compare
 from wirewear.views.run_page import write_page
 
 COARSE_mm, FINE_mm = 0.010, 0.007
@@ -60,13 +59,6 @@ def test_a_loop_that_opens_has_all_figures_but_coefficients_of_friction() -> Non
     assert any("no normal force was given" in note for note in without.notes)
 
 
-def test_a_loop_that_dissipates_nothing_tells_no_friction_by_its_energy() -> None:
-    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(64) / 64)
-    figures = analyse_loop(displacement, np.where(np.abs(displacement) > 55.0, 1e-3 * displacement, 0.0), 1.0)
-    assert figures.dissipated_energy_mJ.value == 0.0
-    assert figures.friction_energy is None
-
-
 @pytest.mark.parametrize("samples", [16, 24, 40, 64, 96])
 def test_any_loop_of_a_contact_that_touches_for_a_part_of_the_stroke_is_analysed_or_refused(samples: int) -> None:
     phase = 2.0 * np.pi * np.arange(samples) / samples
@@ -86,12 +78,6 @@ def test_bodies_that_are_apart_for_most_of_the_cycle_are_said_to_be() -> None:
         analyse_loop(displacement, 1e-3 * displacement, np.maximum(np.abs(displacement) - 50.0, 0.0))
 
 
-def test_friction_by_position_needs_a_contact_that_stays_closed() -> None:
-    _, displacement, force = SyntheticLoop(Recipe()).sampled(200)
-    with pytest.raises(LoopError, match="this contact opens"):
-        position_resolved_friction(displacement, force, opening(200))
-
-
 @pytest.fixture
 def run() -> RunResult:
     """The last loop has opened, and pressed for less than half of it."""
@@ -102,13 +88,6 @@ def run() -> RunResult:
     barely = np.where(apart > 0.0, 1e-5 * last.displacement_um, 0.0)
     changed = dataclasses.replace(last, normal_force_N=apart, tangential_force_N=barely)
     return dataclasses.replace(made, loops=(*early, changed))
-
-
-def test_a_simulated_loop_that_cannot_be_analysed_is_left_out_of_a_comparison(run: RunResult) -> None:
-    record = record_of_result(dataclasses.replace(result(), study=minimal()))
-    comparison = compare(run, record)
-    assert [pair.cycle for pair in comparison.loops] == sorted(loop.cycle for loop in run.loops)[:-1]
-    assert any(f"the simulated loop of cycle {run.loops[-1].cycle} was left out" in note for note in comparison.notes)
 
 
 def test_commands_on_a_run_whose_wires_part_leave_out_what_cannot_be_told(run: RunResult, tmp_path: Path) -> None:
@@ -163,20 +142,6 @@ def test_the_contact_carries_the_load_and_nothing_sideways() -> None:
     assert report.complementarity < 1e-6
 
 
-def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
-    _, report = pressed(crossed_wires(FINE_mm))
-    assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-9)
-    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=FINE_mm)
-    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.1)
-
-
-def test_either_body_may_carry_the_tractions() -> None:
-    reports = [pressed(crossed_wires(FINE_mm, primary_is_upper=role)) for role in (True, False)]
-    (first_state, first), (second_state, second) = reports
-    assert second_state.holder_z == pytest.approx(first_state.holder_z, rel=1e-6)
-    assert second.max_pressure == pytest.approx(first.max_pressure, rel=1e-6)
-
-
 def test_frictionless_sliding_needs_no_force_and_does_no_work() -> None:
     problem = crossed_wires(COARSE_mm, long_patch=True, friction=0.0, wear=(1e-8, 1e-8))
     state, _ = pressed(problem)
@@ -206,26 +171,6 @@ def test_a_contact_that_reaches_the_edge_of_its_patch_is_an_error_with_the_place
     state, _ = pressed(problem)
     with pytest.raises(SolverError, match=r"patch of the lower body at a displacement of \d+\.\d+ um; give a larger"):
         driven(problem, state, np.linspace(0.005, 0.06, 12))
-
-
-def test_a_contact_moved_off_its_patch_at_once_is_an_error() -> None:
-    problem = crossed_wires(COARSE_mm)
-    state, _ = pressed(problem)
-    with pytest.raises(SolverError, match=r"patch|did not converge"):
-        advance(problem, state, 0.5, 0.0)
-
-
-@pytest.mark.parametrize("settings", [(0.0, 0.0, 0.0), (-1.0, 0.0, 0.0), (1.0, -1.0, 0.0), (1.0, 0.0, -1.0)])
-def test_an_impossible_holder_is_refused(settings: tuple[float, float, float]) -> None:
-    with pytest.raises(SolverError, match="must"):
-        Holder(*settings)
-
-
-def test_negative_friction_and_wear_are_refused() -> None:
-    with pytest.raises(SolverError, match="friction coefficient"):
-        crossed_wires(COARSE_mm, friction=-0.1)
-    with pytest.raises(SolverError, match="wear coefficients"):
-        WearRates(-1.0, 0.0)
 
 
 @pytest.mark.slow

@@ -7,15 +7,10 @@ import numpy as np
 import pytest
 
 from solvers import OxygenSupply, SolverError
-from solvers.oxygen import edge_distances
-from tests.studies import MINIMAL
 from tests.test_planar_study import TABLES
-from wirewear import StudyError
-from wirewear.effects import effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.results import RunResult
-from wirewear.study import parse_study
 
 STARVED = {"name": "contact_oxygenation", "supply_W": 0.01, "starved_factor": 0.2}
 
@@ -36,17 +31,6 @@ def test_oxygen_gets_as_far_as_the_root_of_its_supply_over_the_power_density() -
     for bad in ((0.0, 0.2, 1.0), (1.0, -0.1, 1.0), (1.0, 0.2, 0.0)):
         with pytest.raises(SolverError, match="oxygen needs"):
             OxygenSupply(*bad)
-
-
-def test_distances_from_the_edge_are_those_to_the_nearest_open_node_in_any_direction() -> None:
-    x, y = np.meshgrid(np.arange(-5.0, 6.0), np.arange(-5.0, 6.0), indexing="ij")
-    plane = np.column_stack([x.ravel(), y.ravel()])
-    pressed = np.hypot(*plane.T) < 3.5
-    distance = edge_distances(plane, pressed).reshape(x.shape)
-    assert distance[5, 5] == pytest.approx(np.hypot(2.0, 3.0))
-    assert distance[0, 0] == 0.0
-    np.testing.assert_array_equal(distance, distance.T)
-    assert np.isinf(edge_distances(plane, np.ones(len(plane), dtype=bool))).all()
 
 
 @pytest.fixture(scope="module")
@@ -75,11 +59,3 @@ def test_a_faster_test_wears_less_per_energy_and_books_close(nominal: RunResult)
         rates.append(result.evolution["worn_volume_pad_mm3"][-1] / result.evolution["accumulated_energy_J"][-1])
     whole = nominal.evolution["worn_volume_pad_mm3"][-1] / nominal.evolution["accumulated_energy_J"][-1]
     assert rates[1] < rates[0] <= whole * (1.0 + 1e-9)
-
-
-def test_the_explicit_update_does_not_know_it_and_wires_do_not_look_for_it() -> None:
-    wear = "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\nupdate = 'explicit'\nexplicit_jump_cycles = 10\n"
-    effect = "[[effects]]\nname = 'contact_oxygenation'\nsupply_W = 0.1\nstarved_factor = 0.2\n"
-    with pytest.raises(StudyError, match="which the explicit wear update does not know"):
-        parse_study(MINIMAL + wear + effect, "study.toml")
-    assert not effect_named("contact_oxygenation").considered_for("crossed-wires")

@@ -8,7 +8,6 @@ import pytest
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import SolverError
-from solvers.holder import Holder
 from solvers.holder_measurement import measured_holder
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 
@@ -106,20 +105,6 @@ def test_the_loop_gives_back_every_element_of_the_holder(spring: ContactProblem)
     assert found.contact_stiffness_N_per_mm == pytest.approx(series, rel=0.02)
 
 
-def test_a_rigid_holder_can_have_play(spring: ContactProblem) -> None:
-    problem = with_play(replace(spring, holder=Holder(LOAD_N)))
-    run = loop(problem)
-    assert np.abs(run.holder_x).max() == pytest.approx(0.5 * PLAY_mm, rel=1e-9)
-    found = measured_holder(problem, run.states)
-    assert np.isinf(found.tangential_stiffness_N_per_mm)
-    assert found.play_mm == pytest.approx(PLAY_mm, rel=1e-9)
-
-
-def test_no_play_changes_nothing(spring: ContactProblem, without: Run) -> None:
-    neutral = loop(replace(spring, holder=replace(spring.holder, play_mm=0.0)))
-    assert np.array_equal(neutral.force, without.force)
-
-
 def test_play_within_which_the_whole_stroke_fits_carries_no_force(spring: ContactProblem) -> None:
     problem = replace(spring, holder=replace(spring.holder, play_mm=3.0 * AMPLITUDE_mm))
     run = loop(problem)
@@ -127,8 +112,3 @@ def test_play_within_which_the_whole_stroke_fits_carries_no_force(spring: Contac
     assert run.energy == pytest.approx(0.0, abs=1e-9)
     with pytest.raises(SolverError, match="forces in both directions"):
         measured_holder(problem, run.states)
-
-
-def test_negative_play_is_refused() -> None:
-    with pytest.raises(SolverError, match="free play must not be negative"):
-        Holder(LOAD_N, play_mm=-1e-3)

@@ -1,21 +1,13 @@
 """Wear during contact: book-keeping of energy and volume, and what a state remembers."""
 
 import pickle
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
-from solvers.holder import Holder
-from solvers.placement import place
-from solvers.wear import WearRates
-from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, condensed_wire, crossed_wires, driven, pressed
-
-Array = NDArray[np.float64]
+from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 0.5e-8)
@@ -83,12 +75,6 @@ def test_wear_relieves_the_pressure(run: Run) -> None:
     assert peaks[-1] < 0.97 * peaks[0]
 
 
-def test_frozen_wear_leaves_the_surfaces_as_they_are(problem: ContactProblem, run: Run) -> None:
-    states, reports = driven(problem, run[0][-1], -0.5 * HALF_CYCLE[:4], 0.0)
-    assert states[-1].wear is run[0][-1].wear
-    assert sum(piece.friction_work for pieces in reports for piece in pieces) > 0.0
-
-
 def test_mirrored_motion_wears_the_mirror_image() -> None:
     problem = wearing()
     forth, back = (driven(problem, pressed(problem)[0], sign * HALF_CYCLE[:10], CYCLES)[0][-1] for sign in (1.0, -1.0))
@@ -107,25 +93,3 @@ def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: 
         assert other.traction == pytest.approx(one.traction, abs=1e-9 * one.traction.max())
         deepest = one.wear.primary_depth.max()
         assert other.wear.primary_depth == pytest.approx(one.wear.primary_depth, abs=1e-10 * deepest)
-
-
-def test_metres_and_newtons_take_the_same_iterations_as_millimetres() -> None:
-    def in_metres(body: CondensedBody) -> CondensedBody:
-        return CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
-
-    upper, lower = condensed_wire(MESH_mm), condensed_wire(MESH_mm, 0.08, 0.11)
-    millimetres = wearing()
-    metres = replace(
-        millimetres,
-        upper=place(in_metres(upper), upper=True, axis_angle_rad=np.pi / 2),
-        lower=place(in_metres(lower), upper=False, axis_angle_rad=0.0),
-        holder=Holder(LOAD_N, 1e-3 / RIG_N_per_mm),
-        # mm3/mJ is m3/J times 1e6; a joule is 1e3 mJ and a cubic metre 1e9 mm3.
-        wear=WearRates(*RATES).scaled(1e-6),
-    )
-    small = driven(millimetres, pressed(millimetres)[0], HALF_CYCLE[:10], CYCLES)
-    large = driven(metres, pressed(metres)[0], 1e-3 * HALF_CYCLE[:10], CYCLES)
-    for one, other in zip(small[1], large[1], strict=True):
-        assert [piece.iterations for piece in other] == [piece.iterations for piece in one]
-        assert other[-1].tangential_force == pytest.approx(one[-1].tangential_force, rel=1e-6)
-    assert 1e3 * large[0][-1].wear.primary_depth == pytest.approx(small[0][-1].wear.primary_depth, rel=1e-5, abs=1e-12)

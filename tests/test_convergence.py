@@ -1,6 +1,5 @@
 """A study and its refinements: what is refined, and where its figures are said to tend."""
 
-import csv
 from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
@@ -11,8 +10,7 @@ from hypothesis import strategies as st
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from wirewear import StudyError, parse_study
-from wirewear.faces.study_script import wide_console
+from wirewear import parse_study
 from wirewear.results import Evolution, RunResult
 from wirewear.simulation.convergence import (
     BASE,
@@ -23,10 +21,8 @@ from wirewear.simulation.convergence import (
     WIRES,
     Converged,
     converge,
-    convergence_table,
     refined_study,
     richardson,
-    write_convergence,
 )
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import NoObserver
@@ -87,25 +83,6 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
         assert (plan.jump_tolerance == base.jump_tolerance) == (name not in JUMPS.runs)
 
 
-def test_sizes_and_numbers_that_the_study_gives_are_refined_too() -> None:
-    given_sizes = "[fidelity.quick]\ncontact_mesh_um = 8\nouter_mesh_um = 16\nincrements_per_wear_cycle = 24\n"
-    study = refined_study(parse_study(WORN + given_sizes, "s.toml"), "quick")
-    assert study.variant("mesh-2").fidelity("quick").contact_mesh_um == 4.0
-    assert study.variant("mesh-2").fidelity("quick").outer_mesh_um == 8.0
-    assert study.variant("positions-2").fidelity("quick").increments_per_wear_cycle == 48
-
-
-def test_without_wear_only_the_mesh_is_refined() -> None:
-    unworn = parse_study(MINIMAL, "s.toml")
-    assert unworn.wear is None
-    assert refined_study(unworn, "quick").variant_names == (BASE, *MESH.runs)
-
-
-def test_jumps_of_a_given_size_have_no_tolerance_to_refine() -> None:
-    study = parse_study(WORN, "s.toml").changed({"wear": {"explicit_jump_cycles": 0.5, "update": "explicit"}})
-    assert refined_study(study, "quick").variant_names == (BASE, *MESH.runs, *POSITIONS.runs)
-
-
 def rows_of(runner: FakeRunner, output: Path) -> list[Converged]:
     study, subject = parse_study(WORN, "s.toml"), replace(WIRES, run=runner)
     return converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
@@ -134,36 +111,6 @@ def test_an_error_that_falls_faster_than_can_be_believed_leaves_the_limit_within
         assert abs(limit - 1.0) <= error
 
 
-def test_every_run_has_a_folder_of_its_own_and_is_resumed(tmp_path: Path) -> None:
-    runner = FakeRunner(0.01, 0.01, 0.01, order=1.0)
-    converged(runner, tmp_path)
-    assert runner.asked == [(name, tmp_path / name, True) for name in (BASE, *RUNS)]
-
-
-def test_the_table_and_the_file_say_the_same(tmp_path: Path) -> None:
-    rows = rows_of(FakeRunner(0.03, -0.01, 0.02, order=1.4), tmp_path)
-    with write_convergence(tmp_path, rows).open(encoding="utf-8", newline="") as file:
-        lines = list(csv.DictReader(file))
-    console = wide_console(150)
-    with console.capture() as capture:
-        console.print(convergence_table(rows))
-    printed = capture.get()
-    for row, line in zip(rows, lines, strict=True):
-        assert line["figure"] == row.figure.name
-        assert float(line["limit"]) == pytest.approx(row.limit)
-        assert float(line["jumps-2"]) == pytest.approx(row.refined["jumps-2"])
-        assert float(line["order_mesh"] or "nan") == pytest.approx(row.limits["mesh"].order or float("nan"))
-        assert row.figure.name in printed
-        assert f"{row.limit:.5g}" in printed
-
-
-def test_a_study_with_variants_asks_which_of_them(tmp_path: Path) -> None:
-    study = parse_study(WORN + "[variants.slow.conditions]\nfrequency_Hz = 1\n", "s.toml")
-    with pytest.raises(StudyError, match="--variant"):
-        converge(study, WIRES, fidelity="quick", output=tmp_path)
-    assert not list(tmp_path.iterdir())
-
-
 @given(st.floats(0.5, 2.0), st.floats(-0.5, 0.5), st.floats(1.1, 3.0), st.floats(1.1, 3.0), st.floats(0.1, 1e6))
 def test_a_power_law_is_extrapolated_exactly_whatever_the_spacings(
     order: float, share: float, first: float, second: float, limit: float
@@ -183,12 +130,3 @@ def test_values_without_a_trend_are_not_extrapolated(one: float, two: float, thr
     assert found.value == three
     assert found.order is None
     assert found.error == max(one, two, three) - min(one, two, three)
-
-
-def test_equal_values_are_their_own_limit() -> None:
-    assert richardson([1.0, 0.7, 0.5], [3.0, 3.0, 3.0]).error == 0.0
-
-
-def test_spacings_that_do_not_fall_are_refused() -> None:
-    with pytest.raises(ValueError, match="falling spacings"):
-        richardson([1.0, 1.0, 0.5], [1.0, 2.0, 3.0])

@@ -203,11 +203,6 @@ def test_a_scar_that_outgrows_its_meshes_goes_on_with_the_next(monkeypatch: pyte
     assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
 
 
-def test_a_loop_is_measured_on_the_meshes_on_which_its_scar_has_worn(monkeypatch: pytest.MonkeyPatch) -> None:
-    result = run(monkeypatch, Stepper(), Store(), limits=(100.0, 1e9))
-    assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 0), (300.0, 1))
-
-
 def test_a_loop_is_measured_where_the_energy_bends_between_two_milestones(monkeypatch: pytest.MonkeyPatch) -> None:
     result = run(monkeypatch, Stepper(), Store(), record=Record(bends_at=(70.0, 220.0)))
     assert [cycle for cycle, _ in result.measured] == [1.0, 30.0, 70.0, 100.0, 220.0, 300.0]

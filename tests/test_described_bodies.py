@@ -6,12 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from tests.synthetic_results import result as made_up
 from tests.test_planar_study import TABLES
-from wirewear import RecordError, read_record, record_of_result, write_record
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.model.line_states import LineStates
-from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.loops import analyse_loop
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
@@ -23,9 +19,7 @@ from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.records.line_values import BODIES, LineRecord
 from wirewear.results import RunResult
-from wirewear.study import load_study
 
-STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 LENGTH_mm = 8.0
 
 
@@ -57,14 +51,6 @@ def test_a_runs_record_carries_its_bodies_into_the_model_that_is_made_of_it(reco
     assert not [remark for remark in check_line_record(read).remarks if remark.topic == "bodies"]
 
 
-def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRecord) -> None:
-    pad = record.tables.pad.model_copy(update={"height_mm": None})
-    bare = replace(record, tables=record.tables.model_copy(update={"pad": pad}))
-    (remark,) = (one for one in check_line_record(bare).remarks if one.topic == "bodies")
-    assert remark.level == "note"
-    assert remark.text.startswith("The pad is taken to be 8 mm high")
-
-
 def undescribed(record: LineRecord) -> LineRecord:
     bare = {body: getattr(record.tables, body).model_copy(update={"height_mm": None}) for body in BODIES}
     return replace(record, tables=record.tables.model_copy(update=bare))
@@ -90,13 +76,6 @@ def test_the_compliance_of_bodies_is_in_doubt_unless_they_are_described_or_part_
     assert doubts_bodies(bare.tables)
     assert doubts_bodies(stating(bare, stiffness_includes="bodies").tables)
     assert not doubts_bodies(stating(bare, stiffness_includes="bodies", tangential_stiffness_N_per_mm=1e4).tables)
-
-
-def test_the_doubt_is_as_large_as_the_compliance_of_both_bodies(low: RunResult, record: LineRecord) -> None:
-    states = LineStates.of_line(low, record.tables.pad.profile, LENGTH_mm)
-    assert states.doubts == {}
-    compliance = 1e3 / (LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables)))
-    assert replace(states, described=False).doubts == pytest.approx({"compliance": compliance}, rel=0.1)
 
 
 @pytest.mark.slow
@@ -125,27 +104,3 @@ def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult,
     assert measured is not None
     bodies = bodies_stiffness_N_per_mm2(believed_study(record.tables))
     assert bodies == pytest.approx(1e3 * measured.value, rel=0.03)
-
-
-def test_a_stiffness_that_includes_the_bodies_leaves_the_rig_what_remains(record: LineRecord) -> None:
-    bodies = LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables))
-    alone = believed_study(stating(record, tangential_stiffness_N_per_mm=0.25 * bodies).tables)
-    assert alone.holder.tangential_stiffness_N_per_mm2 == pytest.approx(0.25 * bodies / LENGTH_mm)
-    both = stating(record, tangential_stiffness_N_per_mm=0.25 * bodies, stiffness_includes="bodies")
-    # In series: 1/0.25 = 1/(1/3) + 1.
-    rig = believed_study(both.tables).holder.tangential_stiffness_N_per_mm2
-    assert rig == pytest.approx(bodies / 3.0 / LENGTH_mm, rel=0.01)
-    with pytest.raises(RecordError, match=r"that includes the bodies, but these alone have"):
-        believed_study(stating(both, tangential_stiffness_N_per_mm=1.5 * bodies).tables)
-
-
-def test_a_record_of_wires_carries_how_they_are_gripped(tmp_path: Path) -> None:
-    grips = {"wires.grip_angle_deg": 60.0, "wires.grip_length_mm": 0.8, "wires.grip_stiffness_N_per_mm3": 5e5}
-    for values in ({}, grips):
-        study = load_study(STEEL).variant("compliant").with_values(values)
-        record = record_of_result(replace(made_up("", 167.0), study=study.resolved()))
-        read = read_record(write_record(tmp_path / str(len(values)), record))
-        assert len(read.tables.wires.model_fields_set & {key.removeprefix("wires.") for key in grips}) == len(values)
-        believed = nominal_study(read).wires
-        for key in grips:
-            assert getattr(believed, key.removeprefix("wires.")) == getattr(study.wires, key.removeprefix("wires."))

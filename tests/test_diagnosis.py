@@ -3,21 +3,14 @@
 The nominal model is the program's own, its wear states frozen; nothing of what made the records is known to it.
 """
 
-import json
-from dataclasses import replace
 from functools import cache
-from importlib.metadata import version
 
 import numpy as np
 import pytest
 
-from tests.diagnosis_cases import CYCLES
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
-from wirewear.base.identity import code_hash
-from wirewear.diagnosis import Diagnosis, confirmed
-from wirewear.diagnosis.calibration import digest
-from wirewear.diagnosis.confirmation import SCARS_ALONE
+from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate, with_forms
 from wirewear.diagnosis.infer.inference import Problem
@@ -27,7 +20,6 @@ from wirewear.diagnosis.model.nominal import nominal_study, wearing
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord
 from wirewear.study import Study
-from wirewear.views.diagnosis_page import ten_lines
 from wirewear.views.diagnosis_wording import Diagnosed
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
@@ -58,13 +50,6 @@ def test_a_model_without_wear_has_wear_states() -> None:
     assert coefficient * energy_J == pytest.approx(0.06**4 / 0.225, rel=0.01)
 
 
-@pytest.mark.slow
-def test_a_model_without_wear_says_what_it_lacks() -> None:
-    one = independent_record()
-    notes = concluded(one, without_wear(one), frozen_states(), reduce(one)).diagnosis.notes
-    assert any("the model does not wear" in note for note in notes)
-
-
 @cache
 def gap_free() -> Diagnosed:
     return diagnosed(independent_record())
@@ -78,17 +63,6 @@ def with_play() -> Diagnosed:
 @cache
 def with_compliance() -> Diagnosed:
     return diagnosed(independent_record({"tangential_compliance": {"stiffness_N_per_mm": COMPLIANCE_N_per_mm}}))
-
-
-@cache
-def early_only() -> Diagnosed:
-    """Friction that starts low, seen by loops alone in one repeat."""
-    effect = {"friction_evolution": {"initial": 0.45, "final": 0.62, "cycles": 3000.0}}
-    return diagnosed(independent_record(effect, repeats=1, evolution=False, normal=False))
-
-
-#: One of them among the fast tests: each takes seconds.
-ANSWERS = [*(pytest.param(answer, marks=pytest.mark.slow) for answer in (gap_free, with_play)), with_compliance]
 
 
 def probability(diagnosis: Diagnosis, effect: str) -> float:
@@ -124,87 +98,10 @@ def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     assert probability(diagnosis, "rotational_compliance") > 0.1
 
 
-@pytest.mark.slow
-def test_the_stiffness_of_a_compliance_lies_in_its_interval() -> None:
-    (cause,) = (c for c in with_compliance().diagnosis.causes if c.effect == "tangential_compliance")
-    estimate = cause.parameters["stiffness_N_per_mm"]
-    assert estimate.value == pytest.approx(COMPLIANCE_N_per_mm, rel=0.05)
-    assert estimate.interval95[0] < COMPLIANCE_N_per_mm < estimate.interval95[1]
-
-
 def test_a_compliance_asks_for_a_measurement_that_splits_its_class() -> None:
     following = with_compliance().diagnosis.next_measurement
     assert following is not None
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(following["splits"])
-
-
-def test_the_gap_shrinks_to_its_floor_on_cycles_left_out_of_the_fit() -> None:
-    shrink = with_compliance().diagnosis.shrink
-    assert shrink.held_out == CYCLES[-1:]
-    assert shrink.before > 2.0 * shrink.floor
-    assert shrink.after <= 1.2 * shrink.floor
-    assert shrink.shrink == pytest.approx(1.0, abs=0.02)
-    assert shrink.free_smooth_fit is not None
-    assert shrink.free_smooth_fit < shrink.shrink
-
-
-def test_the_map_finds_a_compliance_where_the_contact_sticks() -> None:
-    (first, *_) = with_compliance().diagnosis.where
-    assert (first.observable, first.zone) == ("displacement at equal force", "stick")
-
-
-@pytest.mark.slow
-def test_loops_of_one_repeat_suffice_and_the_answer_says_what_that_costs() -> None:
-    diagnosis = early_only().diagnosis
-    assert diagnosis.verdict == "explained"
-    assert diagnosis.causes[0].effect == "friction_evolution"
-    assert any("one repeat only" in note for note in diagnosis.notes)
-
-
-@pytest.mark.slow
-def test_what_only_shows_early_is_scored_on_cycles_between() -> None:
-    shrink = early_only().diagnosis.shrink
-    assert shrink.held_out == CYCLES[::2]
-    assert shrink.before > shrink.floor
-    assert shrink.shrink > 0.9
-
-
-@pytest.mark.slow
-def test_an_effect_that_is_left_out_of_the_library_is_not_named() -> None:
-    diagnosis = diagnosed(independent_record(PLAY), "free_play").diagnosis
-    assert diagnosis.verdict in ("unexplained", "ambiguous")
-    assert probability(diagnosis, "free_play") == 0.0
-
-
-@pytest.mark.slow
-def test_a_cause_of_no_library_is_not_named_and_the_reading_of_the_load_shows_where_it_is() -> None:
-    """A bent guide: the load rises by three in a hundred towards both ends of the stroke."""
-    diagnosis = diagnosed(independent_record({"bent_guide": {"load_rise": 0.03}})).diagnosis
-    assert diagnosis.verdict == "unexplained"
-    assert probability(diagnosis, "outside_library") > 0.9
-    (first,) = diagnosis.resembles
-    assert first.seam == "loading"
-    assert "alike on both sides" in first.family
-    assert diagnosis.where[0].zone == "normal_ends"
-    assert first.cycles == (CYCLES[0], CYCLES[-1])
-
-
-@pytest.mark.slow
-def test_what_a_known_effect_explains_in_part_is_told_with_its_parameters() -> None:
-    """Ordinary running-in, on a bent guide: the friction's course is told though no known effect explains the rest."""
-    running_in = {"initial": 0.44, "final": 0.66, "cycles": 3000.0}
-    diagnosis = diagnosed(
-        independent_record({"friction_evolution": running_in, "bent_guide": {"load_rise": 0.1}})
-    ).diagnosis
-    assert diagnosis.verdict == "unexplained"
-    assert diagnosis.partial is not None
-    (cause, *_) = diagnosis.partial.causes
-    assert cause.effect == "friction_evolution"
-    assert cause.parameters["initial"].value == pytest.approx(0.44, abs=0.05)
-    assert diagnosis.partial.misfit_removed > 0.5
-    assert diagnosis.partial.remains
-    assert "removes" in diagnosis.sentence
-    assert "which no known effect explains" in diagnosis.sentence
 
 
 @pytest.mark.slow
@@ -241,46 +138,3 @@ def test_the_frozen_states_are_those_of_a_run_made_now() -> None:
     )
     deviations = np.sqrt(np.diag(estimate(frozen_states(), setup, observed).numerical))
     assert (abs(present - frozen) / deviations).max() < 1.0
-
-
-@pytest.mark.slow
-def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
-    again = diagnosed(independent_record(PLAY)).diagnosis
-    assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())
-
-
-@pytest.mark.parametrize("answer", ANSWERS)
-def test_the_json_has_all_keys_of_its_format(answer: object) -> None:
-    assert callable(answer)
-    data = json.loads(json.dumps(answer().diagnosis.to_json(), allow_nan=False))
-    assert set(data) >= {
-        "format", "record", "model", "program", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
-        "next_measurement", "resembles", "partial", "checked",
-    }  # fmt: skip
-    assert set(data["gap"]) == {
-        "before", "after", "floor", "shrink", "shrink_interval95", "predicted_shrink", "held_out", "placebo_shrink",
-        "physical", "confirmed",
-    }  # fmt: skip
-    assert set(data["gap"]["physical"]) == {
-        "slip_amplitude_um", "dissipated_energy_percent", "tangential_force_rms_N",
-    }  # fmt: skip
-    assert data["program"] == {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
-    for finding in data["where"]:
-        assert set(finding) == {"observable", "zone", "cycles", "share", "size_in_scatter", "text"}
-    assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6
-
-
-@pytest.mark.parametrize("answer", ANSWERS)
-def test_the_answer_for_a_terminal_has_at_most_ten_lines(answer: object) -> None:
-    assert callable(answer)
-    assert 3 <= len(ten_lines(answer().diagnosis).splitlines()) <= 10
-
-
-@pytest.mark.slow
-def test_a_gap_that_scars_alone_show_is_not_confirmed_by_loops() -> None:
-    """Loops without a gap would say that nothing shrank."""
-    answer = with_play()
-    shrink = replace(answer.diagnosis.shrink, scar_held_out="moving")
-    told = confirmed(replace(answer, diagnosis=replace(answer.diagnosis, shrink=shrink))).diagnosis
-    assert told.confirmed is None
-    assert told.notes == (*answer.diagnosis.notes, SCARS_ALONE)

@@ -9,7 +9,7 @@ import pytest
 
 import wirewear.diagnosis
 from wirewear.diagnosis import calibration
-from wirewear.diagnosis.calibration import FILE_NAME, all_constants, constants, digest, sources
+from wirewear.diagnosis.calibration import FILE_NAME, all_constants, digest, sources
 from wirewear.effects import all_effects, registry
 from wirewear.effects.free_play import FreePlay
 from wirewear.effects.rotational_compliance import RotationalCompliance
@@ -60,39 +60,6 @@ def _is_number(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
 
-def constants_read(file: Path) -> set[str]:
-    """Names of all constants that a module reads, by the tables that it names."""
-    nodes = [*ast.walk(ast.parse(file.read_text(encoding="utf-8")))]
-    tables, found = {}, set()
-    for node in nodes:
-        match node:
-            case ast.Assign(targets=[ast.Name(id=name)], value=ast.Call() as call) if table := _table(call):
-                tables[name] = table
-            case ast.Assign(targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=calls)):
-                pairs = ((name, _table(call)) for name, call in zip(names, calls, strict=True))
-                tables |= {name.id: table for name, table in pairs if isinstance(name, ast.Name) and table}
-    for node in nodes:
-        match node:
-            case ast.Call(func=ast.Attribute(value=ast.Name(id=name)), args=args) if name in tables:
-                found |= {
-                    f"{tables[name]}.{one.value!s}"
-                    for one in args
-                    if isinstance(one, ast.Constant) and isinstance(one.value, str)
-                }
-            case ast.Call(func=ast.Attribute(value=ast.Call() as call, attr="all")) if table := _table(call):
-                found |= {f"{table}.{name}" for name in constants(table).all()}
-            case ast.Call(func=ast.Attribute(value=ast.Call() as call), args=args) if table := _table(call):
-                found |= {f"{table}.{one.value!s}" for one in args if isinstance(one, ast.Constant)}
-    return found
-
-
-def _table(call: ast.AST) -> str | None:
-    match call:
-        case ast.Call(func=ast.Name(id="constants"), args=[ast.Constant(value=str(table))]):
-            return table
-    return None
-
-
 def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_set_it_by_which_command() -> None:
     known = sources()
     for one in all_constants():
@@ -107,10 +74,6 @@ def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_se
 def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
     found = set(numbers_of_modules(file)) - OF_THE_CODE
     assert not found
-
-
-def test_every_constant_of_the_file_is_read() -> None:
-    assert set().union(*map(constants_read, code())) == {one.name for one in all_constants()}
 
 
 def test_the_hash_changes_with_the_file_and_with_whatever_is_believed_of_an_effect(
@@ -135,13 +98,3 @@ def test_the_hash_changes_with_the_file_and_with_whatever_is_believed_of_an_effe
         found.add(digest())
     assert len(found) == 6
     assert digest() == before
-
-
-def test_a_constant_read_as_what_it_is_not_is_refused() -> None:
-    plateau, knee = constants("observe.plateau"), constants("observe.knee")
-    with pytest.raises(TypeError, match=r"positions .* must be one number"):
-        plateau.number("positions")
-    with pytest.raises(TypeError, match=r"early .* must be a whole number"):
-        knee.count("early")
-    with pytest.raises(TypeError, match=r"early .* must be a list of numbers"):
-        knee.pair("early")

@@ -1,6 +1,5 @@
 """`wirewear diagnose`: one sentence for every mistake, and a record of a full simulation from end to end."""
 
-import dataclasses
 import json
 import re
 from dataclasses import replace
@@ -11,11 +10,10 @@ import pytest
 from click.testing import CliRunner, Result
 
 from tests.browser import TOO_WIDE, browser, needs_browser
-from tests.diagnosis_cases import diagnosed, record, tables
+from tests.diagnosis_cases import diagnosed, record
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear.diagnosis import write_diagnosis
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_measurements
 from wirewear.effects.tangential_compliance import TangentialCompliance
@@ -24,9 +22,8 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import write_record
 from wirewear.records.exporting import record_of_result
 from wirewear.records.values import MeasuredLoop, MeasuredScar
-from wirewear.views import diagnosis_shown as shown
-from wirewear.views.diagnosis_shown import bowl, measured_section, residuals
-from wirewear.views.diagnosis_wording import Diagnosed, first_sentence
+from wirewear.views.diagnosis_shown import residuals
+from wirewear.views.diagnosis_wording import Diagnosed
 
 LAST = 100_000
 
@@ -88,65 +85,6 @@ def test_a_force_that_is_higher_at_a_place_stands_out_of_the_band_there_alone() 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("shift_N", [0.3, -0.3])
-def test_a_force_that_the_model_has_too_much_is_left_with_the_other_sign_on_both_branches(
-    found: Diagnosed, shift_N: float
-) -> None:
-    for plain, shifted in zip(left_of(found), left_of(found, shift_N), strict=True):
-        np.testing.assert_allclose(shifted["force_N"] - plain["force_N"], -shift_N, atol=1e-9)
-
-
-@pytest.mark.slow
-def test_what_is_left_is_told_at_the_displacement_at_which_it_was_measured(found: Diagnosed) -> None:
-    forward, back = left_of(found)
-    assert (np.diff(forward["displacement_um"]) > 0.0).all()
-    assert (np.diff(back["displacement_um"]) < 0.0).all()
-    assert np.abs(forward["displacement_um"]).max() == pytest.approx(60.0, abs=1.5)
-
-
-def test_a_bowl_has_the_length_and_depth_of_the_figures_that_it_is_drawn_by() -> None:
-    """A paraboloid's figures are measured on its map, and give its section back."""
-    scar = bowl_map(13.0, 120.0, 80.0)
-    figures = np.array(scar_figures(scar.x_um, scar.y_um, scar.depth_um))
-    x, depth = bowl(figures)
-    assert x[-1] == pytest.approx(120.0, rel=0.01)
-    assert depth.max() == pytest.approx(13.0, rel=0.01)
-    assert abs(depth[[0, -1]]).max() < 1e-9
-    assert SCAR_FIGURES == ("volume", "depth", "length", "width")
-
-
-def test_a_measured_section_runs_through_the_middle_of_the_scar() -> None:
-    ((x, depth),) = measured_section([bowl_map(13.0, 120.0, 80.0)])
-    assert x[np.argmax(depth)] == pytest.approx(0.0, abs=1.1)
-    assert depth.max() == pytest.approx(13.0, rel=0.03)
-    np.testing.assert_allclose(np.interp(-x, x, depth), depth, atol=0.4)
-
-
-def test_a_map_without_a_scar_has_a_flat_section() -> None:
-    flat = bowl_map(13.0, 120.0, 80.0)
-    ((_, depth),) = measured_section([replace(flat, depth_um=np.zeros_like(flat.depth_um))])
-    assert not depth.any()
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("what", [one.what for one in all_measurements()])
-def test_the_next_measurement_comes_with_its_cost_and_what_it_would_show(found: Diagnosed, what: str) -> None:
-    asked = {"what": what, "why": "", "splits": ["none", "sensor_lag:force", "free_play"]}
-    told = shown.next_measurement(replace(found.diagnosis, next_measurement=asked))
-    assert told is not None
-    assert told.cost in {"half a day", "a day", "3 days", "2.4 hours", "1.6 hours"}
-    probabilities = [probability for _, probability, _ in told.tells]
-    assert probabilities == sorted(probabilities, reverse=True)
-    assert all(text for _, _, text in told.tells)
-    assert shown.next_measurement(replace(found.diagnosis, next_measurement=None)) is None
-
-
-def test_the_first_sentence_stands_first() -> None:
-    assert first_sentence("It is 0.5 µm. It grows. So.") == ("It is 0.5 µm.", "It grows. So.")
-    assert first_sentence("It is.") == ("It is.", "")
-
-
-@pytest.mark.slow
 @needs_browser
 @pytest.mark.parametrize("width", [1200, 390])
 def test_the_page_draws_what_is_left_and_the_scars_and_fits(found: Diagnosed, tmp_path: Path, width: int) -> None:
@@ -169,52 +107,9 @@ def run(*arguments: str | Path) -> Result:
     return CliRunner().invoke(cli, ["diagnose", *map(str, arguments)])
 
 
-def sentence_of(result: Result) -> str:
-    assert result.exit_code == 2, result.output
-    assert "Traceback" not in result.output
-    return " ".join(result.output.split())
-
-
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return write_record(tmp_path / "record", record(repeats=1, evolution=False))
-
-
-def test_a_folder_without_a_record_is_refused(tmp_path: Path) -> None:
-    assert "experiment.toml" in sentence_of(run(tmp_path, "--output", tmp_path / "out"))
-
-
-def test_a_record_without_friction_is_told_how_to_get_a_model_and_leaves_no_folder(tmp_path: Path) -> None:
-    one = record(repeats=1, evolution=False)
-    stated = one.tables.stated.model_copy(update={"friction": None, "friction_evolution": None})
-    folder = write_record(
-        tmp_path / "record", dataclasses.replace(one, tables=one.tables.model_copy(update={"stated": stated}))
-    )
-    assert "`wirewear fit`) and give the fitted study by --model" in sentence_of(
-        run(folder, "--output", tmp_path / "out")
-    )
-    assert not (tmp_path / "out").exists()
-
-
-def test_an_effect_to_be_left_out_must_exist(folder: Path, tmp_path: Path) -> None:
-    words = sentence_of(run(folder, "--output", tmp_path / "out", "--without", "gremlins"))
-    assert "there is no effect 'gremlins' to be left out" in words
-
-
-def test_a_model_of_another_load_is_refused(folder: Path, tmp_path: Path) -> None:
-    model = tmp_path / "model.toml"
-    model.write_text(SHORT.replace("normal_load_N = 2.0", "normal_load_N = 3.0").replace("= 20.0\n", "= 60.0\n"))
-    words = sentence_of(run(folder, "--output", tmp_path / "out", "--model", model))
-    assert "normal_load_N is 3 in the model" in words
-    assert "but 2 in the record" in words
-
-
-def test_a_record_that_states_no_wear_says_what_to_add(tmp_path: Path) -> None:
-    one = record(repeats=1, evolution=False)
-    stated = tables().stated.model_copy(update={"energy_wear_coefficient_mm3_per_J": None})
-    bare = write_record(tmp_path / "bare", type(one)(tables().model_copy(update={"stated": stated}), one.loops))
-    words = sentence_of(run(bare, "--output", tmp_path / "out"))
-    assert "does not give energy_wear_coefficient_mm3_per_J" in words
 
 
 @pytest.mark.slow

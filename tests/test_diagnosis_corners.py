@@ -9,7 +9,6 @@ import pytest
 
 from tests.diagnosis_cases import autoregressive, tables
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe import corners
 from wirewear.diagnosis.observe.corners import corners_of, read_at_corners
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
@@ -81,17 +80,6 @@ def test_lines_between_few_points_are_seen_under_noise(points: int, samples: int
     assert corners_of(logged(points, samples), FREQUENCY_Hz) == points
 
 
-@pytest.mark.parametrize("coupling", [0.0, 2.0])
-@pytest.mark.parametrize("correlation", [0.0, 0.6])
-def test_lines_are_seen_where_noise_correlates_and_the_sensor_yields(correlation: float, coupling: float) -> None:
-    assert corners_of(logged(40, 256, correlation=correlation, coupling=coupling), FREQUENCY_Hz) == 40
-
-
-def test_lines_are_seen_in_one_loop_without_noise() -> None:
-    assert corners_of(logged(40, 256, loops=1, size=0.0), FREQUENCY_Hz) == 40
-    assert corners_of(logged(96, 256, loops=1, size=0.0), FREQUENCY_Hz) == 96
-
-
 @pytest.mark.parametrize("size", [0.0, 0.1, 1.0])
 @pytest.mark.parametrize("correlation", [0.0, 0.8])
 @pytest.mark.parametrize("coupling", [0.0, 2.0])
@@ -100,26 +88,6 @@ def test_curves_are_no_lines(size: float, correlation: float, coupling: float, d
     for samples in (96, 256):
         loops = logged(None, samples, size=size, correlation=correlation, coupling=coupling, drive=drive)
         assert corners_of(loops, FREQUENCY_Hz) is None
-
-
-def test_loops_at_their_own_few_points_are_left_alone() -> None:
-    loops = logged(40, 40)
-    assert corners_of(loops, FREQUENCY_Hz) is None
-    assert corners_of([], FREQUENCY_Hz) is None
-    assert read_at_corners(record(loops))[0].loops == tuple(loops)
-
-
-def test_loops_that_never_move_are_left_to_the_reader_of_loops() -> None:
-    still = [replace(loop, displacement_um=np.zeros(256)) for loop in logged(40, 256)]
-    assert corners_of(still, FREQUENCY_Hz) is None
-
-
-def test_of_many_loops_some_tell(monkeypatch: pytest.MonkeyPatch) -> None:
-    seen: list[int] = []
-    monkeypatch.setattr(corners, "corners_of", lambda loops, _frequency: seen.append(len(loops)))
-    read_at_corners(record(logged(40, 64, loops=100)))
-    assert seen == [34]
-    assert read_at_corners(record([]))[1] is None
 
 
 def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
@@ -137,14 +105,3 @@ def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
         assert np.std(loop.displacement_um - place) < 0.12
         assert np.abs(loop.displacement_um - place).max() < 0.5
         assert np.std(loop.tangential_force_N - force) < 0.0065
-
-
-def test_a_loop_of_other_times_or_with_missing_samples_is_left_as_it_is() -> None:
-    loops = logged(40, 256)
-    missing = loops[2].tangential_force_N.copy()
-    missing[7] = np.nan
-    loops[2] = replace(loops[2], tangential_force_N=missing)
-    loops[5] = logged(40, 200)[5]
-    read, note = read_at_corners(record(loops))
-    assert note is not None
-    assert [loop.time_s.size for loop in read.loops] == [40, 40, 256, 40, 40, 200, 40, 40]

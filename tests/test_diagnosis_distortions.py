@@ -9,26 +9,21 @@ import pytest
 from scipy.stats import multivariate_normal
 
 from tests.diagnosis_cases import diagnosed, nominal, record, states
-from wirewear.diagnosis.infer.distortions import _log_evidence, gains_of
+from wirewear.diagnosis.infer.distortions import _log_evidence
 from wirewear.diagnosis.infer.families import FAMILIES
-from wirewear.diagnosis.infer.family_columns import columns_of
 from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
-from wirewear.diagnosis.infer.inference import fit, jacobian_of
 from wirewear.diagnosis.infer.shapes import (
     Branches,
     displacement_after_play,
     force_after_play,
     force_read,
-    resisting,
     stiffening,
 )
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.effects import Seam
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.views.diagnosis_wording import Diagnosed
 
@@ -80,17 +75,6 @@ def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_cov
 
 
 @pytest.mark.slow
-def test_linear_evidence_beside_an_explanation_is_that_of_its_fit() -> None:
-    """Laplace's evidence of a fit and the closed form about it are two ways to one number where the model is linear."""
-    found = saturated().search
-    for one in found.singles[:4]:
-        again = fit(found.problem, one.candidates, [one.coordinates])
-        jacobian = jacobian_of(found.problem, again)
-        residual = found.problem.whitened(again.setup) - jacobian @ again.coordinates
-        assert _log_evidence(residual, jacobian) == pytest.approx(again.log_evidence, rel=0.03, abs=0.3)
-
-
-@pytest.mark.slow
 def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
     """What a compliance, a gain or another friction leaves of it is a cubic in Q."""
     answer = saturated().diagnosis
@@ -115,48 +99,6 @@ def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], w
     assert answer.verdict == "unexplained"
     assert answer.resembles[0].seam in seams
     assert words in answer.resembles[0].family
-
-
-@pytest.mark.slow
-def test_nothing_outside_the_library_stands_out_of_records_within_it() -> None:
-    for effects in (None, {"free_play": {"gap_um": 3.0}}, {"tangential_compliance": {"stiffness_N_per_mm": 400.0}}):
-        found = diagnosed(record(effects, seed=4))
-        assert found.diagnosis.resembles == ()
-        assert max(one.log_evidence for one in found.search.distortions) < found.search.best.log_evidence + 3.0
-
-
-@pytest.mark.slow
-def test_every_seam_has_a_family_and_every_family_columns_that_are_seen() -> None:
-    assert {family.seam for family in FAMILIES} == set(Seam)
-    found = saturated().search
-    for sets in columns_of(found.problem, found.none.setup):
-        assert sum(columns.weight for columns in sets) == pytest.approx(1.0)
-        for columns in sets:
-            assert np.isfinite(columns.observed).all(), columns.family.name
-            assert np.abs(found.problem.whitening @ columns.observed).max() > 1.0, columns.family.name
-
-
-@pytest.mark.slow
-def test_what_changes_in_time_may_settle_and_a_cell_may_saturate() -> None:
-    """A course that settles is one unknown: it pays for one, where a free one pays for each of its knots."""
-    found = saturated().search
-    sets = {one[0].family.name: one for one in columns_of(found.problem, found.none.setup)}
-    free, *settling = sets["zero of the force channel that changes over the test"]
-    assert free.observed.shape[1] == free.knots.size == len(settling) + 1
-    for columns in settling:
-        course = columns.of_unknowns[:, 0]
-        assert 0.0 <= course[0] < course[-1] <= 1.0
-        assert (np.diff(course) >= 0.0).all()
-    bent_cell = next(one for one in found.distortions if one.family.name == "distortion of the force channel, odd in Q")
-    assert bent_cell.unknowns == pytest.approx([-0.2], rel=0.1)
-
-
-@pytest.mark.slow
-def test_gains_stand_beside_the_explanations_they_were_tried_with() -> None:
-    found = saturated().search
-    gains = gains_of(found.distortions)
-    assert () in gains
-    assert set(map(len, gains.values())) == {sum(family.counts for family in FAMILIES)}
 
 
 def branches() -> Branches:
@@ -215,16 +157,6 @@ def test_a_holder_that_stiffens_keeps_forces_and_bends_what_sticks_alone() -> No
     assert change[0, 0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_resistance_goes_on_where_the_other_branch_ended_and_keeps_the_stroke() -> None:
-    before = branches()
-    after = resisting(lambda b: np.asarray(b.place**2))(before, 0.2)
-    force, place = after.tangential_force_N, after.displacement_um
-    assert force[0, 0, 0] == pytest.approx(force[0, 1, -1])
-    assert force[0, 1, 0] == pytest.approx(force[0, 0, -1])
-    assert np.ptp(place) == pytest.approx(np.ptp(before.course.displacement_um))
-    assert (np.diff(place[0, 0]) >= 0.0).all()
-
-
 def rippled(amplitude_N: float, along: str) -> ExperimentRecord:
     """Loops with a ripple of 7 µm along the stroke that turns with the direction, or with hum of 50 Hz."""
 
@@ -251,56 +183,3 @@ def test_a_ripple_of_the_noises_height_is_seen_at_full_sampling() -> None:
     assert wave.length == pytest.approx(7.0, rel=0.03)
     assert wave.amplitude_N == pytest.approx(0.008, rel=0.3)
     assert wave.p_value < 1e-20
-
-
-def test_hum_is_told_from_what_stays_at_its_place() -> None:
-    wave = found_ripple(rippled(0.02, "time"))
-    assert wave is not None
-    assert wave.along == "time"
-    assert wave.length == pytest.approx(50.0, rel=0.1)
-
-
-def test_noise_makes_no_ripple() -> None:
-    assert all(found_ripple(record(seed=seed, repeats=1, evolution=False)) is None for seed in range(6))
-
-
-@pytest.mark.slow
-def test_a_ripple_along_the_stroke_is_a_gap_that_no_known_effect_explains() -> None:
-    answer = diagnosed(rippled(0.03, "stroke")).diagnosis
-    assert answer.verdict == "unexplained"
-    assert "ripples along the stroke" in answer.sentence
-    assert answer.resembles[0].family == "ripple of the friction along the stroke"
-    hum = diagnosed(rippled(0.01, "time")).diagnosis
-    assert hum.verdict == "no_gap"
-    assert any("as hum or vibration does" in note for note in hum.notes)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("offset_N", [0.0, -0.05])
-def test_a_zero_far_from_what_is_expected_is_noted_with_its_size(offset_N: float) -> None:
-    """Crosstalk would move the normal force, too; a wire that leans is not considered."""
-    shifted = bent(lambda loop: replace(loop, tangential_force_N=loop.tangential_force_N + offset_N))
-    notes = [note for note in diagnosed(shifted, "misalignment").diagnosis.notes if "zero of the force" in note]
-    told = [float(note.partition("lies at ")[2].partition(" N")[0].replace("−", "-")) for note in notes]
-    assert told == ([] if offset_N == 0.0 else [pytest.approx(offset_N, rel=0.2)])
-
-
-def test_stick_beyond_the_end_of_sliding_is_no_ripple() -> None:
-    """A reading that leans against the force goes on outwards there: its samples are no part of the plateau."""
-    setup = nominal("sensor")
-
-    def running_on(branch: ObservedBranch) -> ObservedBranch:
-        top_um, top_N = branch.displacement_um[-1], branch.force_N[-1]
-        beyond = np.linspace(0.05, 1.0, 25)
-        return replace(
-            branch,
-            displacement_um=np.concatenate([branch.displacement_um, top_um + beyond]),
-            force_N=np.concatenate([branch.force_N, top_N * (1.0 - 0.5 * beyond)]),
-        )
-
-    loops = reduce(record(samples=400, scatter=0.0)).loops
-    leaning = tuple(
-        replace(loop, branches=(running_on(loop.branches[0]), running_on(loop.branches[1]))) for loop in loops
-    )
-    assert ripple(states(), setup, loops) is None
-    assert ripple(states(), setup, leaning) is None

@@ -8,18 +8,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.diagnosis_cases import NOISE_um, diagnosed, nominal, record, states, with_effect
-from wirewear.base.errors import StudyError
+from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.readings import late_forces, late_places
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
-from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.effects import effects_of_tables, tables_of_effects
-from wirewear.effects.sensor_lag import SensorLag
 from wirewear.loops.sensor import Sensor
 from wirewear.loops.signals import LoopSignals
 from wirewear.records import ExperimentRecord
@@ -66,16 +61,6 @@ def test_the_branches_of_a_reading_that_runs_back_begin_at_the_reversal() -> Non
             assert branch.displacement_um[branch.knee] < branch.displacement_um[0] - 4.0
 
 
-@pytest.mark.parametrize("linear", [-5.0, -3.2])
-def test_they_begin_there_after_walls_have_grown_too(linear: float) -> None:
-    """A flank that falls from a wall is long: halfway down it the contact still sticks."""
-    one = leaning(linear, -0.9)
-    for loop in one.loops:
-        for branch in reduced_loop(loop, one.tables.noise).branches:
-            assert -branch.force_N[:3].min() > 0.85 * branch.force_N[-20:].max()
-            assert branch.force_N[-3:].max() > 0.85 * branch.force_N[-20:].max()
-
-
 @settings(max_examples=12, deadline=None)
 @given(linear=st.floats(-12.0, 8.0), quadratic=st.floats(-1.5, 1.5), cycles=st.sampled_from([100.0, 10_000.0, 1e5]))
 def test_a_drive_that_holds_a_reading_holds_its_extent_wherever_it_is_outermost(
@@ -85,13 +70,6 @@ def test_a_drive_that_holds_a_reading_holds_its_extent_wherever_it_is_outermost(
     setup = with_effect(nominal("sensor"), COUPLING, values)
     x = simulate(states(), setup, np.array([cycles])).displacement_um
     np.testing.assert_allclose(0.5 * (x.max() - x.min()), setup.amplitude_um, rtol=2e-3)
-
-
-def test_a_reading_that_leans_far_is_outermost_where_sliding_begins() -> None:
-    setup = with_effect(nominal("sensor"), COUPLING, {"linear_um_per_N": -12.0, "quadratic_um_per_N2": 0.0})
-    x = simulate(states(), setup, np.array([100.0, 10_000.0])).displacement_um
-    # Nominally the rig yields 6 µm/N.
-    assert np.all(x[:, 0, 0] > x[:, 0].min(axis=1) + 5.0)
 
 
 def triangle(phase: Array) -> Array:
@@ -119,17 +97,6 @@ def phases(samples: int = 400) -> Array:
     return np.asarray(2.0 * np.pi * np.arange(samples) / samples)
 
 
-def test_noise_does_not_make_a_sine_another_motion() -> None:
-    assert told(np.sin(phases()), 0.003).harmonics.size == 1
-    assert reduce(record(repeats=2)).motion.harmonics.size == 1
-
-
-def test_harmonics_of_an_eccentric_are_found() -> None:
-    shape = np.sin(phases()) + 0.02 * np.sin(2.0 * phases()) - 0.01 * np.sin(3.0 * phases())
-    found = told(shape, 0.003).harmonics
-    assert found == pytest.approx(np.array([-1j, -0.02j, 0.01j]), abs=6e-4)
-
-
 def test_a_sines_lag_turns_its_phase() -> None:
     place, turn = branches(), np.arctan(LAG)
     expected = np.sin(np.stack([np.arcsin(place[0, 0]), np.pi - np.arcsin(place[0, 1])]) - turn)
@@ -151,11 +118,6 @@ def test_a_triangles_lag_is_told_from_what_the_late_sensor_reads() -> None:
     change = (after.at(before.phases(place)) - before.at(before.phases(place))) / before.half_range
     assert change[0, 0] == pytest.approx(-speed * LAG * (1.0 - 2.0 * np.exp(-since / LAG)), abs=2.5e-3)
     assert after.half_range / before.half_range == pytest.approx(1.0 - speed * LAG * np.log(2.0), abs=1e-3)
-
-
-def test_the_middle_of_a_loop_is_as_unsure_as_its_tips() -> None:
-    observed = reduce(record(repeats=1, samples=400))
-    assert 0.0 < observed.centre_error_um < 0.3 * NOISE_um
 
 
 def read_by(sensor: Sensor, one: ExperimentRecord) -> ExperimentRecord:
@@ -182,40 +144,6 @@ def test_the_channel_that_lags_is_named_with_its_time(channel: str) -> None:
     assert f"sensor lag ({channel})" in ten_lines(answer)
 
 
-def test_both_channels_late_by_as_much_enclose_the_area_that_none_does() -> None:
-    at = np.array([1000.0])
-
-    def area(*channels: str) -> float:
-        setup = nominal()
-        for channel in channels:
-            setup = setup.with_effect(SensorLag(time_s=0.001, channel=channel))
-        course = simulate(states(), setup, at)
-        return float(loop_area(course.displacement_um, course.tangential_force_N)[0])
-
-    either = abs(area("displacement") - area())
-    assert abs(area("displacement", "force") - area()) < 0.05 * either
-    assert area("displacement") - area() == pytest.approx(area() - area("force"), rel=0.1)
-
-
-def test_a_sensor_whose_force_lags_reads_it_late_and_can_be_undone() -> None:
-    time = np.arange(400) / 400
-    truth = LoopSignals(time, 60.0 * np.sin(2.0 * np.pi * time), np.cos(2.0 * np.pi * time))
-    sensor = Sensor(force_lag_s=0.01, lag_kind="delay")
-    read = sensor.read(truth)
-    assert read.tangential_force_N == pytest.approx(np.cos(2.0 * np.pi * (time - 0.01)))
-    assert read.displacement_um == pytest.approx(truth.displacement_um)
-    assert sensor.corrected(read).tangential_force_N == pytest.approx(truth.tangential_force_N)
-
-
-def test_a_study_says_which_channel_lags() -> None:
-    tables = [{"name": "sensor_lag", "time_s": 0.001, "channel": "force"}]
-    assert tables_of_effects(effects_of_tables(tables)) == tables
-    usual = [{"name": "sensor_lag", "time_s": 0.001}]
-    assert tables_of_effects(effects_of_tables([{**usual[0], "channel": "displacement"}])) == usual
-    with pytest.raises(StudyError, match=r'channel of sensor_lag is .*, but must be "displacement" or "force"'):
-        SensorLag(time_s=0.001, channel="both")
-
-
 def test_the_fast_model_filters_forces_as_a_sensor_does() -> None:
     """The filter in closed form between points of a branch, against the Fourier series of the sensor."""
     lag, points = 0.2, 400
@@ -231,14 +159,3 @@ def test_the_fast_model_filters_forces_as_a_sensor_does() -> None:
     expected = Sensor(force_lag_s=lag / (2.0 * np.pi)).read(even).tangential_force_N
     at = np.mod(phase, 2.0 * np.pi) / (2.0 * np.pi)
     assert late == pytest.approx(np.interp(at, np.append(time, 1.0), np.append(expected, expected[0])), abs=1e-4)
-
-
-def test_branches_that_solvers_part_lie_as_a_lag_of_that_phase_would_have_them() -> None:
-    """So far apart solvers are expected to be: a lag below it cannot be told from them."""
-    at, setup = np.array([1000.0]), nominal()
-    phase = 0.01
-    late = simulate(states(), setup.with_effect(SensorLag(time_s=phase / (2.0 * np.pi * setup.frequency_Hz))), at)
-    apart = simulate(states(), replace(setup, apart=phase), at)
-    together = simulate(states(), setup, at)
-    assert apart.displacement_um == pytest.approx(late.displacement_um)
-    assert np.abs(apart.displacement_um - together.displacement_um).max() > 0.3

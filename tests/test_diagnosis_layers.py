@@ -5,10 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from solvers import RoughLayer
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.layered_wires import ENGAGEMENT_MPa, LayeredWires, remembered
+from wirewear.diagnosis.model.layered_wires import LayeredWires
 from wirewear.diagnosis.model.setup import Array, Setup
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
@@ -32,48 +31,12 @@ def test_a_layer_without_height_changes_no_slope_and_no_contact() -> None:
     assert np.all(extent == 0.0)
 
 
-def test_fresh_wires_close_a_high_layer_as_rigid_ones_do() -> None:
-    """2π R p_c (s (exp(w/s) − 1) − w) is the load of rigid crossed cylinders of equal radius."""
-    own, highest = wires(), wires().heights[-1]
-    slip, radius = states().slip_um[0], states().radius_um
-    height_mm = 1e-3 * highest * slip**2 / radius
-    layer = RoughLayer(height_mm)
-    share = np.linspace(0.0, 6.0, 20_001)
-    load = 2e-3 * np.pi * radius * ENGAGEMENT_MPa * height_mm * (np.expm1(share) - share)
-    closure = float(np.interp(nominal().load_N, load, share))
-    pressure = ENGAGEMENT_MPa * np.expm1(closure)
-    assert layer.closure(np.array([pressure]), np.zeros(1))[0][0] == pytest.approx(closure * height_mm)
-    # Mean closure, weighed by the pressure, over the height: ∫ p ln(1 + p/p_c) dA over the load.
-    at = np.linspace(0.0, closure, 2001)
-    mean = np.trapezoid(np.expm1(at) * at, at) / np.trapezoid(np.expm1(at), at)
-    found = own.at(np.array([highest]), np.array([highest]), np.zeros(1))
-    assert found[0, -1] == pytest.approx(mean, rel=0.1)
-
-
 def test_a_groove_worn_under_a_layer_rises_earlier_and_ends_lower_than_one_worn_without() -> None:
     slope = wires().at(np.full(1, 0.3), np.full(1, 0.3), np.array([3.0]))[0, :-3]
     inside = slice(1, slope.size // 2 + 1)
     assert np.all(slope[inside] > 0.0)
     assert slope[-1] < -slope[inside].max()
     assert slope[0] == pytest.approx(0.0, abs=1e-12)
-
-
-def test_once_gone_a_layer_is_forgotten_as_a_power_of_the_worn_volume() -> None:
-    worn = np.geomspace(1e-3, 1e3, 4001)
-    height = np.where(worn < 1.0, 2.0, 0.0)
-    assert remembered(height, worn, 2.0)[worn > 2.0] == pytest.approx(2.0 / worn[worn > 2.0] ** 2, rel=0.01)
-    assert remembered(np.full(4001, 2.0), worn, 2.0) == pytest.approx(np.full(4001, 2.0))
-
-
-def test_hooks_are_smaller_under_a_layer_and_come_back_once_it_has_worn_in() -> None:
-    def tips(one: LoopCourse) -> Array:
-        return np.asarray(one.tangential_force_N[:, 0].max(axis=1))
-
-    spread, spring = course(), course(spreading=0.0)
-    less = tips(spring) - tips(spread)
-    assert less[3] > 0.02
-    assert less[4] > less[3]
-    assert abs(less[-1]) < 0.1 * less.max()
 
 
 def test_debris_that_spreads_the_pressure_leaves_lower_hooks_than_debris_that_is_a_spring() -> None:
@@ -98,17 +61,6 @@ def test_layers_of_springs_and_of_asperities_give_way_alike_where_the_closure_is
     closed = wires().at(np.array([5.0 * unit]), np.array([5.0 * unit]), np.zeros(1))[0, -1]
     lost = [one.slip_um[0] - none.slip_um[0] for one in (spring, spread)]
     assert lost[1] / lost[0] == pytest.approx(closed, rel=0.02)
-
-
-def test_a_layer_that_gives_way_less_holds_the_load_where_a_spring_presses_the_wires() -> None:
-    """As asperities wear in, wires that had closed them part by that closure, and the spring presses them more."""
-    stiff = replace(nominal(), normal_spring_N_per_um=0.01)
-    own, without = (
-        simulate(states(), with_effect(stiff, "roughness_compliance", {**FIVE, "layer_um": height}), CYCLES)
-        for height in (5.0, 0.0)
-    )
-    gained = own.normal_force_N[-1, 0, 60] - without.normal_force_N[-1, 0, 60]
-    assert 0.02 < gained < 0.12
 
 
 @pytest.mark.slow

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import nominal, record, states
-from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, LEAST, MOST, estimate, noise_factors, told_by_repeats
+from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, estimate, noise_factors
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.plateau import PlateauForce
@@ -41,33 +41,6 @@ def test_the_factor_on_the_noise_is_found_whatever_the_specimens_scatter(true_fa
     # Squares beyond three deviations count as that, so that large factors are found too small.
     assert factors[0] == pytest.approx(expected, rel=0.15 if true_factor < 2.0 else 0.3)
     assert factors[-1] == pytest.approx(1.0, rel=0.12)
-
-
-def test_one_repeat_tells_nothing() -> None:
-    assert noise_factors(observations(3.0, repeats=1), scattered(0.0)) == pytest.approx(np.ones(2 * COUNT))
-
-
-def test_a_misread_number_says_nothing_of_the_others() -> None:
-    one = observations(1.0)
-    values = one.values.copy()
-    values[1, 7] += 1.0
-    spoilt = noise_factors(replace(one, values=values), scattered(0.0))[0]
-    assert spoilt == pytest.approx(noise_factors(one, scattered(0.0))[0], abs=0.03)
-
-
-def test_numbers_that_only_some_repeats_have_are_told_by_those() -> None:
-    one = observations(3.0)
-    values = one.values.copy()
-    values[0, : COUNT // 2] = np.nan
-    told = told_by_repeats(replace(one, values=values), scattered(0.0))
-    assert told["plateau"].weight == pytest.approx(COUNT, rel=0.01)
-    assert told["stick"].weight == pytest.approx(2 * COUNT, rel=0.01)
-
-
-def test_factors_stay_within_their_bounds() -> None:
-    wild, none = (noise_factors(observations(factor), scattered(0.0))[0] for factor in (1e4, 0.0))
-    assert LEAST <= none < 0.3
-    assert 3.0 < wild <= MOST
 
 
 def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_well() -> None:

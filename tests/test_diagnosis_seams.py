@@ -7,15 +7,13 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from studies.diagnosis import gap_free_pairs
-from studies.diagnosis.gap_free_pairs import MOST_CYCLES, Pair, pair_of, solver_of
-from tests.diagnosis_cases import diagnosed, nominal, record, states, tables
-from wirewear.diagnosis.infer.shapes import Branches, bump, force_beside, opening, resisting, tilt, uphill
+from studies.diagnosis.gap_free_pairs import Pair, pair_of
+from tests.diagnosis_cases import diagnosed, nominal, record, states
+from wirewear.diagnosis.infer.shapes import Branches, opening
 from wirewear.diagnosis.infer.shapes_in_time import averaged, rattling, slewing
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.records import MeasuredLoop
 
@@ -46,26 +44,6 @@ def test_a_record_of_the_model_itself_differs_from_it_by_noise_alone(observed: O
     assert np.mean((unlike.residual / np.sqrt(np.diag(unlike.fixed))) ** 2) > 10.0
 
 
-def test_a_pair_is_of_the_first_repeat_thinned_to_a_few_cycles(
-    observed: Observations, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    taken: list[Layout] = []
-    thinned = Layout.taken
-
-    def remembered(self: Layout, keep: NDArray[np.bool_]) -> Layout:
-        taken.append(thinned(self, keep))
-        return taken[-1]
-
-    monkeypatch.setattr(Layout, "taken", remembered)
-    pair = paired(observed)
-    (thin,) = taken
-    assert len(thin) == pair.residual.size < len(observed.layout)
-    assert all(np.unique(part.sites.cycle).size <= MOST_CYCLES for part in thin)
-    assert set(thin.cycle) <= set(observed.layout.cycle)
-    other = replace(observed, values=observed.values[::-1], noise=observed.noise[::-1])
-    assert not np.array_equal(paired(other).residual, pair.residual)
-
-
 def test_covariances_are_symmetric_and_of_no_negative_variance_and_scatter_adds_to_them(observed: Observations) -> None:
     pair, scattered = paired(observed), paired(observed, scattered=True)
     for matrix in (pair.fixed, scattered.fixed, scattered.fixed - pair.fixed, *pair.parts.values()):
@@ -74,14 +52,6 @@ def test_covariances_are_symmetric_and_of_no_negative_variance_and_scatter_adds_
     assert np.trace(scattered.fixed) > np.trace(pair.fixed)
     assert pair.freedoms.shape[0] == pair.residual.size
     assert np.isfinite(pair.freedoms).all()
-
-
-def test_solver_and_test_are_told_by_name_and_conditions() -> None:
-    assert [solver_of(name) for name in ("a_T1_003", "b_T0", "case_001")] == ["T1", "T0", "T2"]
-    name_of = gap_free_pairs.test_of
-    assert name_of(tables()) == name_of(tables(friction=0.5))
-    other = tables().model_copy(update={"conditions": tables().conditions.model_copy(update={"normal_load_N": 3.0})})
-    assert name_of(other) != name_of(tables())
 
 
 def branches() -> Branches:
@@ -126,24 +96,6 @@ def test_a_joint_gives_nothing_below_the_force_that_opens_it() -> None:
     assert np.ptp(given) < 1e-9
     assert change[0, 0] == pytest.approx(-change[0, 1], abs=1e-6 * before.amplitude_um)
     assert np.abs(change[0, 0]).max() > 0.005 * before.amplitude_um
-
-
-def test_a_spot_is_at_one_place_of_the_rig_whichever_way_it_is_passed() -> None:
-    before = branches()
-    added = resisting(bump(0.3, 0.1))(before, 0.1).tangential_force_N - before.course.tangential_force_N
-    places = tilt(before)
-    for side, sign in enumerate((1.0, -1.0)):
-        at = int(np.argmax(sign * added[0, side]))
-        assert places[0, side, at] == pytest.approx(0.3, abs=0.05)
-        assert sign * added[0, side, at] == pytest.approx(0.1 * before.force_N, rel=0.15)
-
-
-def test_a_spring_beside_the_contact_adds_a_line_to_the_force_alone() -> None:
-    before = branches()
-    after = force_beside(uphill(1))(before, 0.1)
-    added = after.tangential_force_N - before.course.tangential_force_N
-    assert added == pytest.approx(0.1 * before.force_N * before.course.displacement_um / before.amplitude_um)
-    assert after.displacement_um == pytest.approx(before.course.displacement_um, abs=1e-9)
 
 
 def test_a_loose_load_swings_after_each_reversal_and_both_forces_with_it() -> None:

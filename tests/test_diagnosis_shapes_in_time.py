@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from studies.blind.generators.instruments import LeakingCharge, RingingForceCell, Signals
+from studies.blind.generators.instruments import LeakingCharge, Signals
 from tests.diagnosis_cases import nominal, states
 from wirewear.diagnosis.infer.shapes import Branches
-from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking, ringing
+from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array
@@ -45,15 +45,6 @@ def test_a_charge_leaks_as_the_instrument_of_its_time_constant_does(turn: float)
     mean = float(signals.tangential_force_N.mean())
     assert found - mean == pytest.approx(expected, abs=0.01 * b.force_N)
     assert np.abs(found - b.course.tangential_force_N.ravel()).max() > turn * b.force_N
-
-
-@pytest.mark.parametrize("harmonic", [8.0, 20.0])
-def test_a_cell_rings_as_the_instrument_of_its_natural_frequency_does(harmonic: float) -> None:
-    b = branches()
-    signals, phases = in_time(b)
-    expected = at_points(RingingForceCell(harmonic, 0.1).read(signals, 1.0).tangential_force_N, phases)
-    found = ringing(harmonic, 0.1)[0](b, 1.0).tangential_force_N.ravel()
-    assert found == pytest.approx(expected, abs=0.01 * b.force_N)
 
 
 def test_a_joint_without_delay_gives_nothing_late_and_one_of_endless_delay_gives_nothing_at_all() -> None:

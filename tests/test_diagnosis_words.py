@@ -3,31 +3,8 @@
 import pytest
 
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import GapFinding, _compared
-from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.views.diagnosis_values import Cause, Estimate
 from wirewear.views.diagnosis_wording import sentence_of
-
-
-@pytest.mark.parametrize(
-    ("difference", "words"),
-    [
-        (-2.295, "9.9 times smaller than the model"),
-        (2.3026, "10 times larger than the model"),
-        (0.1, "10.5 % above the model"),
-        (-0.1, "9.5 % below the model"),
-    ],
-)
-def test_a_logarithm_is_told_as_a_ratio(difference: float, words: str) -> None:
-    assert f"{_compared(ScarFigures(), difference)} the model" == words
-
-
-def test_a_sentence_says_where_a_gap_lies_in_words_and_not_by_the_key_of_its_zone() -> None:
-    text = "worn depth along the profile at the edges of the scar: the measurement is 0.1 µm below the model at cycle 9"
-    found = GapFinding("worn depth along the profile", "profile_edges", (9, 9), 1.0, 3.0, text)
-    shrink = Shrink(2.0, 2.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
-    said = sentence_of("unexplained", (), (), shrink, (found,))
-    assert said.endswith("It lies mostly in the worn depth along the profile at the edges of the scar.")
 
 
 @pytest.mark.parametrize(

@@ -46,12 +46,6 @@ def test_reach_and_chord_are_those_of_the_ellipse_s_outline(
     assert minor * (1.0 - 1e-12) <= ellipse.chord(axis) <= ellipse.reach(axis) * (1.0 + 1e-12)
 
 
-def test_the_scar_of_equal_wires_at_right_angles_is_the_circle_of_the_closed_form() -> None:
-    scar = scar_ellipse(1e-4, 0.225, 0.225, 90.0)
-    assert scar.major_mm == pytest.approx((4.0 * 0.225 * 1e-4 / pi) ** 0.25)
-    assert scar.minor_mm == pytest.approx(scar.major_mm)
-
-
 def test_the_scar_s_outline_holds_its_volume_under_the_gap() -> None:
     scar = scar_ellipse(1e-4, 0.3, 0.2, 50.0)
     # The cap of an elliptic paraboloid has half the volume of its cylinder; its depth is that of the gap at the rim.
@@ -71,20 +65,6 @@ def test_travel_along_both_crowns_adds_up_to_the_motion(crossing: float, directi
     assert moving.transverse.travel_mm == fixed.transverse.travel_mm == 0.0
 
 
-def test_a_wire_moving_along_itself_moves_the_contact_on_itself_only() -> None:
-    moving, fixed = patch_axes(0.06, 0.0, radians(40.0))
-    assert [moving.axial.travel_mm, fixed.axial.travel_mm] == pytest.approx([0.06, 0.0], abs=1e-15)
-    moving, fixed = patch_axes(0.06, radians(90.0), radians(90.0))
-    assert [moving.axial.travel_mm, fixed.axial.travel_mm] == pytest.approx([0.0, 0.06], abs=1e-15)
-
-
-@pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
-def test_wires_crossed_at_30_degrees_need_hardly_more_unknowns_than_at_90(fidelity: str) -> None:
-    acute, right = discretise(study(30.0), fidelity), discretise(study(90.0), fidelity)
-    assert unknowns(acute.fixed) <= 3.0 * unknowns(right.fixed)
-    assert acute.coarsening == 1.0
-
-
 @pytest.mark.parametrize(("angle_deg", "fixed_diameter_mm"), [(30.0, 0.45), (60.0, 0.45), (45.0, 0.2), (90.0, 0.9)])
 def test_patches_hold_the_fresh_contact_and_resolve_its_shape_along_each_axis(
     angle_deg: float, fixed_diameter_mm: float
@@ -96,15 +76,6 @@ def test_patches_hold_the_fresh_contact_and_resolve_its_shape_along_each_axis(
         for axis, direction in ((wire.axial, angle), (wire.transverse, angle + pi / 2)):
             assert axis.half_extent_mm >= 2.4 * contact.reach(direction) * (1.0 - 1e-9)
             assert contact.chord(direction) / axis.fine_mm == pytest.approx(WIRE_LEVELS["standard"].per_contact_radius)
-
-
-def test_patches_beyond_the_level_s_unknowns_are_coarsened_and_say_so() -> None:
-    text = MINIMAL.replace("displacement_amplitude_um = 60.0", "displacement_amplitude_um = 1900.0")
-    text = text.replace("diameter_mm = 0.45", "diameter_mm = 2.0")
-    plan = discretise(parse_study(text, "study"), "fine")
-    assert unknowns(plan.moving) <= WIRE_LEVELS["fine"].most_unknowns
-    assert plan.coarsening > 1.0
-    assert plan.settings()["mesh_coarsening"] == plan.coarsening
 
 
 def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one() -> None:
@@ -150,15 +121,6 @@ def test_elements_are_even_along_the_motion_to_the_scar_s_edges_and_coarser_acro
             assert 1.8 < across.fine_mm / along.fine_mm < 6.0
 
 
-def test_motion_between_the_axes_gives_both_wires_the_same_elements_along_both() -> None:
-    askew = study(worn=True, direction_deg=45.0)
-    stage = mesh_stages(askew, "standard", discretise(askew, "standard"))[-1]
-    sizes = [axis.fine_mm for wire in (stage.moving, stage.fixed) for axis in (wire.axial, wire.transverse)]
-    assert sizes == pytest.approx([sizes[0]] * 4)
-    straight = mesh_stages(study(worn=True), "standard", discretise(study(worn=True), "standard"))[-1].moving
-    assert straight.axial.fine_mm < sizes[0] < straight.transverse.fine_mm
-
-
 def test_the_first_stage_resolves_the_fresh_contact_alike_in_all_directions() -> None:
     plan = discretise(study(worn=True), "standard")
     first = mesh_stages(study(worn=True), "standard", plan)[0]
@@ -181,13 +143,6 @@ def test_a_contact_that_sticks_in_its_middle_and_wears_around_it_has_finer_eleme
         assert plan.increments_per_wear_cycle == (16 if text is worn else level.increments_per_cycle)
 
 
-def test_a_test_without_wear_has_one_stage() -> None:
-    plan = discretise(study(), "quick")
-    (stage,) = mesh_stages(study(), "quick", plan)
-    assert stage.from_half_width_mm == stage.to_half_width_mm
-    assert (stage.moving, stage.fixed) == (plan.moving, plan.fixed)
-
-
 @pytest.mark.parametrize("worn", [False, True])
 def test_spare_meshes_go_on_widening_from_the_planned_ones_as_far_as_wires_hold_them(worn: bool) -> None:
     of = study(worn=worn)
@@ -199,35 +154,3 @@ def test_spare_meshes_go_on_widening_from_the_planned_ones_as_far_as_wires_hold_
         assert after.from_half_width_mm == pytest.approx(before.to_half_width_mm)
         assert after.fixed.axial.half_extent_mm > before.fixed.axial.half_extent_mm
         assert after.fixed.transverse.half_extent_mm <= 0.42 * 0.45
-
-
-def test_there_are_no_spare_meshes_where_the_study_chooses_its_own() -> None:
-    for own in ("[mesh]\nfollow_scar = false\n", "[mesh]\nscar_half_width_um = 90.0\n"):
-        of = parse_study(MINIMAL + own, "study")
-        plan = discretise(of, "quick")
-        (only,) = mesh_stages(of, "quick", plan)
-        assert spare_stages(of, "quick", plan, only) == ()
-
-
-def test_wires_that_stick_for_good_need_no_room_for_a_growing_scar() -> None:
-    def half_width_um(amplitude_um: float, effects: str = "") -> float:
-        text = MINIMAL.replace("cycles = 700", "cycles = 1000000")
-        text = text.replace("displacement_amplitude_um = 60.0", f"displacement_amplitude_um = {amplitude_um}")
-        text += "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n" + effects
-        return 1e3 * discretise(parse_study(text, "study"), "quick").predicted_scar_half_width_mm
-
-    fresh = 1e3 * discretise(parse_study(MINIMAL, "study"), "quick").predicted_scar_half_width_mm
-    assert half_width_um(0.3) == half_width_um(0.6) == fresh
-    assert half_width_um(2.0) > 2.0 * fresh
-    # An effect may let them slide.
-    assert half_width_um(0.3, '[[effects]]\nname = "wear_rate_offset"\nfactor = 1.0\n') > 2.0 * fresh
-
-
-def test_the_grip_is_as_the_study_states_for_each_wire() -> None:
-    text = MINIMAL.replace("[wires]", "[wires]\ngrip_angle_deg = 120\ngrip_stiffness_N_per_mm3 = 5e4")
-    text += '[wires.fixed]\ngrip_length_mm = 0.6\ngrip_stiffness_N_per_mm3 = "rigid"\n'
-    plan = discretise(parse_study(text, "study"), "quick")
-    assert plan.moving.grip_half_angle_rad == pytest.approx(pi / 3.0)
-    assert (plan.moving.grip_half_length_mm, plan.moving.grip_stiffness_N_per_mm3) == (None, 5e4)
-    assert plan.fixed.grip_half_angle_rad == plan.moving.grip_half_angle_rad
-    assert (plan.fixed.grip_half_length_mm, plan.fixed.grip_stiffness_N_per_mm3) == (0.3, None)

@@ -72,26 +72,6 @@ def test_a_page_is_read_in_a_few_minutes(page: Path) -> None:
     assert len(" ".join(prose).split()) < MOST_WORDS
 
 
-def sentences(text: str) -> Iterator[str]:
-    """Sentences of prose: of paragraphs and items of lists, not of code, tables, headings."""
-    blocks = [""]
-    for line in FENCE.sub("\n\n", text).splitlines():
-        bare = line.strip()
-        if not bare or bare.startswith(("|", "![", "#")) or re.match(r"(-|\d+\.) ", bare):
-            blocks.append("")
-        if not bare.startswith(("|", "![", "#")):
-            blocks[-1] += f" {bare}"
-    for block in blocks:
-        plain = re.sub(r"`[^`]*`", "CODE", re.sub(r"\]\([^)]*\)", "]", block))
-        yield from re.split(r"(?<=[.!?:])\s+(?=[^a-z\s])", plain)
-
-
-@pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
-def test_a_sentence_is_read_in_one_breath(page: Path) -> None:
-    found = sentences(page.read_text(encoding="utf-8"))
-    assert [one for one in found if sum(bool(re.search(r"\w", word)) for word in one.split()) > MOST_IN_SENTENCE] == []
-
-
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
 def test_what_a_page_links_to_exists(page: Path) -> None:
     """Those to the reference are dead before the site is built: only the site's own first page has them."""
@@ -100,12 +80,6 @@ def test_what_a_page_links_to_exists(page: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))
     targets = [(page.parent / link).resolve() for link in links if not link.startswith(("http", "mailto"))]
     assert [str(target) for target in targets if not target.exists() and target not in made] == []
-
-
-def test_every_file_that_developers_are_sent_to_exists() -> None:
-    named = re.findall(r"`([\w/]+\.(?:py|html|js|css|toml|yml))`", (ROOT / "docs" / "developers.md").read_text("utf-8"))
-    assert len(named) > 30
-    assert [name for name in named if not any((ROOT / room / name).is_file() for room in ("", "wirewear"))] == []
 
 
 def keys(model: type[BaseModel], place: str = "") -> Iterator[tuple[str, str]]:

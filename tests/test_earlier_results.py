@@ -10,9 +10,8 @@ import pytest
 
 from tests.synthetic_results import earlier_line_result
 from wirewear.base.hdf5 import hdf5_image
-from wirewear.results import BODIES, Evolution, RunResult, read_result, write_result
+from wirewear.results import Evolution, RunResult, read_result, write_result
 from wirewear.results.flat import evolution_table, loops_table, profiles_table
-from wirewear.results.quality import ENERGIES_AGREE
 
 
 @pytest.fixture
@@ -34,14 +33,6 @@ def test_a_line_contact_of_the_earlier_format_obeys_coulomb_and_its_wear_law(ear
         )
 
 
-def test_forces_on_both_bodies_are_the_loop_s(earlier: RunResult) -> None:
-    """The earlier format has no tangential force at the positions: forces on the nodes add up to it."""
-    for body in BODIES:
-        forces, loop = earlier.forces(200, body), earlier.loop(200)
-        assert np.abs(forces.tangential_force_N).max() == pytest.approx(np.abs(loop.tangential_force_N).max(), rel=1e-9)
-        assert forces.force_N[..., 2].sum(axis=1) == pytest.approx(-100.0, rel=1e-9)
-
-
 def test_tables_of_a_line_contact_are_per_mm_whatever_its_length(earlier: RunResult) -> None:
     """The names are those that its earlier file has."""
     with h5py.File(io.BytesIO(earlier_line_result())) as file:
@@ -56,18 +47,6 @@ def test_tables_of_a_line_contact_are_per_mm_whatever_its_length(earlier: RunRes
     assert longer.loop(200).tangential_force_N == pytest.approx(7.0 * earlier.loop(200).tangential_force_N)
     assert longer.worn_volume_mm3 == pytest.approx(7.0 * earlier.worn_volume_mm3)
     assert longer.scar(200, "pad").volume_mm3 == pytest.approx(7.0 * earlier.scar(200, "pad").volume_mm3)
-
-
-def test_a_line_contact_is_written_and_read_as_crossed_wires_are(earlier: RunResult, tmp_path: Path) -> None:
-    write_result(tmp_path / "again.h5", earlier)
-    again = read_result(tmp_path / "again.h5")
-    assert (again.contact_kind, again.bodies, again.length_mm) == ("line-contact", ("specimen", "pad"), 1.0)
-    assert again.study == earlier.study
-    for scar, other in zip(again.scars, earlier.scars, strict=True):
-        assert (scar.body, scar.edges_um()) == (other.body, other.edges_um())
-    for forces, before in zip(again.contact_forces, earlier.contact_forces, strict=True):
-        np.testing.assert_array_equal(forces.force_N, before.force_N)
-    assert abs(again.quality["energy_against_loops"]) < ENERGIES_AGREE
 
 
 def test_what_the_first_format_of_line_contacts_lacks_is_unknown(tmp_path: Path) -> None:

@@ -1,7 +1,6 @@
 """What effects make of a test as fast models take it."""
 
-import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -10,8 +9,7 @@ import pytest
 from solvers import RoughLayer, ThirdBody
 from tests.effect_studies import coarse
 from wirewear.base.course import Course
-from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, UnforeseenError, all_effects, effect_named
-from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.effects import Ageing, Chain, Effect, all_effects, effect_named
 
 CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
 
@@ -65,11 +63,6 @@ def changes(one: Effect[Any]) -> dict[str, Any]:
 @everyone
 def test_an_effect_at_its_neutral_values_leaves_the_chain_as_it_is(kind: type[Effect[Any]]) -> None:
     assert changes(kind.neutral(coarse().stated)) == {}
-
-
-@everyone
-def test_a_fast_model_of_wires_foresees_every_effect_that_is_looked_for_in_them(kind: type[Effect[Any]]) -> None:
-    assert bool(changes(kind.sized("easy", coarse().stated))) is kind.considered_for("crossed-wires")
 
 
 @everyone
@@ -164,48 +157,3 @@ def test_effects_on_one_seam_act_one_after_the_other() -> None:
     drifting = effect("normal_load_drift", fraction_per_100k_cycles=0.3).foreseen(chain())
     leaning = effect("misalignment", angle_deg=2.0).foreseen(drifting)
     assert leaning.load_N == pytest.approx(drifting.load_N)
-
-
-@dataclass(frozen=True)
-class NoisySensor(Effect[Sensor]):
-    """A sensor whose readings are noisy, which no chain holds."""
-
-    name = "noisy_sensor"
-    seam = Seam.SENSOR
-    signature = "noise"
-    confused_with = ()
-
-    def changed(self, described: Sensor, _age: Age) -> Sensor:
-        """The sensor with noise."""
-        return replace(described, noise=SensorNoise(displacement_um=0.1))
-
-
-@dataclass(frozen=True)
-class FrictionByEnergy(Effect[ContactLaw]):
-    """Friction that falls with the dissipated energy."""
-
-    name = "friction_by_energy"
-    seam = Seam.CONTACT
-    signature = "height"
-    confused_with = ()
-
-    def changed(self, described: ContactLaw, age: Age) -> ContactLaw:
-        """The law at that energy."""
-        return replace(described, friction=described.friction / (1.0 + age.energy_J))
-
-
-def test_what_a_chain_does_not_hold_is_refused_in_a_sentence() -> None:
-    with pytest.raises(UnforeseenError, match="noisy_sensor changes something of the sensor that fast models do not"):
-        NoisySensor().foreseen(chain())
-
-
-def test_an_effect_may_follow_the_dissipated_energy() -> None:
-    assert FrictionByEnergy().foreseen(chain()).friction == pytest.approx(0.62 / (1.0 + 2.5e-4 * CYCLES))
-
-
-def test_an_exponential_course_goes_from_one_value_to_the_other() -> None:
-    course = Course(0.4, 0.6, 1000.0)
-    assert course.at(np.array([0.0, 1000.0, 1e6])) == pytest.approx([0.4, 0.6 - 0.2 / math.e, 0.6])
-    assert course.at(1000.0) == pytest.approx(0.6 - 0.2 / math.e)
-    assert course.times(2.0).at(0.0) == pytest.approx(0.8)
-    assert Course.constant(0.5).at(77.0) == 0.5

@@ -194,11 +194,3 @@ ENERGY = {
 def test_energy_tells_errors_of_the_sensor_from_changes_of_the_contact(name: str) -> None:
     least, largest = ENERGY[name]
     assert least < fingerprint_of(name).energy_ratio < largest
-
-
-@pytest.mark.slow
-def test_a_drift_of_the_load_scales_the_load_of_each_cycle() -> None:
-    drifting = result_with(effect_named("normal_load_drift")(**SIZES["normal_load_drift"]), text=WORN)
-    last = drifting.loops[-1]
-    assert last.cycle == 8
-    assert last.normal_force_N.mean() == pytest.approx(2.0 * (1.0 + 5.0 * 8e-5), rel=1e-6)

@@ -1,11 +1,9 @@
 """The library of effects: names and parameters, what a study may say, and what is refused."""
 
 import json
-import math
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -23,15 +21,10 @@ from wirewear.effects import (
     Specimens,
     all_effects,
     applied,
-    effect_named,
     measurements,
-    splits,
-    told_apart_by,
 )
 from wirewear.effects.rotational_compliance import RotationalCompliance
-from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor
-from wirewear.results import sensor_of
 from wirewear.study.reading import study_from_tables
 
 #: Names and parameters that other programs and files rely on.
@@ -75,13 +68,6 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert set(kind.confused_with) <= set(all_effects())
 
 
-@everyone
-def test_a_measurement_tells_an_effect_from_each_of_its_look_alikes(kind: type[Effect[Any]]) -> None:
-    assert told_apart_by(kind)
-    for other in kind.confused_with:
-        assert any(splits(measurement, kind.name, other) for measurement in told_apart_by(kind)), other
-
-
 def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_alike_to_it() -> None:
     answers = {
         measurement: {kind.answer_to(measurement) for kind in all_effects().values()} - {""}
@@ -101,40 +87,10 @@ def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_ali
     }
 
 
-def test_what_a_measurement_does_not_tell_or_show_alike_it_does_not_split() -> None:
-    assert splits(measurements.NORMAL_FORCE, "normal_load_drift", "friction_offset")
-    assert not splits(measurements.NORMAL_FORCE, "misalignment", "force_crosstalk")
-    assert not splits(measurements.NORMAL_FORCE, "normal_load_drift", "free_play")
-    assert splits(measurements.SCAR_MAPS, "crossing_angle_error", "none")
-    assert not splits(measurements.ENCODER, "free_play", "none")
-
-
 @given(low=st.floats(0.01, 10.0), ratio=st.floats(1.1, 100.0), place=st.floats(-3.0, 3.0), log=st.booleans())
 def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
     one = Parameter("p", Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)
     assert one.coordinate(one.value(place)) == pytest.approx(place, abs=1e-6)
-
-
-def test_a_parameter_stays_within_what_can_be() -> None:
-    share = Parameter("f", Quantity("1", 0.0, 0.95), 0.0, 0.4, 0.1, (0.02, 0.7), logarithmic=True)
-    assert share.value(3.5) == 0.95
-
-
-def test_sizes_that_are_multiples_of_what_a_study_states_need_it_to_be_stated() -> None:
-    friction = all_effects()["friction_offset"].parameters()["friction"]
-    assert friction.beside({"contact.friction": 0.5}).interest == (0.375, 0.65)
-    with pytest.raises(StudyError, match=r"multiples of contact\.friction, which the study does not state"):
-        friction.beside({})
-
-
-@everyone
-def test_sizes_of_interest_lie_within_the_range_and_the_neutral_value_is_no_size(kind: type[Effect[Any]]) -> None:
-    study = coarse()
-    assert kind.sized("easy", study.stated) != kind.sized("hard", study.stated)
-    assert kind.neutral(study.stated) not in (kind.sized("easy", study.stated), kind.sized("hard", study.stated))
-    for item in kind.parameters().values():
-        assert item.interest[0] <= item.easy <= item.interest[1] or item.neutral == item.easy
-        assert not item.logarithmic or item.interest[0] > 0.0
 
 
 DESCRIPTIONS: dict[Seam, Any] = {
@@ -203,12 +159,6 @@ def test_a_variant_has_effects_of_its_own_in_place_of_the_studys() -> None:
     assert study_from_tables(study.resolved(), "resolved") == study
 
 
-def test_an_infinite_stiffness_is_written_rigid() -> None:
-    study = coarse(with_tables('[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = "rigid"\n'))
-    assert study.effects[0].values == {"stiffness_N_per_mm": math.inf}
-    assert study.resolved()["effects"] == [{"name": "tangential_compliance", "stiffness_N_per_mm": "rigid"}]
-
-
 @pytest.mark.parametrize(
     ("tables", "message"),
     [
@@ -239,48 +189,3 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
     assert str(refused.value).startswith("effects in coarse.toml ")
     assert str(refused.value).count(". ") == 0
     assert str(refused.value).endswith(".") != message.endswith("?")
-
-
-def test_effects_that_do_not_go_together_are_refused_from_python_too() -> None:
-    twice = (
-        effect_named("sensor_lag").sized("easy", coarse().stated),
-        effect_named("sensor_lag").sized("hard", coarse().stated),
-    )
-    with pytest.raises(StudyError, match="sensor_lag is given 2 times"):
-        coarse().with_effects(*twice)
-    held = parse_study(COARSE.replace("cycles = 1", "cycles = 1\napproach_um = 1.0"), "held.toml")
-    with pytest.raises(StudyError, match="plasticity, which needs a test under load"):
-        held.with_effects(effect_named("plasticity").sized("easy", held.stated))
-
-
-def test_effects_on_the_load_are_refused_where_the_approach_is_held() -> None:
-    held = COARSE.replace("cycles = 1", "cycles = 1\napproach_um = 1.0")
-    tables = '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 0.1\n'
-    with pytest.raises(StudyError, match="normal_load_drift, which needs a test under load"):
-        parse_study(held + tables, "held.toml")
-
-
-def test_a_result_with_an_effect_that_is_not_installed_is_named_in_one_sentence() -> None:
-    with pytest.raises(StudyError, match="effects of the study 'other' cannot be used: there is no effect 'gremlins'"):
-        sensor_of({"name": "other", "effects": [{"name": "gremlins"}]})
-
-
-def test_the_command_lists_all_effects_as_json_and_as_a_table() -> None:
-    (alone,) = json.loads(CliRunner().invoke(cli, ["effects", "free_play", "--json"]).stdout)
-    assert alone["name"] == "free_play"
-    listed = CliRunner().invoke(cli, ["effects", "--json"])
-    assert listed.exit_code == 0
-    data = json.loads(listed.stdout)
-    assert {item["name"]: [p["name"] for p in item["parameters"]] for item in data} == FIXED
-    table = CliRunner().invoke(cli, ["effects"])
-    assert table.exit_code == 0
-    assert all(name in table.stdout for name in FIXED)
-
-
-def test_the_command_describes_one_effect_and_refuses_an_unknown_one() -> None:
-    described = CliRunner().invoke(cli, ["effects", "normal_load_drift"])
-    assert described.exit_code == 0
-    assert "Told apart by: the normal force over whole cycles (it drifts)" in described.stdout
-    refused = CliRunner().invoke(cli, ["effects", "gremlins"])
-    assert refused.exit_code == 2
-    assert "there is no effect 'gremlins'" in refused.stderr

@@ -8,7 +8,7 @@ import pytest
 
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear import Loop, RunResult, StudyError, record_of_result
+from wirewear import Loop, RunResult, record_of_result
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
@@ -17,7 +17,6 @@ from wirewear.simulation import contact_problem, discretise
 from wirewear.simulation.problem import fresh_state, problem_at
 
 LIMIT_N = 0.62 * 2.0
-RIG = "[holder]\ntangential_stiffness_N_per_mm = 167.0\n"
 
 
 def effect(name: str, **values: float) -> Effect[Any]:
@@ -56,32 +55,6 @@ def test_a_spring_in_series_takes_four_times_friction_squared_over_its_stiffness
     assert energy_mJ(rigid) - energy_mJ(soft) == pytest.approx(4.0 * LIMIT_N**2 / 300.0, rel=0.02)
 
 
-@pytest.mark.slow
-def test_a_spring_in_series_with_the_rig_is_one_of_the_sum_of_compliances() -> None:
-    one = result_with(effect("tangential_compliance", stiffness_N_per_mm=100.0))
-    two = result_with(
-        effect("tangential_compliance", stiffness_N_per_mm=1.0 / (1.0 / 100.0 - 1.0 / 167.0)), text=COARSE + RIG
-    )
-    np.testing.assert_allclose(two.loops[0].tangential_force_N, one.loops[0].tangential_force_N, atol=1e-9)
-
-
-def test_rotation_about_a_pivot_equals_a_spring_of_its_stiffness_over_the_arm_squared() -> None:
-    turning = result_with(effect("rotational_compliance", stiffness_N_mm_per_rad=300.0 * 30.0**2, arm_mm=30.0))
-    straight = result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
-    assert energy_mJ(turning) == pytest.approx(energy_mJ(straight), rel=0.01)
-    q, other = turning.loops[0].tangential_force_N, straight.loops[0].tangential_force_N
-    assert np.abs(q - other).max() < 0.01 * LIMIT_N
-
-
-def test_free_play_takes_twice_its_width_times_the_force_of_the_energy() -> None:
-    rigid, loose = result_with(), result_with(effect("free_play", gap_um=2.0))
-    assert energy_mJ(rigid) - energy_mJ(loose) == pytest.approx(2.0 * 2e-3 * LIMIT_N, rel=0.03)
-    assert largest_force_N(loose) == pytest.approx(largest_force_N(rigid), rel=1e-3)
-    assert rigid.settings["measured_free_play_um"] == pytest.approx(0.0, abs=1e-9)
-    assert loose.settings["measured_free_play_um"] == pytest.approx(2.0, rel=1e-6)
-    assert loose.settings["measured_tangential_stiffness_N_per_mm"] == "rigid"
-
-
 def loop_area_mJ(loop: Loop) -> float:
     x, q = 1e-3 * loop.displacement_um, loop.tangential_force_N
     return 0.5 * abs(float(np.sum(x * np.roll(q, -1) - np.roll(x, -1) * q)))
@@ -101,22 +74,6 @@ def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_
     np.testing.assert_array_equal(misread.loops[0].tangential_force_N, nominal.loops[0].tangential_force_N)
     (read,) = read_loops(misread)
     assert loop_area_mJ(read) == pytest.approx(ratio * loop_area_mJ(nominal.loops[0]), rel=1e-3)
-
-
-def test_a_load_coupled_sensor_shows_false_compliance_and_a_quadratic_one_unequal_slopes() -> None:
-    (read,) = read_loops(
-        result_with(effect("displacement_load_coupling", linear_um_per_N=3.0, quadratic_um_per_N2=1.0))
-    )
-    truth = result_with().loops[0]
-    error = read.displacement_um - truth.displacement_um
-    np.testing.assert_allclose(error, 3.0 * truth.tangential_force_N + truth.tangential_force_N**2, atol=1e-12)
-
-
-def test_crosstalk_offsets_the_loop_by_its_share_of_the_load_and_ripples_the_normal_force() -> None:
-    (read,) = read_loops(result_with(effect("force_crosstalk", coefficient=0.02)))
-    truth = result_with().loops[0]
-    assert (read.tangential_force_N - truth.tangential_force_N).mean() == pytest.approx(0.02 * 2.0, rel=1e-6)
-    np.testing.assert_allclose(read.normal_force_N - truth.normal_force_N, 0.02 * truth.tangential_force_N, atol=1e-12)
 
 
 def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
@@ -159,13 +116,6 @@ def plateau_difference(result: RunResult, nominal: RunResult) -> tuple[float, fl
     return differences[0], differences[1]
 
 
-def test_friction_evolution_gives_each_cycle_its_coefficient() -> None:
-    evolving = effect("friction_evolution", initial=0.4, final=0.6, cycles=1.0)
-    expected = 0.6 - 0.2 * np.exp(-1.0)
-    result = result_with(evolving)
-    assert largest_force_N(result) == pytest.approx(expected * 2.0, rel=1e-3)
-
-
 @pytest.mark.slow
 def test_an_error_of_the_crossing_angle_changes_loops_to_second_order_only() -> None:
     nominal, turned = result_with(), result_with(effect("crossing_angle_error", angle_deg=4.0))
@@ -183,13 +133,6 @@ def test_flattened_wires_touch_on_a_larger_area_under_less_pressure() -> None:
     assert flat.settings["fresh_max_pressure_MPa"] < 0.7 * nominal.settings["fresh_max_pressure_MPa"]
     # No wear is needed for the depth, and its volume closes.
     assert flat.quality["volume_against_energy"] < 1e-12
-
-
-def test_the_moving_wire_is_flattened_all_along_the_stroke_and_the_fixed_one_on_one_spot() -> None:
-    flat = result_with(effect("plasticity", flattening_um=1.0))
-    moving, fixed = (flat.scar(1, wire) for wire in ("moving", "fixed"))
-    lengths = [float(np.ptp(scar.axial_um[(scar.depth_um > 0.0).any(axis=1)])) for scar in (moving, fixed)]
-    assert lengths[0] == pytest.approx(lengths[1] + 40.0, abs=20.0)
 
 
 CYCLES = (
@@ -253,20 +196,6 @@ def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_t
     assert states[1].holder_z == states[0].holder_z
 
 
-def test_meshes_stay_the_same_for_effects_that_fit_and_grow_for_those_that_do_not() -> None:
-    study = coarse(
-        COARSE.replace("cycles = 1", "cycles = 100000").replace(
-            "[fidelity", "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n[fidelity"
-        )
-    )
-    widths = [
-        discretise(study.with_effects(*effects), "quick").predicted_scar_half_width_mm
-        for effects in ([], [effect("wear_rate_offset", factor=1.3)], [effect("wear_rate_offset", factor=6.0)])
-    ]
-    assert widths[1] == widths[0]
-    assert widths[2] > 1.3 * widths[0]
-
-
 PLANAR = """
 format = 1
 name = "planar"
@@ -314,9 +243,3 @@ def test_planar_studies_take_effects_of_holder_contact_wear_and_loading() -> Non
     gathered = [result.evolution["accumulated_energy_J"][-1] for result in (nominal, changed)]
     assert worn[1] / gathered[1] == pytest.approx(2.0 * worn[0] / gathered[0], rel=1e-9)
     assert changed.quality["volume_against_energy"] < 1e-9
-
-
-def test_planar_studies_refuse_effects_of_crossed_wires() -> None:
-    table = 'name = "crossing_angle_error"\nangle_deg = 1'
-    with pytest.raises(StudyError, match="line contacts take effects of holder, contact, wear, loading and sensor"):
-        planar_study_from_tables(tomllib.loads(f"{PLANAR}[[effects]]\n{table}\n"), "planar.toml")

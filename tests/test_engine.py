@@ -8,15 +8,13 @@ import sys
 import time
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from wirewear.base.cluster import DaskCluster, engine_of
-from wirewear.base.engine import Engine, LocalProcesses, results_of
-from wirewear.base.errors import EngineError
+from wirewear.base.cluster import engine_of
+from wirewear.base.engine import Engine, results_of
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -66,10 +64,6 @@ def test_every_task_is_handed_over_once_with_what_it_returned_or_raised(engine: 
         results_of(engine, tasks)
 
 
-def test_no_task_is_begun_when_the_time_is_up(engine: Engine) -> None:
-    assert list(engine.done([partial(operator.index, 1)], until=time.monotonic() - 1.0)) == []
-
-
 # In a process of its own, so that what dies with it takes no other test along.
 LOSING = """
 import operator, sys
@@ -106,59 +100,3 @@ def test_a_process_that_is_lost_is_replaced_and_no_result_comes_twice(tmp_path: 
 def test_a_worker_of_a_cluster_that_is_lost_is_replaced_and_no_result_comes_twice(tmp_path: Path, cluster: str) -> None:
     assert lost(tmp_path, cluster) == [str(list(range(8)))]
     assert len(list(tmp_path.glob("3-*"))) == 2
-
-
-def test_an_address_without_a_port_is_refused_before_a_client_is_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    def made(*_: object, **__: object) -> None:
-        raise AssertionError("a client was made")
-
-    monkeypatch.setattr("distributed.Client", made)
-    with pytest.raises(EngineError, match=r"^no Dask scheduler answers at 'nonsense' \(missing port number"):
-        results_of(engine_of(scheduler="nonsense"), [partial(operator.index, 1)])
-
-
-def test_a_cluster_that_does_not_answer_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.base.cluster.PATIENCE_s", 0.2)
-    with pytest.raises(EngineError, match=r"^no Dask scheduler answers at 'tcp://127\.0\.0\.1:9'"):
-        results_of(engine_of(scheduler="tcp://127.0.0.1:9"), [partial(operator.index, 1)])
-
-
-@pytest.mark.slow
-def test_workers_of_another_program_or_with_threads_are_refused(cluster: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    with monkeypatch.context() as changed:
-        changed.setattr("wirewear.base.cluster._workers", lambda _: {"one": {"nthreads": 4}})
-        with pytest.raises(EngineError, match="start them with --nthreads 1"):
-            results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
-    monkeypatch.setattr("wirewear.base.cluster.code_hash", lambda: "another")
-    with pytest.raises(EngineError, match=r"of \d workers .* run another version of wirewear"):
-        results_of(engine_of(scheduler=cluster), [partial(operator.index, 1)])
-
-
-def test_a_cluster_that_is_held_is_connected_to_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    connected = []
-
-    class Scheduler:
-        def scheduler_info(self, n_workers: int) -> dict[str, object]:
-            return {"workers": {"a": {}, "b": {}}, "asked_for": n_workers}
-
-    @contextmanager
-    def connect(cluster: DaskCluster) -> Iterator[Scheduler]:
-        connected.append(cluster.address)
-        yield Scheduler()
-
-    monkeypatch.setattr(DaskCluster, "_connected", connect)
-    cluster = DaskCluster("tcp://here:1")
-    with cluster.held(), cluster.held():
-        assert [cluster.workers, cluster.workers] == [2, 2]
-    assert connected == ["tcp://here:1"]
-    assert cluster.workers == 2
-    assert len(connected) == 2
-
-
-def test_without_semaphores_one_sentence_says_where_they_are_made(monkeypatch: pytest.MonkeyPatch) -> None:
-    def refused(*_: object) -> None:
-        raise OSError(30, "Read-only file system")
-
-    monkeypatch.setattr("_multiprocessing.SemLock", refused)
-    with pytest.raises(EngineError, match=r"^no processes can be started, .* in /dev/shm: read-only file system\.$"):
-        list(LocalProcesses(1).done([killed]))

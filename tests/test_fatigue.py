@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 
 from geometry import Elastic
 from tests.interior_runs import CYCLE, run_with_forces
-from wirewear.base.errors import ResultError
 from wirewear.faces import cli
 from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
 from wirewear.interior.strength import strength_of, yield_sentence
@@ -45,11 +44,6 @@ def test_pulsating_tension_keeps_the_largest_stress_and_halves_the_strain_amplit
     pull = np.diag([300.0, 0.0, 0.0])
     found = smith_watson_topper(history(pull, 0.5 * (1.0 + np.cos(PHASE))), STEEL)
     assert found.parameter_MPa[0] == pytest.approx(300.0 * 150.0 / 200_000.0, rel=1e-4)
-
-
-def test_planes_that_are_only_pressed_do_not_crack() -> None:
-    squeezed = -np.diag([300.0, 200.0, 100.0])
-    assert smith_watson_topper(history(squeezed, 0.5 * (1.0 + np.cos(PHASE))), STEEL).parameter_MPa[0] == 0.0
 
 
 def test_crossland_of_reversed_shear_and_of_tension() -> None:
@@ -103,28 +97,6 @@ def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_stren
     # The shear is reversed in the same place: cracks begin at the surface, at both edges alike.
     assert sharp.critical_plane.depth_um < 1.0
     assert abs(sharp.critical_plane.x_um) > 10.0
-
-
-def test_stresses_are_not_averaged_over_more_than_the_body() -> None:
-    with pytest.raises(ResultError, match=r"averaged over 1e\+09 µm: the fixed wire is thinner than that\.$"):
-        strength_of(run_with_forces(), "fixed", CYCLE, averaging_length_um=1e9)
-
-
-def test_what_is_refused_is_refused_before_anything_is_computed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    run = run_with_forces()
-    moving = tuple(one for one in run.contact_forces if one.body == "moving")
-    monkeypatch.setattr("wirewear.interior.bodies.build_wire", lambda _: pytest.fail("a body was meshed"))
-    for kept, command, says in (
-        (run, ["strength", "--averaging-length", "501"], "averaged over 501 µm: the moving wire is thinner than that."),
-        (replace(run, contact_forces=moving), ["strength"], "no contact forces of the fixed wire are recorded"),
-        (run, ["fields", "--cycle", "100", "--at", "8"], "there is no position 8"),
-    ):
-        write_result(tmp_path / "result.h5", kept)
-        outcome = CliRunner().invoke(cli, [command[0], str(tmp_path), *command[1:]], catch_exceptions=False)
-        assert (outcome.exit_code, outcome.stderr[:10]) == (2, "wirewear: ")
-        assert says in outcome.stderr
 
 
 @pytest.mark.slow

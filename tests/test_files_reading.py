@@ -4,7 +4,6 @@ import csv
 import json
 import math
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -16,8 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
-from wirewear.base.errors import RecordError, StudyError
-from wirewear.base.reading import read_text, read_toml
+from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text, write_csv
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -60,28 +58,6 @@ def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path
     assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
 
 
-def test_a_study_is_begun_on_standard_output_where_that_is_asked_for(tmp_path: Path) -> None:
-    ended = _shell(f"{COMMAND} new my_wires --output /dev/stdout > {tmp_path / 'study.toml'}")
-    assert (ended.returncode, ended.stderr) == (0, "")
-    assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
-
-
-@pytest.mark.parametrize("asked", ["--help", "--version", "effects", "run --help"])
-def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
-    ended = _shell(f"{COMMAND} {asked} > /dev/full")
-    assert ended.returncode == 2
-    assert ended.stderr == "wirewear: the output can be neither read nor written: no space left on device.\n"
-
-
-@pytest.mark.parametrize("shown", ["", "1"])
-def test_a_fault_of_the_program_is_one_sentence_unless_its_traceback_is_asked_for(shown: str) -> None:
-    script = "import sys, wirewear.faces as c, wirewear.faces.commands as d; d.cli = lambda **k: 1 / 0; c.main()"
-    ended = _shell(f'{sys.executable} -c "{script}"', WIREWEAR_TRACEBACK=shown)
-    assert ended.returncode == 1
-    assert ("Traceback" in ended.stderr) == bool(shown)
-    assert shown or (ended.stderr.count("\n") == 1 and "ZeroDivisionError" in ended.stderr)
-
-
 def test_json_knows_no_number_that_is_not_finite() -> None:
     told = json_text({"a": [1.0, float("inf"), (float("nan"), "µ")], "b": {"c": -float("inf")}})
     assert json.loads(told, parse_constant=pytest.fail) == {"a": [1.0, None, [None, "µ"]], "b": {"c": None}}
@@ -92,12 +68,6 @@ def test_text_is_no_formula_in_a_table_and_numbers_stay(tmp_path: Path, text: st
     rows: list[dict[str, Any]] = [{"name": text, "value": -1.5}, {"name": "wire 1-2", "value": None}]
     with write_csv(tmp_path / "table.csv", rows).open(encoding="utf-8", newline="") as file:
         assert list(csv.reader(file)) == [["name", "value"], [f"'{text}", "-1.5"], ["wire 1-2", ""]]
-
-
-def test_tables_are_written_in_one_place() -> None:
-    written = {path.name for folder in ("wirewear", "studies") for path in (ROOT / folder).rglob("*.py")
-               if re.search(r"\.write_csv\(|csv\.(Dict)?[wW]riter\(", path.read_text(encoding="utf-8"))}  # fmt: skip
-    assert written == {"writing.py"}
 
 
 def text_of(layout: DelimitedLayout, rows: list[tuple[str, str]], names: str = "a{}b") -> DelimitedText:
@@ -150,29 +120,3 @@ def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding
     numbers = text.numbers({"Kraft": 1})
     np.testing.assert_array_equal(numbers.columns["Kraft"], [2.0, 4.25])
     assert [numbers.line(row) for row in (0, 1)] == [2, 4]
-
-
-def test_quotation_marks_around_a_field_go_and_those_within_it_stay() -> None:
-    text = DelimitedText(Path("file.csv"), b'a,b\n"""", "half ""quoted"""\n', DelimitedLayout())
-    assert list(text.rows()) == [(2, ['"', 'half "quoted"'])]
-
-
-def test_quoted_fields_may_hold_the_delimiter(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    path.write_text('source,"radius, mm"\n"Author, 2019",7\n')
-    text = read_delimited(path)
-    assert text.names == ("source", "radius, mm")
-    assert list(text.rows()) == [(2, ["Author, 2019", "7"])]
-    assert text.numbers({"radius": 1}).columns["radius"].tolist() == [7.0]
-
-
-def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
-    os.mkfifo(tmp_path / "study.toml")
-    with pytest.raises(StudyError, match=r"study\.toml is no ordinary file, as a study file must be\.$"):
-        read_toml(tmp_path / "study.toml", StudyError, "study file")
-
-
-def test_bytes_that_are_no_text_are_named_by_their_line(tmp_path: Path) -> None:
-    (tmp_path / "study.toml").write_bytes(b"a = 1\nb = '\xff'\n")
-    with pytest.raises(RecordError, match=r"study\.toml, line 2: this is not text in UTF-8\.$"):
-        read_text(tmp_path / "study.toml", RecordError)

@@ -3,7 +3,6 @@
 import os
 import re
 import resource
-import stat
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -11,12 +10,9 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.base.errors import ResultError, RunError
+from wirewear.base.errors import ResultError
 from wirewear.base.writing import (
     folder_in_one_step,
-    in_one_step,
-    temporary_folder,
-    usable_file,
     write_bytes,
     write_text,
     writing,
@@ -59,16 +55,6 @@ def test_a_killed_writer_leaves_the_old_file_and_the_next_one_clears_up(
     assert path.read_text() == "new"
 
 
-def test_what_another_process_is_writing_is_left_to_it(tmp_path: Path, slow_writer: subprocess.Popen[str]) -> None:
-    path = tmp_path / "result.txt"
-    write_text(path, "mine")
-    assert path.read_text() == "mine"
-    slow_writer.communicate("")
-    assert slow_writer.returncode == 0
-    assert path.read_text() == "half of it"
-    assert [file.name for file in tmp_path.iterdir()] == ["result.txt"]
-
-
 def test_a_file_too_large_for_the_disk_leaves_the_old_one(tmp_path: Path) -> None:
     path = tmp_path / "result.bin"
     write_bytes(path, b"old")
@@ -104,13 +90,6 @@ def test_contents_reach_the_disk_before_the_name_does(tmp_path: Path, monkeypatc
     assert re.fullmatch(rf"sync \.result\..*\.partial\.txt, name result\.txt, sync {tmp_path.name}", ", ".join(steps))
 
 
-def test_an_error_while_writing_leaves_nothing_behind(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="embedded"), in_one_step(tmp_path / "picture.png") as partial:
-        (partial / "\0").write_text("half of it")
-    assert partial.suffix == ".png"
-    assert not list(tmp_path.iterdir())
-
-
 def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
     target = tmp_path / "case_001"
     with pytest.raises(ValueError, match="embedded"), folder_in_one_step(target) as partial:
@@ -124,98 +103,3 @@ def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
         (partial / "loops.csv").write_text("another")
     assert (target / "loops.csv").read_text() == "all of it"
     assert [folder.name for folder in tmp_path.iterdir()] == ["case_001"]
-
-
-@pytest.mark.parametrize("name", ["a*b.txt", "[x].txt", ".hidden", "no ending"])
-def test_names_with_signs_of_patterns_are_names(tmp_path: Path, name: str) -> None:
-    other = tmp_path / ".axb.1.partial.txt"
-    other.write_text("another's")
-    assert write_text(tmp_path / name, "one").read_text() == "one"
-    assert sorted(file.name for file in tmp_path.iterdir()) == sorted([other.name, name])
-
-
-def test_what_is_no_regular_file_stays_and_is_given_the_text(tmp_path: Path) -> None:
-    pipe = tmp_path / "pipe.json"
-    os.mkfifo(pipe)
-    with subprocess.Popen(["cat", str(pipe)], stdout=subprocess.PIPE, text=True) as reader:
-        write_text(usable_file(pipe), "written")
-        assert reader.communicate()[0] == "written"
-    assert pipe.is_fifo()
-    assert [one.name for one in tmp_path.iterdir()] == ["pipe.json"]
-
-
-@pytest.mark.parametrize("exists", [True, False])
-def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path, exists: bool) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    target, first, second = tmp_path / "elsewhere" / "target.txt", tmp_path / "first.txt", tmp_path / "second.txt"
-    if exists:
-        target.write_text("old")
-    first.symlink_to("elsewhere/target.txt")
-    second.symlink_to(first)
-    write_text(usable_file(second), "new")
-    assert target.read_text() == "new"
-    assert first.is_symlink()
-    assert second.is_symlink()
-
-
-def test_links_in_a_circle_and_of_others_are_refused_in_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    circle, foreign = tmp_path / "circle.txt", tmp_path / "foreign.txt"
-    circle.symlink_to(circle)
-    foreign.symlink_to(tmp_path / "target.txt")
-    with pytest.raises(RunError, match=r"circle\.txt cannot be written: too many levels of symbolic links"):
-        usable_file(circle)
-    if os.geteuid() == 0:
-        os.lchown(foreign, 12345, 12345)
-        with pytest.raises(RunError, match=r"foreign\.txt cannot be written: it is a link of another user"):
-            usable_file(foreign)
-
-
-@pytest.mark.skipif(os.geteuid() != 0, reason="only root can make a device")
-def test_a_device_stays_one(tmp_path: Path) -> None:
-    device = tmp_path / "null"
-    os.mknod(device, 0o600 | stat.S_IFCHR, os.makedev(1, 3))
-    write_text(usable_file(device), "gone")
-    assert device.is_char_device()
-
-
-TOLD = """
-from pathlib import Path
-from wirewear.base.writing import usable_file
-from wirewear.base.writing import write_text
-
-print("before")
-write_text(usable_file(Path("{path}")), "whole, ")
-print("after")
-"""
-
-
-@pytest.mark.parametrize("path", ["/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"])
-@pytest.mark.parametrize(("mode", "kept"), [("w", ""), ("a", "old, ")])
-def test_standard_output_sent_to_a_file_is_written_where_it_stands(
-    tmp_path: Path, path: str, mode: str, kept: str
-) -> None:
-    file = tmp_path / "out.txt"
-    file.write_text("old, ")
-    inode = file.stat().st_ino
-    with file.open(mode) as out:
-        subprocess.run([sys.executable, "-c", TOLD.format(path=path)], stdout=out, check=True)
-    assert file.read_text() == f"{kept}before\nwhole, after\n"
-    assert file.stat().st_ino == inode
-
-
-def test_a_number_that_is_not_open_is_refused_in_a_sentence() -> None:
-    with pytest.raises(RunError, match=r"^/dev/fd/987 cannot be written: bad file descriptor\.$"):
-        usable_file(Path("/dev/fd/987"))
-
-
-def test_where_there_is_no_temporary_folder_a_sentence_names_what_chooses_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "gone"))
-    with (
-        pytest.raises(RunError, match=r"^no temporary folder can be made: no such file .*; TMPDIR names"),
-        temporary_folder(),
-    ):
-        pass

@@ -1,29 +1,21 @@
 """Parameters fitted to records of another code's rigs, energies of whole tests, stiffness without the contact's."""
 
 import dataclasses
-import json
 from collections.abc import Mapping
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from tests.frozen_states import frozen_states
 from tests.independent_records import independent_record
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.base.course import enclosed_energy
-from wirewear.base.errors import RecordError
-from wirewear.faces import cli
-from wirewear.fitting import FittedParameter, FittedTest, GivenWear, fit_record
+from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.loading import spring_of_loads
-from wirewear.fitting.report import fit_json, write_fit, write_stated
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
-from wirewear.records import ExperimentRecord, read_record, write_record
-from wirewear.records.course_checks import accumulated_energy_J
-from wirewear.study import Study, load_study
+from wirewear.records import ExperimentRecord
 
 
 @pytest.fixture(autouse=True)
@@ -76,29 +68,12 @@ def test_the_wear_coefficient_is_the_scars_volume_over_the_energy_of_the_whole_t
 
 
 @pytest.mark.slow
-def test_a_softer_rig_is_found_softer() -> None:
-    stiffness = known(fitted("softer"), "tangential_stiffness_N_per_mm")
-    assert holds(stiffness, 1.0 / (1.0 / 167.0 + 1.0 / 400.0))
-    assert stiffness.value == pytest.approx(117.8, rel=0.05)
-
-
-@pytest.mark.slow
 def test_free_play_is_told_from_compliance() -> None:
     fit = fitted("loose")
     assert known(fit, "free_play_um").value == pytest.approx(5.0, rel=0.1)
     assert known(fit, "tangential_stiffness_N_per_mm").value == pytest.approx(167.0, rel=0.07)
     (effect,) = fit.study.effects
     assert effect.name == "free_play"
-
-
-@pytest.mark.slow
-def test_running_in_is_found_where_there_is_one_and_nowhere_else() -> None:
-    fit = fitted("running in")
-    assert known(fit, "friction_initial").value == pytest.approx(0.45, rel=0.05)
-    assert known(fit, "friction_final").value == pytest.approx(0.62, rel=0.05)
-    assert known(fit, "friction_cycles").value == pytest.approx(3000.0, rel=0.4)
-    assert fit.study.effects != ()
-    assert all("friction" in fitted(rig).parameters for rig in ("as stated", "softer", "loose"))
 
 
 SPRING = "normal_spring_stiffness_N_per_mm"
@@ -128,108 +103,10 @@ def test_a_spring_is_told_from_a_drift_and_from_scatter_or_not_at_all() -> None:
     assert spring_of_loads(scatter[:, [0, 3]] - 1e-3 * descent_um[[0, 3]], descent_um[[0, 3]], cycles[[0, 3]]) is None
 
 
-@pytest.mark.slow
-def test_one_test_alone_says_that_its_scatter_is_unknown() -> None:
-    fit = fitted("rough", 1)
-    assert known(fit, "friction").value == pytest.approx(0.75, rel=0.05)
-    assert holds(known(fit, "friction"), 0.75)
-    assert any("one test alone" in note for note in fit.notes)
-    assert any("no wear coefficient was fitted, and the study takes the stated 3e-05" in note for note in fit.notes)
-
-
-@pytest.mark.slow
-def test_without_scars_a_given_volume_stands_for_theirs_and_a_given_coefficient_for_itself() -> None:
-    measured = record_of("as stated")
-    stated = measured.tables.stated.model_copy(update={"energy_wear_coefficient_mm3_per_J": None})
-    tables = measured.tables.model_copy(update={"stated": stated})
-    loops_only = ExperimentRecord(tables, measured.loops, evolution=measured.evolution)
-    volume = float(np.mean([sum(scar.volume_mm3 for scar in measured.scars if scar.repeat == n) for n in (1, 2, 3)]))
-    by_volume = fit_record(loops_only, given=GivenWear(volume_mm3=volume))
-    by_scars = known(fitted("as stated"), "energy_wear_coefficient_mm3_per_J").value
-    assert known(by_volume, "energy_wear_coefficient_mm3_per_J").value == pytest.approx(by_scars, rel=0.01)
-    # Friction and rig rest on the loops, whatever is given of wear.
-    for name in ("friction", "tangential_stiffness_N_per_mm"):
-        assert known(by_volume, name).value == pytest.approx(known(fitted("as stated"), name).value, rel=0.01)
-    unknown = fit_record(loops_only)
-    assert "energy_wear_coefficient_mm3_per_J" not in unknown.parameters
-    assert any("the study does not wear" in note for note in unknown.notes)
-    assert any("as if the bodies wore like steel on steel, by 3·10⁻⁵ mm³/J" in note for note in unknown.notes)
-    by_coefficient = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=2e-5))
-    assert known(by_coefficient, "energy_wear_coefficient_mm3_per_J").interval95 == (2e-5, 2e-5)
-    assert isinstance(by_coefficient.study, Study)
-    assert by_coefficient.study.tables.wear is not None
-    assert by_coefficient.study.tables.wear.energy_wear_coefficient_mm3_per_J == pytest.approx(2e-5)
-
-
-def test_volume_and_coefficient_are_not_given_together(tmp_path: Path) -> None:
-    asked = ["fit", str(tmp_path), "--output", str(tmp_path / "out"), "--wear-coefficient", "1e-5"]
-    result = CliRunner().invoke(cli, [*asked, "--worn-volume", "1e-3"])
-    assert result.exit_code == 2
-    assert "give either --wear-coefficient or --worn-volume" in result.output
-
-
-@pytest.mark.slow
-def test_a_fit_is_written_as_a_study_and_into_the_record(tmp_path: Path) -> None:
-    fit = fitted("running in")
-    study, stated = write_fit(fit, tmp_path)
-    loaded = load_study(study)
-    assert loaded.effects == fit.study.effects
-    assert loaded.tables.log.loop_cycles == fit.record.cycles
-    assert stated.read_text(encoding="utf-8").startswith("[stated]")
-    folder = write_record(tmp_path / "record", record_of("running in"))
-    again = FittedTest(read_record(folder), fit.study, fit.parameters, fit.found)
-    write_stated(again)
-    assert read_record(folder).tables.stated.friction == pytest.approx(known(fit, "friction_final").value, rel=1e-3)
-    assert set(fit_json(fit, None)) == {"record", "parameters", "found", "check", "notes"}
-
-
-@pytest.mark.slow
-def test_the_command_prints_the_table_and_json(tmp_path: Path) -> None:
-    write_record(tmp_path / "record", record_of("softer"))
-    arguments = ["fit", str(tmp_path / "record"), "--output", str(tmp_path / "fitted"), "--check", "none"]
-    result = CliRunner().invoke(cli, [*arguments, "--json"])
-    assert result.exit_code == 0, result.output
-    found = json.loads(result.stdout)["parameters"]["tangential_stiffness_N_per_mm"]
-    assert found["unit"] == "N/mm"
-    assert "95 % interval" in CliRunner().invoke(cli, [*arguments, "--into-record"]).stdout
-    assert read_record(tmp_path / "record").tables.stated.tangential_stiffness_N_per_mm == pytest.approx(
-        119.0, rel=0.05
-    )
-
-
-def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
-    record = record_of("as stated")
-    still = [
-        type(loop)(1, loop.cycle, loop.time_s, loop.displacement_um, 0.01 * loop.displacement_um, None)
-        for loop in record.loops[:4]
-    ]
-    with pytest.raises(RecordError, match="slides as a whole"):
-        fit_record(ExperimentRecord(record.tables, tuple(still)))
-
-
-def test_loops_of_too_few_samples_are_not_said_not_to_slide() -> None:
-    record = record_of("as stated")
-    for every, says in (
-        (16, "fewer than five samples a direction"),
-        (32, "can be analysed .*needs at least 16 samples"),
-    ):
-        sparse = tuple(loop.taken(np.arange(loop.time_s.size) % every == 0) for loop in record.loops[:4])
-        with pytest.raises(RecordError, match=says):
-            fit_record(ExperimentRecord(record.tables, sparse))
-
-
 def test_energy_over_a_test_is_the_integral_of_a_power_law() -> None:
     cycles = np.array([1.0, 10.0, 1000.0])
     assert enclosed_energy(cycles, 3.0 * cycles**-0.5) == pytest.approx(6.0 * (np.sqrt(1000.0) - 1.0))
     assert enclosed_energy(cycles, np.full(3, 0.25)) == pytest.approx(0.25 * 999.0)
-
-
-def test_the_energy_of_a_test_from_its_evolution_is_that_of_its_loops() -> None:
-    record = record_of("as stated")
-    alone = ExperimentRecord(record.tables, record.loops)
-    for repeat in record.repeats:
-        energies = [accumulated_energy_J(one, repeat) for one in (record, alone)]
-        assert energies[0] == pytest.approx(energies[1], rel=0.02)
 
 
 @pytest.mark.parametrize("rig", [50.0, 167.0, 1000.0])

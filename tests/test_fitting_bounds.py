@@ -5,26 +5,15 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
-from io import StringIO
-from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
-from rich.console import Console
 
 from tests.diagnosis_cases import record, states
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.effects import effect_named
-from wirewear.effects.parameter import limit_um
-from wirewear.faces import cli
-from wirewear.faces.study_script import wide_console
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
-from wirewear.fitting.report import fit_json, fit_table, write_fit
-from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
-from wirewear.simulation import Moment, ProgressBar
-from wirewear.views.diagnosis_values import estimates
+from wirewear.fitting.report import fit_json
+from wirewear.records import ExperimentRecord, MeasuredLoop
 
 CYCLES = (100, 1000, 10_000)
 
@@ -100,25 +89,6 @@ def test_spoilt_channels_are_refused_in_a_sentence_or_give_finite_numbers(
         fitted(one)
 
 
-def test_a_force_that_keeps_its_sign_is_refused_as_one_that_does_not_resist_both_ways() -> None:
-    """It was fitted to a rig of 0.4 N/mm."""
-    one = changed(
-        record(cycles=CYCLES[:2], repeats=2, evolution=False),
-        lambda loop: replace(loop, tangential_force_N=np.abs(loop.tangential_force_N)),
-    )
-    with pytest.raises(RecordError, match=r"motion both ways|cannot|can be analysed|nothing can be concluded"):
-        fit_record(one)
-
-
-def test_a_stiffness_that_may_be_rigid_is_shown_as_above_its_lower_end(tmp_path: Path) -> None:
-    fit = fitted(record(cycles=CYCLES[:1], repeats=1, evolution=False))
-    open_ = FittedParameter(400.0, (90.0, 1e6), "N_per_mm", 1)
-    shown = replace(fit, parameters=fit.parameters | {"tangential_stiffness_N_per_mm": open_})
-    wide_console(100).print(fit_table(shown))
-    study, _ = write_fit(shown, tmp_path)
-    assert "rig stiffness K_rig, all cycles: 400 N/mm (above 90 N/mm)" in study.read_text(encoding="utf-8")
-
-
 def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_even() -> None:
     wide = FittedParameter.of_repeats([161.0, 48.0, 48.0], "N_per_mm")
     assert 0.0 < wide.interval95[0] < 48.0
@@ -127,33 +97,3 @@ def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_ev
     assert narrow.interval95[1] - 100.0 == pytest.approx(100.0 - narrow.interval95[0], rel=0.03)
     open_ = FittedParameter.of_repeats([1e-9], "N_per_mm", deviation=1e9)
     assert 0.0 < open_.interval95[0] < open_.interval95[1] < math.inf
-
-
-def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None:
-    kind = effect_named("tangential_compliance")
-    candidate = Candidate.of(kind, {})
-    (found,) = estimates(candidate, np.zeros(1), np.ones(1), dispersion=1e12).values()
-    assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
-    assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
-
-
-def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
-    folder = write_record(tmp_path / "record", record(cycles=CYCLES[:1], repeats=1, evolution=False))
-    asked = ["fit", str(folder), "--output", str(tmp_path / "fitted"), "--check", "none"]
-    told = CliRunner().invoke(cli, asked)
-    assert told.exit_code == 0, told.output
-    for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
-        assert f"wirewear: {stage}\n" in told.stderr
-
-
-def test_off_a_terminal_a_run_says_where_it_is_at_each_loop_and_once() -> None:
-    shown = StringIO()
-    with ProgressBar("a run", Console(file=shown, force_terminal=False)) as bar:
-        for cycle in (1.0, 10.0):
-            bar.moved(Moment(cycle, 100, 0.0, 0.0, 0.5, 1.0))
-            bar.logged(None)
-            bar.logged(None)
-    lines = [line for line in shown.getvalue().splitlines() if line.strip()]
-    assert len(lines) == 3
-    assert lines[0].startswith("wirewear: a run: preparing")
-    assert lines[2].startswith("wirewear: a run: cycle 10 of 100")

@@ -10,7 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from solvers import (
     ContactProblem,
@@ -18,8 +17,6 @@ from solvers import (
     Friction,
     FrictionLaw,
     ShearLimited,
-    SolverError,
-    friction_law,
     friction_laws,
 )
 from solvers.pairing import pair
@@ -43,7 +40,6 @@ EFFECTS = {
     "third_body": {"retained_fraction": 0.4, "modulus_MPa": 1e4},
 }
 
-Array = NDArray[np.float64]
 
 STRENGTH_MPa = 1000.0
 LAW = ShearLimited(STRENGTH_MPa)
@@ -58,12 +54,6 @@ def test_a_course_by_another_law_goes_from_the_initial_value_towards_the_final_o
     assert values[-1] <= 0.7
     assert np.max(np.abs(values - Course(0.5, 0.7, 100.0).at(CYCLES))) > 0.01
     assert [course.at(float(cycle)) for cycle in CYCLES] == pytest.approx(values.tolist())
-
-
-@pytest.mark.parametrize("remaining", LAWS_OF_COURSES.values(), ids=LAWS_OF_COURSES)
-def test_scatter_between_specimens_keeps_the_law(remaining: Remaining) -> None:
-    course = by(Course(0.5, 0.7, 100.0), remaining)
-    np.testing.assert_allclose(course.times(1.1).at(CYCLES), 1.1 * course.at(CYCLES))
 
 
 def relative(difference: np.ndarray, to: np.ndarray) -> float:
@@ -151,26 +141,6 @@ def test_wear_by_energy_follows_the_friction_law_and_by_archard_the_pressure(lim
     _, coulombs = after(replace(limited, friction_law=Coulomb(), wear=archard))
     # More friction takes more of the stroke up in the rig: Q / K twice a half cycle.
     assert 1.0 < archards / coulombs < 1.2
-
-
-def test_a_law_without_bend_is_coulombs(limited: ContactProblem) -> None:
-    drives = np.array([0.002, 0.006, 0.012])
-    one, other = (
-        driven(replace(limited, friction_law=law), pressed(limited)[0], drives)[0][-1]
-        for law in (Coulomb(), ShearLimited(1e12))
-    )
-    assert other.traction == pytest.approx(one.traction, abs=1e-5 * one.traction.max())
-
-
-def test_unknown_laws_and_wrong_parameters_are_named() -> None:
-    with pytest.raises(SolverError, match="no friction law 'coulom'; the laws are 'coulomb', 'shear-limited'"):
-        friction_law("coulom", {})
-    with pytest.raises(SolverError, match="'shear-limited' takes shear_strength_MPa, but is given none"):
-        friction_law("shear-limited", {})
-    with pytest.raises(SolverError, match="'coulomb' takes no parameters, but is given shear_strength_MPa"):
-        friction_law("coulomb", {"shear_strength_MPa": 1.0})
-    with pytest.raises(SolverError, match="must be positive"):
-        friction_law("shear-limited", {"shear_strength_MPa": -1.0})
 
 
 STUDY = (Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml").read_text()

@@ -89,13 +89,3 @@ def test_a_difference_is_named_with_its_file_place_and_size(
     sentences = found(tmp_path, change)
     assert any(said in sentence for sentence in sentences), sentences
     assert len(sentences) <= 2
-
-
-def test_the_largest_difference_is_named_first(tmp_path: Path) -> None:
-    def change(folder: Path) -> None:
-        changed_text("loops.csv", "-1.25", "-1.2500001")(folder)
-        changed_text("diagnosis.json", "0.71", "0.72")(folder)
-        changed_text("diagnosis.json", "0.2", "0.2001")(folder)
-
-    places = [sentence.split()[1] for sentence in found(tmp_path, change)]
-    assert places == ["causes/0/probability", "causes/1/probability", "force_N"]

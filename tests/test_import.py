@@ -5,16 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from tests.picture_pixels import shows
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear import RecordError, check_record, read_record
-from wirewear.faces import cli
-from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear import RecordError, check_record
 from wirewear.records.importing import import_record
-from wirewear.records.importing.mapping import Mapping
-from wirewear.records.toml_file import read_tables
 
 HEAD = """
 format = 1
@@ -173,28 +167,3 @@ def test_mistakes_in_a_mapping_are_one_sentence(
     with pytest.raises(RecordError, match=words) as caught:
         import_record(path)
     assert "\n" not in str(caught.value)
-
-
-def test_a_dry_run_shows_the_first_loop_and_writes_no_record(tmp_path: Path, cycle: Any) -> None:
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    command = ["import", str(mapped(tmp_path, GERMAN)), "--output", str(tmp_path / "record")]
-    dry = CliRunner().invoke(cli, [*command, "--dry-run"])
-    assert dry.exit_code == 0, dry.output
-    assert "repeat 1, cycle 1, 128 samples" in dry.output
-    assert "δ0 52.0" in dry.output
-    assert not (tmp_path / "record").exists()
-    # Loop and displacement in one colour, the first sample and the force in the other, in both panels.
-    assert shows(tmp_path / "record_first_loop.png", *VARIANT_COLOURS[:2], part=0.5)
-    assert shows(tmp_path / "record_first_loop.png", *VARIANT_COLOURS[:2])
-    assert CliRunner().invoke(cli, command).exit_code == 0
-    assert read_record(tmp_path / "record").cycles == (1,)
-
-
-def test_the_mapping_in_the_documentation_is_a_mapping(tmp_path: Path) -> None:
-    page = (Path(__file__).parent.parent / "docs" / "records.md").read_text(encoding="utf-8")
-    block = next(part for part in page.split("```toml\n")[1:] if part.startswith("# mapping.toml")).split("```")[0]
-    path = tmp_path / "mapping.toml"
-    path.write_text(block, encoding="utf-8")
-    tables, notes = read_tables(path, Mapping)
-    assert notes == ()
-    assert tables.loops.columns.tangential_force_N.factor == -5.0

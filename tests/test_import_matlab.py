@@ -13,7 +13,6 @@ from tests.test_import import mapped
 from wirewear import RecordError
 from wirewear.records.importing import import_record
 from wirewear.records.importing.mapping import ColumnMapping, Source
-from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
 
 cycle = cycle_of
@@ -90,12 +89,3 @@ def test_a_damaged_matlab_file_is_read_or_refused_in_one_sentence_with_its_name(
             refusals.append(str(refusal))
     assert len(refusals) > len(seeds) / 4
     assert all("\n" not in text and str(path) in text for text in refusals)
-
-
-def test_a_file_of_version_4_is_known_by_its_own_bytes(tmp_path: Path) -> None:
-    path = tmp_path / "log.mat"
-    savemat(path, {"t": np.arange(3.0), "force": np.arange(6.0).reshape(2, 3)}, format="4")
-    assert kind_of(path) == "matlab"
-    assert [channel.name for channel in readers()["matlab"].channels(path)] == ["t", "force"]
-    path.write_bytes(b"\0" * 512)
-    assert kind_of(path) == "text"

@@ -1,6 +1,5 @@
 """Maps of profilometers as a mapping's sources: the scar of a tilted wire, damaged files, a library that is absent."""
 
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +10,9 @@ from tests.test_import import GERMAN, german, mapped
 from tests.test_import import cycle as cycle_of
 from wirewear import RecordError
 from wirewear.records.importing import import_record
-from wirewear.records.importing.mapping import ScarSource
-from wirewear.records.importing.profilometry import MapOfWire, scar_of_map
-from wirewear.records.tables import RecordWires
 
 cycle = cycle_of
 
-WIRES = RecordWires(diameter_mm=0.45, youngs_modulus_MPa=210000.0, poissons_ratio=0.3)
 
 PROFILE = """
 [scars.{wire}]
@@ -54,43 +49,6 @@ def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
     place = np.unravel_index(int(np.nanargmax(depth)), depth.shape)
     assert abs(long_side[place[0]]) < 20.0
     assert abs(short_side[place[1]]) < 12.0
-
-
-def test_without_surface_topography_its_absence_is_one_sentence(
-    tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    (tmp_path / "map.txt").write_text("1 2\n3 4\n", encoding="utf-8")
-    monkeypatch.setitem(sys.modules, "SurfaceTopography.IO", None)
-    with pytest.raises(RecordError, match=r"SurfaceTopography, which is not installed: pip install"):
-        import_record(mapped(tmp_path, GERMAN + PROFILE.format(wire="moving", axis="x")))
-
-
-def test_a_damaged_map_of_a_profilometer_is_refused_in_one_sentence_with_its_name(tmp_path: Path) -> None:
-    path = tmp_path / "map.npy"
-    np.save(path, np.ones((20, 20)))
-    path.write_bytes(path.read_bytes()[:-100])
-    with pytest.raises(RecordError, match=r"map.npy cannot be read as a profilometer's map \(.+\)\.$"):
-        scar_of_map(MapOfWire(path, ScarSource(files=("map.npy",), kind="profilometer"), WIRES, "moving", 1))
-
-
-@pytest.mark.parametrize("width", ["inf", "nan", "0.0"])
-def test_a_map_of_no_finite_size_is_refused_in_a_sentence(tmp_path: Path, cycle: Any, width: str) -> None:
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    netcdf_file = pytest.importorskip("scipy.io").netcdf_file
-    with netcdf_file(tmp_path / "map.nc", "w") as map_of_heights:
-        map_of_heights.createDimension("x", 40)
-        map_of_heights.createDimension("y", 30)
-        for name, size in (("x", float(width)), ("y", 200.0)):
-            axis = map_of_heights.createVariable(name, "f8", (name,))
-            axis[:] = 0.0
-            axis.length, axis.length_unit = size, "um"
-        heights = map_of_heights.createVariable("heights", "f8", ("x", "y"))
-        heights[:] = 0.0
-        heights.length_unit = "um"
-    scar = PROFILE.format(wire="moving", axis="x").replace("map.txt", "map.nc")
-    with pytest.raises(RecordError, match=r"map\.nc.*(finite size above zero|state its scale|cannot be read)"):
-        import_record(mapped(tmp_path, GERMAN + scar))
 
 
 def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_tells(tmp_path: Path, cycle: Any) -> None:

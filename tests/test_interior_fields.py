@@ -1,6 +1,5 @@
 """Fields inside the wires of a run: positions, meshes, files for ParaView, pictures."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,17 +9,15 @@ from click.testing import CliRunner
 from numpy.typing import NDArray
 from PIL import Image
 
-from tests.interior_runs import CYCLE, FRICTION, LOAD_N, POSITIONS, DEPTH_um, run_with_forces
+from tests.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
 from tests.picture_pixels import PANELS, shows
-from wirewear.base.errors import ResultError
 from wirewear.faces import cli
 from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
-from wirewear.interior.grids import Section, fanned, plane_section, section
+from wirewear.interior.grids import Section, fanned, section
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.colours import INK, PRESSURE_COLOURS
-from wirewear.results import POSITIONS as NAMES
-from wirewear.results import ContactForces, write_result
+from wirewear.results import write_result
 
 FIELD = "von_mises_MPa"
 
@@ -56,20 +53,6 @@ def test_a_section_of_a_symmetric_body_is_symmetric_with_its_triangles(axis: int
     np.testing.assert_allclose(corners_of(cut), corners_of(cut, -1.0), atol=1e-3)
 
 
-def test_a_line_contacts_body_is_symmetric_with_its_triangles() -> None:
-    cut = plane_section(bricks(flat=True))
-    assert len(cut.triangles) == 4 * 18
-    np.testing.assert_array_equal(corners_of(cut), corners_of(cut, -1.0))
-
-
-def test_only_what_lies_within_the_nodes_asked_for_is_shown() -> None:
-    grid = bricks(flat=True)
-    right = np.flatnonzero(grid.points[:, 0] > -1.5)
-    cut = plane_section(grid, within=right)
-    assert len(cut.triangles) == 4 * 12
-    assert cut.along[cut.triangles].min() == -1.0
-
-
 def test_polygons_of_any_number_of_sides_are_covered_once() -> None:
     points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.0, 2.0]])
     values = points @ [3.0, -1.0]
@@ -79,10 +62,6 @@ def test_polygons_of_any_number_of_sides_are_covered_once() -> None:
     assert areas.min() > 0.0
     assert areas.sum() == pytest.approx(3.0)
     assert cut.values == pytest.approx(3.0 * cut.along - cut.height)
-
-
-def test_where_a_plane_passes_by_a_body_there_is_no_section() -> None:
-    assert len(section(bricks(), 1, 50.0).triangles) == 0
 
 
 @pytest.fixture(scope="module")
@@ -97,44 +76,12 @@ def stored(run: Run, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-def test_the_named_positions_are_where_they_say(run: Run) -> None:
-    forces = run.forces(CYCLE, "fixed")
-    phases = {name: forces.phase[k] for name, k in forces.named().items()}
-    assert phases == {
-        "mid-forward": 0.75,
-        "end-forward": 1.0,
-        "after-end-forward": 0.125,
-        "mid-back": 0.25,
-        "end-back": 0.5,
-        "after-end-back": 0.625,
-    }
-    assert set(phases) == set(NAMES)
-    assert [forces.position(at) for at in (3, "3")] == [3, 3]
-    with pytest.raises(ResultError, match="choose one of mid-forward"):
-        forces.position("somewhere")
-    with pytest.raises(ResultError, match="positions 0 to 7"):
-        forces.position(8)
-
-
 def test_contact_forces_survive_the_file(run: Run, stored: Path) -> None:
     again = read_result(stored)
     for before, after in zip(run.contact_forces, again.contact_forces, strict=True):
         assert (before.geometry, before.material, before.body) == (after.geometry, after.material, after.body)
         np.testing.assert_array_equal(before.force_N, after.force_N)
         np.testing.assert_array_equal(before.nodes, after.nodes)
-
-
-def test_forces_that_do_not_fit_their_nodes_are_refused(run: Run) -> None:
-    good = run.contact_forces[0]
-    with pytest.raises(ResultError, match="shape"):
-        replace(good, nodes=good.nodes[1:])
-    with pytest.raises(ResultError, match="wire must be"):
-        replace(good, body="other")
-
-
-def test_a_run_without_recorded_forces_says_so(run: Run) -> None:
-    with pytest.raises(ResultError, match="no contact forces of the fixed wire"):
-        body_states(replace(run, contact_forces=()), "fixed", CYCLE)
 
 
 @pytest.mark.parametrize("wire", WIRES)
@@ -157,25 +104,6 @@ def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
     assert mesh.scaled_jacobians().min() >= 0.2
     # Beneath a shallow bowl the stress is nearly that of the fresh wire under the same forces.
     assert np.abs(worn.stress_at_points).max() == pytest.approx(np.abs(fresh.stress_at_points).max(), rel=0.2)
-
-
-def test_a_body_is_a_mesh_of_pyvista_with_fields_named_with_their_units(run: Run) -> None:
-    grid = run.body("fixed", CYCLE, "end-forward")
-    assert isinstance(grid, pyvista.UnstructuredGrid)
-    units = ("_um", "_MPa")
-    names = [name for name in grid.point_data if name != "gripped"]
-    assert len(names) == 8
-    assert all(name.endswith(units) for name in names)
-    assert grid.cell_data["scaled_jacobian"].min() >= 0.2
-    # The wire lies above the contact, across the motion, and is pressed upwards.
-    assert grid.bounds[4] == pytest.approx(-0.5, abs=0.1)
-    assert np.ptp(grid.points[:, 1]) == pytest.approx(1000.0)
-    pressed = grid.point_data["contact_traction_MPa"]
-    assert pressed[:, 2].max() > 500.0
-    assert pressed[:, 2].min() >= -1e-9
-    principal = grid.point_data["principal_MPa"]
-    np.testing.assert_allclose(grid.point_data["tresca_MPa"], principal[:, 0] - principal[:, 2])
-    assert grid.point_data["displacement_um"][grid.point_data["gripped"] > 0.0].any() == np.False_
 
 
 def test_stroke_and_its_mirror_image_give_mirrored_fields(run: Run) -> None:
@@ -217,39 +145,3 @@ def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_p
     with Image.open(tmp_path / "cycle_0000100.gif") as animation:
         assert animation.format == "GIF"
         assert animation.n_frames == 2  # type: ignore[attr-defined]
-
-
-def test_where_the_wires_are_apart_files_are_written_and_nothing_is_drawn(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # As on a terminal.
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    made = run_with_forces()
-    apart = tuple(replace(forces, force_N=np.zeros_like(forces.force_N)) for forces in made.contact_forces)
-    write_result(tmp_path / "result.h5", replace(made, contact_forces=apart))
-    asked = ["fields", str(tmp_path), "--cycle", "100", "--output", str(tmp_path / "fields")]
-    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
-    assert "solving" in outcome.stderr
-    assert "writing" in outcome.stderr
-    assert "the bodies are apart there, of which no picture is drawn" in outcome.stderr
-    assert {path.suffix for path in (tmp_path / "fields").iterdir()} == {".vtu", ".pvd"}
-
-
-def test_a_cycle_that_is_not_recorded_is_one_sentence(stored: Path, tmp_path: Path) -> None:
-    outcome = CliRunner().invoke(cli, ["fields", str(stored), "--cycle", "5000", "--output", str(tmp_path)])
-    assert outcome.exit_code == 2
-    assert "logged cycles are: 100" in outcome.output
-
-
-def test_every_recorded_position_is_one_state(run: Run) -> None:
-    assert [state.position for state in body_states(run, "moving", CYCLE)] == list(range(POSITIONS))
-    assert isinstance(run.forces(CYCLE, "moving"), ContactForces)
-
-
-def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
-    write_result(tmp_path / "result.h5", run_with_forces())
-    asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
-    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
-    assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in outcome.stderr

@@ -124,18 +124,6 @@ def test_every_milestone_is_met_exactly(milestones: list[float], tolerance: floa
         assert min(abs(done - milestone) for done in visited) < 1e-6
 
 
-def test_smooth_solutions_let_jumps_grow_no_faster_than_allowed() -> None:
-    controller = JumpController(0.5, largest_growth=3.0, largest_share=1.0)
-    assert controller.following(1e-12, 10.0, 1000.0) == pytest.approx(30.0)
-    assert controller.following(1e-12, 10.0, 20.0) == pytest.approx(20.0)
-
-
-def test_large_changes_of_the_pressures_cut_the_jump() -> None:
-    controller = JumpController(0.01)
-    assert not controller.accepted(0.2, 100.0, 10.0)
-    assert controller.following(0.2, 100.0, 110.0) == pytest.approx(45.0)
-
-
 def test_a_jump_in_which_the_contact_does_not_converge_is_cut() -> None:
     tried = []
 
@@ -181,9 +169,3 @@ def test_what_a_jump_misses_of_the_energy_is_of_second_order() -> None:
     whole, half = change_by_work(1.0, 1.2, 100.0, 500.0), change_by_work(1.0, 1.1, 50.0, 500.0)
     assert half == pytest.approx(0.5 * whole)
     assert change_by_work(1.0, 1.0, 100.0, 0.0) == 0.0
-
-
-@pytest.mark.parametrize("tolerance", [0.0, 1.0, -0.1])
-def test_senseless_tolerances_are_refused(tolerance: float) -> None:
-    with pytest.raises(SolverError, match="tolerance of cycle jumps"):
-        JumpController(tolerance)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from geometry import Cylinder, EvenProfile, GeometryError, RoundedFlat
+from geometry import Cylinder, EvenProfile
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
@@ -18,10 +18,10 @@ from wirewear.faces.study_script import wide_console
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import PlanarPlan, plan
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.run import LINES, refined_study, resolutions_of
+from wirewear.planar.run import LINES, refined_study
 from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
-from wirewear.results import RunResult, read_loops, read_result
+from wirewear.results import RunResult, read_result
 from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS, converge, convergence_table
 
 FLAT = {
@@ -63,17 +63,6 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
         assert (planned.pad == base.pad) == (name not in MESH.runs)
         assert (planned.increments_per_cycle == base.increments_per_cycle) == (name not in POSITIONS.runs)
         assert (planned.jump_tolerance == base.jump_tolerance) == (name not in JUMPS.runs)
-
-
-def test_without_wear_there_are_no_jumps_to_refine() -> None:
-    assert resolutions_of(study_of(wear={})) == (MESH, POSITIONS)
-
-
-def test_variants_are_refined_one_at_a_time() -> None:
-    study = study_of(variants={"soft": {"holder": {"tangential_stiffness_N_per_mm2": 100.0}}})
-    with pytest.raises(StudyError, match="has variants: choose one of soft"):
-        refined_study(study, "quick")
-    assert BASE in refined_study(study.variant("soft"), "quick").variant_names
 
 
 @pytest.mark.slow
@@ -135,22 +124,6 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
         reference.even_line_contact(by_points, 1e6, MODULUS, 1.0)
 
 
-def test_a_flat_with_a_vanishing_face_is_a_cylinder_and_a_wide_one_bears_its_load_at_its_edges() -> None:
-    narrow = reference.even_line_contact(RoundedFlat(0.0, 6.0), 120.0, MODULUS, 1.0)
-    assert narrow.half_width_mm == pytest.approx(0.09134, rel=1e-3)
-    wide = reference.even_line_contact(RoundedFlat(1.0, 3.0), 400.0, MODULUS, 2.0)
-    assert 1.0 < wide.half_width_mm < 1.1
-    assert wide.peak_pressure_MPa > 1.5 * 400.0 / (2.0 * wide.half_width_mm)
-
-
-@pytest.mark.parametrize(
-    "points", [((0.0, 0.0), (1.0, 0.1)), ((0.1, 0.0), (1.0, 0.1), (2.0, 0.3)), ((0.0, 0.0), (1.0, 0.1), (2.0, 0.05))]
-)
-def test_points_that_are_no_profile_are_refused(points: tuple[tuple[float, float], ...]) -> None:
-    with pytest.raises(GeometryError, match="a profile needs"):
-        EvenProfile(points)
-
-
 @pytest.mark.parametrize(
     ("pad", "changes", "complaint"),
     [
@@ -195,20 +168,6 @@ def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult)
 
 
 @pytest.mark.slow
-def test_a_pad_given_by_points_wears_as_the_cylinder_that_it_is() -> None:
-    x = np.linspace(0.0, 4.0, 801)
-    points = [[float(a), float(6.0 - np.sqrt(36.0 - a**2))] for a in x]
-    elastic = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
-    short: dict[str, Any] = {"conditions": {"cycles": 2000}, "log": {"loop_cycles": [1, 2000]}}
-    by_points, cylinder = (
-        run_planar_study(study({**elastic, **face, "half_width_mm": 4.0}, **short), fidelity="quick")
-        for face in ({"profile_points_mm": points}, {"radius_mm": 6.0})
-    )
-    for name in ("max_depth_pad_um", "worn_volume_specimen_mm3"):
-        assert by_points.evolution[name][-1] == pytest.approx(cylinder.evolution[name][-1], rel=0.01)
-
-
-@pytest.mark.slow
 def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path: Path) -> None:
     changed = tables(conditions={"cycles": 20}, log={"loop_cycles": [1, 20]})
     changed["variants"] = {
@@ -231,16 +190,6 @@ def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path
     assert (out / "soft" / "result.h5").read_bytes() == before
     with pytest.raises(StudyError, match="has no variant 'stiff': its variants are rigid, soft"):
         planar_study_from_tables(changed, "study.toml").variant("stiff")
-
-
-def test_loops_are_read_by_the_sensors_that_effects_have_spoilt() -> None:
-    gain = [{"name": "displacement_gain", "gain": 1.1}]
-    short: dict[str, Any] = {"conditions": {"cycles": 1}, "log": {"loop_cycles": [1]}}
-    spoilt = planar_study_from_tables(tables(**short) | {"effects": gain}, "study.toml")
-    result = run_planar_study(spoilt, fidelity="quick")
-    (true,), (read,) = result.loops, read_loops(result)
-    assert read.displacement_um == pytest.approx(1.1 * true.displacement_um)
-    assert np.array_equal(read.tangential_force_N, true.tangential_force_N)
 
 
 def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:

@@ -9,20 +9,16 @@ import pytest
 
 from geometry import Cylinder
 from tests.test_line_fitting import record_of
-from wirewear import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.beginning import beginning_of, reduced_record
-from wirewear.diagnosis.infer.families import MIDDLE_AND_FLANKS
+from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
-from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.effects import Effect, effect_named
 from wirewear.planar.tables import of_whole_contact, per_mm
 from wirewear.records.line_files import read_line_record
 from wirewear.records.line_tables import LineStated
-from wirewear.records.line_values import LineRecord, MeasuredProfile
+from wirewear.records.line_values import LineRecord
 from wirewear.reference import hertz_line
-from wirewear.study import load_study
 
 
 def effect(name: str, **values: float) -> Effect[Any]:
@@ -60,14 +56,6 @@ def test_debris_narrows_a_scar_as_a_smaller_radius_would() -> None:
     assert narrower == pytest.approx(0.4 ** (1.0 / 3.0), rel=0.05)
 
 
-def test_a_lack_of_oxygen_alone_leaves_the_shape_and_slows_the_wear() -> None:
-    """Worn metal conforms whatever its wear coefficients: pressures rise where these are small."""
-    plain, starved = worn_line(STEEL), worn_line(replace(STEEL, supply_mm3_MPa=0.1, starved_factor=0.2))
-    assert float(starved.factor_at(np.array([AREA_mm2]))[0]) < 0.8
-    before, after = plain.depth_at(AREA_mm2), starved.depth_at(AREA_mm2)
-    assert np.abs(after - before).max() < 0.03 * before.max()
-
-
 def test_effects_of_a_whole_contact_are_those_of_a_millimetre_times_its_length() -> None:
     spring = effect("tangential_compliance", stiffness_N_per_mm=5000.0)
     bent = effect("displacement_load_coupling", linear_um_per_N=0.01, quadratic_um_per_N2=1e-4)
@@ -78,43 +66,14 @@ def test_effects_of_a_whole_contact_are_those_of_a_millimetre_times_its_length()
     assert [one.values for one in again] == [pytest.approx(one.values) for one in (spring, bent)]
 
 
-def test_a_profile_is_read_about_its_own_middle_and_its_zero_is_as_unsure_as_the_flat_is_off_it() -> None:
-    x = np.linspace(-500.0, 500.0, 401)
-    depth = 3.0 * np.maximum(1.0 - ((x - 40.0) / 240.0) ** 2, 0.0)
-    one = read_profile(MeasuredProfile(1, "specimen", x, depth - 0.2 * (np.abs(x - 40.0) > 240.0)))
-    assert one.half_width_um == pytest.approx(240.0, rel=0.05)
-    assert np.interp(0.0, one.x_um, one.depth_um) == pytest.approx(3.0, abs=0.02)
-    assert one.zero_um == pytest.approx(0.2, rel=0.1)
-
-
 @pytest.fixture(scope="module")
 def titanium() -> LineRecord:
     return read_line_record(TITANIUM / "record_2Hz")
 
 
-def test_a_model_of_wires_is_refused_for_a_line_contact(titanium: LineRecord) -> None:
-    with pytest.raises(RecordError, match="is of kind line-contact"):
-        diagnose(titanium, model=load_study(ROOT / "studies" / "steel_wires" / "study.toml").variant("rigid"))
-
-
-def test_a_record_that_states_no_friction_says_what_is_missing(titanium: LineRecord) -> None:
-    stated = titanium.tables.stated.model_copy(update={"friction": None})
-    silent = replace(titanium, tables=titanium.tables.model_copy(update={"stated": stated}))
-    with pytest.raises(RecordError, match="does not give friction"):
-        diagnose(silent)
-
-
 @pytest.fixture(scope="module")
 def with_oxygenation(titanium: LineRecord) -> Diagnosed:
     return diagnose(titanium)
-
-
-@pytest.mark.slow
-def test_a_reduced_record_is_what_its_diagnosis_took(titanium: LineRecord, with_oxygenation: Diagnosed) -> None:
-    nominal, observed = reduced_record(titanium)
-    np.testing.assert_array_equal(observed.values, with_oxygenation.observed.values)
-    np.testing.assert_array_equal(observed.noise, with_oxygenation.observed.noise)
-    assert nominal.setup == with_oxygenation.search.problem.setup
 
 
 @pytest.mark.slow
@@ -128,30 +87,6 @@ def test_titanium_at_2_hz_is_explained_by_debris_and_a_lack_of_oxygen(with_oxyge
     # The published model's error.
     before, after = answer.physical["profile_depth_um"]
     assert after < 0.15 * 65.0 < before
-
-
-@pytest.mark.slow
-def test_titanium_at_2_hz_without_that_effect_is_unexplained_and_its_middle_wears_too_little(
-    titanium: LineRecord,
-) -> None:
-    answer = diagnose(titanium, left_out=("contact_oxygenation",)).diagnosis
-    assert answer.verdict == "unexplained"
-    first = answer.resembles[0]
-    assert (first.seam, first.family) == ("wear", MIDDLE_AND_FLANKS)
-    assert "wears too little" in first.text
-    assert "in the middle of the scar" in first.text
-    assert answer.partial is not None
-
-
-@pytest.mark.slow
-def test_titanium_at_a_tenth_of_a_hertz_has_worn_more_than_stated_and_lacks_no_oxygen() -> None:
-    answer = diagnose(read_line_record(TITANIUM / "record_0p1Hz")).diagnosis
-    assert answer.partial is not None
-    named = {cause.effect for cause in answer.partial.causes}
-    assert "third_body" in named
-    assert "contact_oxygenation" not in named
-    middle = next(finding for finding in answer.where if finding.zone == "profile_middle")
-    assert "above the model" in middle.text
 
 
 @pytest.mark.slow

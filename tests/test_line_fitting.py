@@ -1,25 +1,17 @@
 """Parameters fitted to records of line contacts whose truth is known: simulated with another mesh and other jumps."""
 
-import json
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from wirewear.base.errors import RecordError
-from wirewear.faces import cli
-from wirewear.fitting import FittedTest, GivenWear, fit_record
-from wirewear.fitting.report import write_stated
-from wirewear.kinds import load_any_study
+from wirewear.fitting import FittedTest, fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.line_exporting import line_record_of_result
-from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.records.line_tables import LineStated
 from wirewear.records.line_values import LineRecord
 
@@ -98,75 +90,10 @@ def test_play_is_told_from_the_rigs_stiffness() -> None:
     assert [effect.name for effect in fit.study.effects] == ["free_play"]
 
 
-@pytest.mark.slow
-def test_wear_is_given_where_no_profile_is_known_and_parted_between_the_bodies() -> None:
-    loops_only = replace(record_of("cylinder"), profiles=())
-    fit = fit_record(loops_only, given=GivenWear(coefficient_mm3_per_J=6e-5))
-    assert fit.parameters["pad_energy_wear_coefficient_mm3_per_J"].value == pytest.approx(3e-5)
-    assert any("parted between pad and specimen as 0.5 to 0.5" in note for note in fit.notes)
-
-
-@pytest.mark.slow
-def test_the_command_writes_study_run_and_record(tmp_path: Path) -> None:
-    write_line_record(tmp_path / "record", record_of("cylinder"))
-    arguments = ["fit", str(tmp_path / "record"), "--output", str(tmp_path / "fitted"), "--check", "quick", "--json"]
-    result = CliRunner().invoke(cli, arguments)
-    assert result.exit_code == 0, result.output
-    found = json.loads(result.stdout)
-    assert found["check"]["in_scatters"] < 2.0
-    study = load_any_study(tmp_path / "fitted" / "study.toml")
-    assert isinstance(study, PlanarStudy)
-    assert study.wear.specimen_energy_mm3_per_J == pytest.approx(4e-5, rel=0.03)
-    assert (tmp_path / "fitted" / "run" / "report.html").exists()
-    again = FittedTest(read_line_record(tmp_path / "record"), study, fitted("cylinder").parameters, {})
-    write_stated(again)
-    assert read_line_record(tmp_path / "record").tables.stated.friction == pytest.approx(0.7, rel=0.02)
-
-
-def test_what_is_fitted_takes_the_place_of_archards_law(tmp_path: Path) -> None:
-    record = replace(record_of_nothing(), path=None)
-    stated = LineStated(friction=0.5, pad_archard_wear_coefficient_mm3_per_N_m=1e-5)
-    folder = write_line_record(tmp_path, replace(record, tables=record.tables.model_copy(update={"stated": stated})))
-    from wirewear.fitting.values import FittedParameter
-
-    parameters = {
-        "friction": FittedParameter(0.6, (0.5, 0.7), "1", 1),
-        "tangential_stiffness_N_per_mm": FittedParameter(1e7, (1e4, 1e7), "N_per_mm", 1),
-        "pad_energy_wear_coefficient_mm3_per_J": FittedParameter(2e-5, (1e-5, 3e-5), "mm3_per_J", 1),
-    }
-    fit: Any = FittedTest(read_line_record(folder), None, parameters, {}, rigid_N_per_mm=1e7)  # type: ignore[arg-type]
-    write_stated(fit)
-    again = read_line_record(folder).tables.stated
-    assert again.pad_archard_wear_coefficient_mm3_per_N_m is None
-    assert again.pad_energy_wear_coefficient_mm3_per_J == pytest.approx(2e-5)
-    assert again.tangential_stiffness_N_per_mm == "rigid"
-
-
 def record_of_nothing() -> LineRecord:
     from tests.line_logger_files import CYLINDER, line_record
 
     return line_record(CYLINDER)
-
-
-def test_loops_that_do_not_slide_cannot_be_fitted() -> None:
-    record = record_of_nothing()
-    still = tuple(replace(loop, tangential_force_N=0.01 * loop.displacement_um) for loop in record.loops)
-    with pytest.raises(RecordError):
-        fit_record(replace(record, loops=still))
-    with pytest.raises(RecordError, match="no loop of the record"):
-        fit_record(replace(record, loops=()))
-
-
-def test_without_profiles_no_wear_is_fitted_and_what_is_missing_is_named() -> None:
-    from wirewear.fitting.fit import _missing, subject_of
-    from wirewear.fitting.loops_of_tests import loops_of_tests
-    from wirewear.fitting.wear import fitted_wear
-
-    record = replace(record_of_nothing(), profiles=())
-    parameters, _, _ = fitted_wear(subject_of(record))
-    assert parameters == {}
-    missing = _missing(subject_of(record), parameters, loops_of_tests(record))
-    assert any("[profiles.pad] and [profiles.specimen]" in note for note in missing)
 
 
 def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:

@@ -8,15 +8,11 @@ from click.testing import CliRunner, Result
 
 from geometry import Cylinder, Flat, RoundedFlat
 from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
-from tests.picture_pixels import shows
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
-from wirewear.kinds import load_any_study
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.planar.tables import PlanarStudy
 from wirewear.records.importing.line_importing import import_line_record, levelled
 from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_files import read_line_record, write_line_record
+from wirewear.records.line_files import read_line_record
 
 
 def wirewear(*arguments: object) -> Result:
@@ -52,18 +48,6 @@ def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path
             assert made.area_um2 == pytest.approx(worn.area_um2, rel=0.02)
             assert sum(made.edges_um) == pytest.approx(0.0, abs=12.0)
     assert not check_line_record(record).problems
-
-
-def test_a_dry_run_draws_the_fitted_faces_and_writes_no_record(tmp_path: Path) -> None:
-    files = write_german(line_record(CYLINDER), tmp_path)
-    wirewear("new", "--mapping", *files, "--length", LENGTH_mm, "--radius", 6.0)
-    dry = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "dry", "--dry-run")
-    assert dry.exit_code == 0, dry.output
-    assert "the tangential force drives" not in dry.output  # the guess has turned it
-    assert "specimen, repeat 2: 2.5" in dry.output
-    assert not (tmp_path / "dry").exists()
-    assert shows(tmp_path / "dry_profile_pad.png", *VARIANT_COLOURS[:2])
-    assert (tmp_path / "dry_first_loop.png").exists()
 
 
 @pytest.mark.parametrize("face", [Flat(), Cylinder(6.0, curved_along=True), RoundedFlat(0.3, 3.0)])
@@ -111,16 +95,6 @@ def mapped(folder: Path, text: str = MAPPING) -> Path:
     return folder / "mapping.toml"
 
 
-def test_a_profile_alone_in_millimetres_with_a_load_per_millimetre(tmp_path: Path) -> None:
-    record = import_line_record(mapped(tmp_path)).record
-    assert record.tables.conditions.normal_load_N == pytest.approx(160.0)
-    (profile,) = record.profiles
-    np.testing.assert_allclose(profile.x_um, [-300.0, -100.0, 0.0, 300.0])
-    np.testing.assert_allclose(profile.depth_um, [0.0, 1.5, 2.0, -0.2])
-    write_line_record(tmp_path / "record", record)
-    assert read_line_record(tmp_path / "record").tables.specimen.youngs_modulus_MPa < 130000.0
-
-
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
@@ -144,35 +118,3 @@ def test_a_wrong_mapping_is_one_sentence(tmp_path: Path, old: str, new: str, com
     with pytest.raises(RecordError, match=complaint) as told:
         import_line_record(mapped(tmp_path, MAPPING.replace(old, new)))
     assert "\n" not in str(told.value)
-
-
-def test_a_guess_asks_for_what_no_file_tells(tmp_path: Path) -> None:
-    files = write_german(line_record(CYLINDER, 1), tmp_path)
-    profiles = [path for path in files if path.suffix == ".csv"]
-    assert "give it by --length" in wirewear("new", "--mapping", *files, "--radius", 6).stderr
-    assert "give --radius" in wirewear("new", "--mapping", *files, "--length", 8).stderr
-    for wrong in (0, -8, "nan"):
-        refused = wirewear("new", "--mapping", *files, "--length", wrong, "--radius", 6).stderr
-        assert f"--length is {float(wrong)}, but must" in refused
-    half = wirewear("new", "--mapping", *files, "--length", 8, "--face-half-width", 1)
-    assert "--face-half-width and --edge-radius" in half.stderr
-    both = wirewear("new", "--mapping", *files, "--length", 8, "--radius", 6, "--diameter", 1)
-    assert "--diameter is that of crossed wires" in both.stderr
-    alone = wirewear("new", "--mapping", *profiles, "--length", 8, "--radius", 6)
-    assert "--normal-load, --amplitude, --frequency, --cycles" in alone.stderr
-    asked = ("--normal-load", 160, "--amplitude", 60, "--frequency", 4, "--cycles", 1000)
-    assert wirewear("new", "--mapping", *profiles, "--length", 8, "--radius", 6, *asked).exit_code == 0
-    assert len(import_line_record(tmp_path / "mapping.toml").record.profiles) == 2
-
-
-def test_a_study_from_a_line_record_takes_over_its_test_per_millimetre(tmp_path: Path) -> None:
-    folder = write_line_record(tmp_path / "record", line_record(FLAT))
-    made = wirewear("new", tmp_path / "mine", "--from", folder)
-    assert made.exit_code == 0, made.output
-    study = load_any_study(tmp_path / "mine.toml")
-    assert isinstance(study, PlanarStudy)
-    assert study.conditions.normal_load_N_per_mm == pytest.approx(LOAD_N / LENGTH_mm)
-    assert study.pad.profile == RoundedFlat(0.3, 3.0)
-    assert study.log.loop_cycles == (1, 100, 1000)
-    # Not stated, so that of the loops: 80 times the recipe's force over the load.
-    assert study.contact.friction == pytest.approx(0.62, rel=0.02)

@@ -1,6 +1,5 @@
 """Records of line contacts: read as written, checked, made of a simulation and set beside one."""
 
-import json
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -9,20 +8,18 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from geometry import RoundedFlat
 from tests.test_planar_study import TABLES
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records import read_record
 from wirewear.records.line_checking import check_line_record
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import is_line_record, read_line_record, write_line_record
 from wirewear.records.line_values import LineRecord, MeasuredProfile
-from wirewear.results import RunResult, read_result, write_result
+from wirewear.results import RunResult, read_result
 
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
@@ -74,27 +71,6 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResul
     assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
 
 
-def test_a_line_record_of_another_load_is_not_compared_without_a_word(result: RunResult, record: LineRecord) -> None:
-    assert compare_line(result, record).unlike is None
-    asked = record.tables.conditions
-    other = asked.model_copy(update={"normal_load_N": 2.5 * asked.normal_load_N})
-    unlike = compare_line(result, replace(record, tables=record.tables.model_copy(update={"conditions": other}))).unlike
-    assert unlike is not None
-    assert unlike.startswith("The run and the record are not of the same test: normal_load_N_per_mm is ")
-
-
-def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
-    x, profile = result.scar(200, "specimen").section_along_motion()
-    moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
-    exact = line_record_of_result(result, 8.0)
-    comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
-    assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
-    deepest = next(row for row in comparison.differences if "depth" in row.quantity)
-    assert deepest.relative == pytest.approx(0.2)
-    with pytest.raises(RecordError, match="no loop of a common cycle"):
-        compare_line(result, replace(exact, loops=(), profiles=()))
-
-
 def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     loop, profile = record.loops[0], record.profiles[0]
 
@@ -118,26 +94,6 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     assert topics(replace(record, profiles=(unworn,))) == set()
 
 
-def test_profiles_that_did_not_wear_each_other_are_told(record: LineRecord) -> None:
-    def told(*profiles: MeasuredProfile) -> list[str]:
-        problems = check_line_record(replace(record, loops=(), evolution=(), profiles=profiles)).problems
-        return [problem.text for problem in problems if "of another scale" in problem.text]
-
-    assert told(record.profiles_of("pad")[0], record.profiles_of("specimen")[0]) == []
-    # Of a cylinder that lies 100 µm deep in the flat, the flat's drawn out by the stroke.
-    stroke = record.tables.conditions.displacement_amplitude_um
-    x = np.linspace(-3000.0, 3000.0, 601)
-    depths = [
-        50.0 - (x - at) ** 2 / (4e3 * (record.tables.pad.radius_mm or 1.0)) for at in np.linspace(-stroke, stroke)
-    ]
-    pad = MeasuredProfile(1, "pad", x, np.maximum(50.0 - x**2 / (4e3 * (record.tables.pad.radius_mm or 1.0)), 0.0))
-    specimen = MeasuredProfile(1, "specimen", x, np.maximum(np.max(depths, axis=0), 0.0))
-    assert told(pad, specimen) == []
-    assert told(pad, replace(specimen, x_um=3.0 * specimen.x_um))
-    assert told(replace(pad, x_um=3.0 * pad.x_um), specimen)
-    assert told(replace(pad, body="specimen", x_um=0.5 * pad.x_um), replace(specimen, body="pad"))
-
-
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
@@ -159,91 +115,6 @@ def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path:
         read_line_record(tmp_path)
 
 
-def test_mccolls_measured_flat_is_a_sound_record_that_commands_of_wires_refuse() -> None:
-    outcome = CliRunner().invoke(cli, ["check", str(MCCOLL)])
-    assert outcome.exit_code == 0, outcome.output
-    assert "Depth, width and worn area of the specimen" in outcome.output
-    (profile,) = read_line_record(MCCOLL).profiles
-    assert profile.depth_um.max() == pytest.approx(2.892)
-    assert profile.edges_um == pytest.approx((-268.0, 316.0), abs=0.2)
-    with pytest.raises(RecordError, match="is the record of a line contact"):
-        read_record(MCCOLL)
-
-
-def test_the_commands_export_check_and_compare(result: RunResult, tmp_path: Path) -> None:
-    write_result(tmp_path / "run" / "result.h5", result)
-    out = str(tmp_path / "record")
-    refused = CliRunner().invoke(cli, ["export", str(tmp_path / "run"), "--as-record", out])
-    assert refused.exit_code == 2
-    assert "give its --length" in refused.stderr
-    line = ["export", str(tmp_path / "run"), "--as-record", out, "--length", "8", "--repeats", "2"]
-    assert CliRunner().invoke(cli, [*line, "--noise", "tangential_force_N=1"]).exit_code == 0
-    assert CliRunner().invoke(cli, ["check", out]).exit_code == 0
-    compared = CliRunner().invoke(cli, ["compare", str(tmp_path / "run"), out, "--output", str(tmp_path / "c")])
-    assert compared.exit_code == 0, compared.output
-    assert json.loads((tmp_path / "c" / "comparison.json").read_text())["differences"]
-    assert (tmp_path / "c" / "comparison.png").stat().st_size > 10_000
-
-
-@pytest.mark.parametrize("name", ["loops.csv", "evolution.csv", "profile_pad.csv", "profile_specimen.csv"])
-def test_a_table_that_is_not_as_it_was_written_is_refused(record: LineRecord, tmp_path: Path, name: str) -> None:
-    write_line_record(tmp_path, record)
-    data = (tmp_path / name).read_bytes()
-    (tmp_path / name).write_bytes(data.replace(b"1", b"2", 1))
-    with pytest.raises(RecordError, match=rf"{name} is not as it was written"):
-        read_line_record(tmp_path)
-
-
-def test_a_change_of_the_tables_that_people_edit_is_told(record: LineRecord, tmp_path: Path) -> None:
-    write_line_record(tmp_path, record)
-    assert read_line_record(tmp_path).notes == ()
-    path = tmp_path / "experiment.toml"
-    path.write_text(path.read_text().replace("cycles = 200", "cycles = 201"))
-    told = [remark.text for remark in check_line_record(read_line_record(tmp_path)).remarks]
-    assert any("experiment.toml is not as it was written" in text for text in told)
-
-
-def test_a_name_too_long_for_a_file_is_refused_in_a_sentence(record: LineRecord, tmp_path: Path) -> None:
-    write_line_record(tmp_path, record)
-    path = tmp_path / "experiment.toml"
-    path.write_text(path.read_text().replace('"loops.csv"', f'"{"l" * 3000}"'))
-    with pytest.raises(RecordError, match=r"loops cannot be looked up \(File name too long\)"):
-        read_line_record(tmp_path)
-
-
-def test_the_loops_of_a_record_are_analysed_and_one_without_any_says_so(record: LineRecord, tmp_path: Path) -> None:
-    from wirewear.views.loops_report import analyse_loops
-    from wirewear.views.loops_sources import read_loops
-
-    folder = write_line_record(tmp_path / "record", record)
-    (own, *_) = analyse_loops(read_loops(folder, cycle=record.cycles[0]))
-    assert own.figures is not None
-    assert own.figures.slip_amplitude_um.value == pytest.approx(
-        record.loops[0].figures(record.tables.conditions.normal_load_N).slip_amplitude_um.value, rel=0.01
-    )
-    with pytest.raises(RecordError, match="holds no loops"):
-        read_loops(Path(__file__).parent.parent / "studies" / "mccoll2004" / "record")
-
-
-def test_a_rounded_flat_is_exported_read_compared_and_agrees_with_itself(tmp_path: Path) -> None:
-    tables = deepcopy(TABLES)
-    tables["kind"] = "line-contact"
-    tables["pad"] = tables["pad"] | {"face_half_width_mm": 0.2, "edge_radius_mm": 3.0}
-    tables["pad"].pop("radius_mm")
-    tables["conditions"] |= {"cycles": 50}
-    tables["log"] = {"loop_cycles": [1, 50]}
-    tables["mesh"] = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
-    flat = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
-    folder = write_line_record(tmp_path / "record", line_record_of_result(flat, 8.0))
-    again = read_line_record(folder)
-    assert again.tables.contact.kind == "line-contact"
-    assert again.tables.pad.profile == RoundedFlat(0.2, 3.0)
-    for row in compare_line(flat, again).differences:
-        assert row.relative == pytest.approx(0.0, abs=0.05), row.quantity
-    assert set(compare_line(flat, again).left_um) == {"pad", "specimen"}
-    assert max(compare_line(flat, again).left_um.values()) < 1e-6
-
-
 def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -> None:
     folder = write_line_record(tmp_path / "record", record)
     made = CliRunner().invoke(cli, ["new", str(tmp_path / "mine"), "--from", str(folder)])
@@ -257,16 +128,3 @@ def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -
     assert ran.exit_code == 0, ran.output
     # Cycle 200 lies beyond this test's end.
     assert [loop.cycle for loop in read_result(tmp_path / "run" / "stiff").loops] == [1, 2]
-
-
-def test_noise_neither_narrows_a_shallow_scar_nor_adds_to_its_area() -> None:
-    """A parabola of 0.3 µm with noise of 0.05 µm: its area is 2/3 of depth times width, however it is read."""
-    x = np.arange(-400.0, 401.0, 1.0)
-    true = 0.3 * np.maximum(1.0 - (x / 200.0) ** 2, 0.0)
-    random = np.random.default_rng(4)
-    profiles = [MeasuredProfile(1, "pad", x, true + 0.05 * random.standard_normal(x.size)) for _ in range(20)]
-    assert np.mean([one.area_um2 for one in profiles]) == pytest.approx(0.3 * 400.0 * 2.0 / 3.0, rel=0.02)
-    assert np.mean([one.width_um for one in profiles]) == pytest.approx(400.0, rel=0.06)
-    assert np.mean([one.smooth_um.max() for one in profiles]) == pytest.approx(0.3, rel=0.06)
-    clean = MeasuredProfile(1, "pad", x, true)
-    np.testing.assert_array_equal(clean.smooth_um, true)

@@ -9,7 +9,6 @@ from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.strain import integration_points
 from solvers.subgrid_traction import SubgridTraction
-from solvers.surface_lattice import line_lattice_error
 from tests.bodies import STEEL
 from wirewear import reference
 from wirewear.verification import FULL, QUICK
@@ -70,14 +69,6 @@ def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
         assert np.abs(found[near]).max() > 0.2
 
 
-def test_long_waves_are_resolved_so_the_error_of_a_line_has_no_sum() -> None:
-    error = line_lattice_error(1.0, 0.8, 1.3, NU)
-    assert np.abs(error).max() > 0.1
-    np.testing.assert_allclose(error.sum(axis=0), 0.0, atol=1e-9)
-    np.testing.assert_allclose(error[::-1, 0, 0], -error[:, 0, 0], atol=1e-9)
-    np.testing.assert_allclose(error[::-1, 0, 2], error[:, 0, 2], atol=1e-9)
-
-
 def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
     x, traction = hertz(12.0)
     mesh = flat(2.5, 1.0 / 12.0)
@@ -98,30 +89,9 @@ def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
     np.testing.assert_allclose(found[:, 5], -exact[:, 5], atol=0.015)
 
 
-def test_a_line_contact_that_leaves_the_elements_alike_is_not_corrected_there() -> None:
-    surface = flat(2.5, 1.0 / 8.0)
-    points = np.column_stack([surface.patch.axial_mm, np.zeros(surface.patch.size)])
-    _, traction = hertz(8.0, 1.9)
-    there, back = (LoadedLine(surface, one).correction(points) for one in (traction, _mirrored(traction)))
-    np.testing.assert_allclose(there[:, [0, 1, 2]], back[::-1, [0, 1, 2]], atol=1e-9)
-    assert not there[points[:, 0] > 2.2].any()
-    assert np.abs(there[points[:, 0] < 1.5]).max() > 0.05
-
-
-def test_a_patch_holds_the_layers_that_the_mesh_has() -> None:
-    geometry = PlanarGeometry(Flat(), 4.0, 3.0, GradedAxis(0.02, 0.5, 0.02, 0.5))
-    mesh = build_planar(geometry).mesh
-    depths = np.unique(-mesh.points[np.abs(mesh.points[:, 0]) < 1e-12, 1])
-    np.testing.assert_allclose(np.diff(depths), geometry.layers(), rtol=1e-9)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("level", [QUICK, FULL])
 def test_the_tension_behind_a_sliding_and_a_slipping_cylinder_is_mcewens_and_cattaneos(level: Level) -> None:
     rows = line_surface_rows(level)
     assert len(rows) == 4
     assert [row for row in rows if not row.passed] == []
-
-
-def _mirrored(traction: Array) -> Array:
-    return np.asarray(traction[::-1] * [-1.0, 1.0, 1.0])

@@ -102,35 +102,3 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     assert all(
         cause["effect"] != "tangential_compliance" or cause["probability"] < 0.5 for cause in diagnosis["causes"]
     )
-
-
-@pytest.mark.slow
-def test_the_same_commands_lead_there_with_finite_elements(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    record = read_record(EXAMPLE)
-    early = tuple(loop for loop in record.loops if loop.cycle <= 1000)
-    files = [path.name for path in write_german(dataclasses.replace(record, loops=early, scars=()), Path())]
-    commands = (
-        ["new", "--mapping", *files, "--diameter", "0.45"],
-        ["import", "mapping.toml", "--output", "record"],
-        ["fit", "record", "--output", "fitted", "--json"],
-        ["compare", "fitted/run", "record", "--output", "compared"],
-        ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],
-    )
-    told = {}
-    for command in commands:
-        result = CliRunner().invoke(cli, command)
-        assert result.exit_code == 0, result.output
-        told[command[0]] = result.stdout
-    fit = json.loads(told["fit"])
-    assert fit["parameters"]["tangential_stiffness_N_per_mm"]["value"] == pytest.approx(167.0, rel=0.06)
-    assert fit["parameters"]["friction"]["value"] == pytest.approx(0.62, rel=0.03)
-    assert abs(fit["check"]["relative_differences"]["dissipated_energy_mJ"]) < 0.02
-    assert (tmp_path / "fitted" / "run" / "report.html").is_file()
-    differences = json.loads((tmp_path / "compared" / "differences.json").read_text(encoding="utf-8"))["differences"]
-    slip = [row for row in differences if row["quantity"].startswith("slip amplitude")]
-    assert all(abs(row["in_scatter"]) < 3.0 for row in slip)
-    diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
-    assert all(
-        cause["effect"] != "tangential_compliance" or cause["probability"] < 0.5 for cause in diagnosis["causes"]
-    )

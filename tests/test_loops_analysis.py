@@ -9,9 +9,6 @@ from tests.known_loops import analysed_with_noise, drawn, hooked, share_off
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.area import enclosed_area, enclosed_areas
-from wirewear.loops.noise import noises, outliers, outside_neighbours, sample_noise
-
-PHASE = np.linspace(0.0, 2.0 * np.pi, 200, endpoint=False)
 
 LOOP = SyntheticLoop(Recipe())
 
@@ -22,23 +19,6 @@ def test_the_area_is_signed_closes_itself_and_does_not_mind_the_origin() -> None
     assert enclosed_area(x[::-1], y[::-1]) == -6.0
     assert enclosed_area(x + 1e9, y - 1e9) == 6.0
     np.testing.assert_array_equal(enclosed_areas(np.stack([x, 2.0 * x]), np.stack([y, y])), [6.0, 12.0])
-
-
-def test_noise_is_found_on_even_and_on_uneven_times_alike() -> None:
-    random = np.random.default_rng(1)
-    samples = np.sin(PHASE) + random.normal(0.0, 0.01, (50, PHASE.size))
-    assert noises(samples) == pytest.approx(0.01, rel=0.35)
-    assert float(np.median(noises(samples))) == pytest.approx(0.01, rel=0.05)
-    assert sample_noise(samples[0], PHASE) == pytest.approx(0.01, rel=0.2)
-
-
-def test_only_what_its_neighbours_do_not_bracket_is_outside() -> None:
-    loops = np.stack([np.sin(PHASE), np.sign(np.sin(PHASE + 0.01))])
-    loops[0, 40] += 0.5
-    found = outside_neighbours(loops, lambda steps: 2.5 * steps[2] + 1e-9)
-    assert np.flatnonzero(found[0]).tolist() == [40]
-    assert not found[1].any()
-    assert np.flatnonzero(outliers(loops[0], PHASE)).tolist() == [40]
 
 
 def noisy(samples: int, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
@@ -54,49 +34,12 @@ def test_a_clipped_force_is_refused_in_a_sentence(samples: int, low: float, high
         analyse_loop(displacement, np.clip(force, low, high), 2.0)
 
 
-def test_a_clipped_displacement_is_refused_in_a_sentence() -> None:
-    displacement, force = noisy(256)
-    with pytest.raises(LoopError, match="displacement is clipped"):
-        analyse_loop(np.clip(displacement, -50.0, 99.0), force, 2.0)
-
-
-def test_without_a_clipped_normal_force_friction_is_left_out() -> None:
-    displacement, force = noisy(256)
-    load = np.minimum(2.0 + 0.05 * np.random.default_rng(2).standard_normal(256), 2.02)
-    figures = analyse_loop(displacement, force, load)
-    assert figures.friction_energy is None
-    assert any("normal force is clipped" in note for note in figures.notes)
-    assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.01)
-
-
-def test_a_normal_force_that_varies_by_a_simulations_tolerance_is_constant() -> None:
-    displacement, force = noisy(256)
-    load = 2.0 + 4e-9 * np.random.default_rng(2).standard_normal(256)
-    clipped = analyse_loop(displacement, force, np.clip(load, 2.0 - 4e-9, 2.0 + 4e-9))
-    assert clipped.notes == analyse_loop(displacement, force, 2.0).notes
-    assert clipped.friction_max is not None
-
-
 @pytest.mark.parametrize("samples", [40, 128, 400])
 @pytest.mark.parametrize("rig_stiffness", [167.0, 1e9])
 def test_a_noiseless_plateau_is_not_called_clipped(samples: int, rig_stiffness: float) -> None:
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig_stiffness)).sampled(samples, 0.2)
     assert not any("clipped" in note for note in analyse_loop(displacement, force, 2.0).notes)
     assert not any("clipped" in note for note in analyse_loop(np.clip(displacement, -50.0, 50.0), force, 2.0).notes)
-
-
-def test_coarse_steps_of_a_converter_are_not_called_clipped() -> None:
-    displacement, force = noisy(256)
-    figures = analyse_loop(displacement, 0.05 * np.round(force / 0.05), 2.0)
-    assert not any("clipped" in note for note in figures.notes)
-
-
-def test_a_normal_force_that_only_rounding_varies_is_not_called_clipped() -> None:
-    displacement, force = noisy(256)
-    load = np.where(np.arange(256) % 7 < 5, 2.0, np.nextafter(2.0, 3.0))
-    figures = analyse_loop(displacement, force, load)
-    assert figures.notes == ()
-    assert figures.friction_energy is not None
 
 
 def test_noise_and_outliers_leave_slip_and_energy_within_one_percent_and_stiffness_within_five() -> None:
@@ -168,34 +111,12 @@ def test_corner_curvature_tells_a_round_from_a_sharp_corner(rig_stiffness: float
     assert figure.value == pytest.approx(corner_truth(recipe), abs=5e-4)
 
 
-def test_corner_curvatures_of_noisy_loops_scatter_about_the_truth_as_their_intervals_promise() -> None:
-    recipe = Recipe(rig_stiffness=400.0)
-    figures = [analysed_with_noise(recipe, 0.03 * seed, seed)[1].corner_curvature for seed in range(30)]
-    found = [figure for figure in figures if figure is not None]
-    assert len(found) == 30
-    assert np.mean([figure.value for figure in found]) == pytest.approx(corner_truth(recipe), abs=0.005)
-    assert np.mean([f.interval95[0] <= corner_truth(recipe) <= f.interval95[1] for f in found]) > 0.83
-
-
-def test_a_corner_that_no_sample_resolves_is_left_out() -> None:
-    _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=1e6)).sampled(64)
-    assert analyse_loop(displacement, force, 2.0).corner_curvature is None
-
-
 def test_hooks_and_largest_friction_are_those_of_the_scars_ends() -> None:
     displacement, force = hooked()
     figures = analyse_loop(displacement, force, 2.0)
     tip = math.tan(math.atan(0.62) + 0.15)
     assert share_off(figures.friction_max, tip) < 0.02
     assert share_off(figures.end_hook_ratio, tip / 0.62) < 0.02
-
-
-def test_friction_of_a_flat_loop_is_the_same_by_all_three_definitions() -> None:
-    loop = SyntheticLoop(Recipe())
-    _, displacement, force = loop.sampled(256)
-    figures = analyse_loop(displacement, force, 2.0)
-    for figure in (figures.friction_max, figures.friction_energy, figures.friction_geometry_independent):
-        assert share_off(figure, 0.62) < 0.005
 
 
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.8, 0.95])
@@ -238,13 +159,3 @@ def test_the_criteria_of_sliding_have_their_values_at_the_transition_and_on_a_re
     slides = analyse_loop(50.0 * np.sin(phase), np.sign(np.cos(phase)), 2.0)
     assert share_off(slides.energy_ratio, 1.0) < 0.01
     assert share_off(slides.system_free_ratio, 1.0) < 0.01
-
-
-def test_a_rigid_coulomb_loop_shows_no_stiffness_but_all_the_rest() -> None:
-    phase = 2.0 * math.pi * (np.arange(60) + 0.5) / 60
-    figures = analyse_loop(50.0 * np.sin(phase), np.sign(np.cos(phase)), 2.0)
-    assert figures.measured_stiffness_N_per_um is None
-    assert any("stiffness is left out" in note for note in figures.notes)
-    assert share_off(figures.slip_amplitude_um, 50.0) < 0.005
-    assert share_off(figures.dissipated_energy_mJ, 0.2) < 0.005
-    assert share_off(figures.friction_geometry_independent, 0.5) < 1e-6

@@ -77,42 +77,6 @@ def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_withi
 HOOKED = np.loadtxt(Path(__file__).parent / "data" / "loops_of_low_friction.csv", delimiter=",", skiprows=1)
 
 
-@pytest.mark.parametrize("cycle", [1, 100, 10000])
-def test_wires_that_slide_all_along_their_scar_are_read_so(cycle: int) -> None:
-    """`wirewear run` of the steel wires on a rigid rig at µ 0.01, 2 N and 9e-3 mm³/J, quick: they slide ±60 µm."""
-    loop = HOOKED[HOOKED[:, 0] == cycle]
-    figures = analyse_loop(loop[:, 1], loop[:, 2], loop[:, 3])
-    for figure, truth in ((figures.dissipated_energy_mJ, 0.0048), (figures.slip_amplitude_um, 60.0)):
-        assert figure.interval95[0] <= 1.005 * truth
-        assert figure.interval95[1] >= 0.995 * truth
-    assert figures.slip_amplitude_um.value == pytest.approx(60.0, rel=0.02)
-    if figures.friction_energy is None:
-        assert any("energy ratio" in note and "slide all along" in note for note in figures.notes)
-    else:
-        assert figures.friction_energy.interval95[0] <= 0.01 <= figures.friction_energy.interval95[1]
-
-
-def test_samples_that_gather_behind_reversals_turn_no_loop() -> None:
-    """As a simulation has them, whose increments are finest there: the force then correlates with −0.8."""
-    behind = np.array([60.0 - 8.0 * (i / 25) ** 4 for i in range(25)])
-    displacement = np.concatenate([behind, [40.0, 20.0, 0.0, -20.0, -40.0], -behind, [-40.0, -20.0, 0.0, 20.0, 40.0]])
-    force = np.roll(np.repeat([-0.02, 0.02], 30), 1)
-    figures = analyse_loop(displacement, force, 2.0)
-    assert np.corrcoef(displacement, force)[0, 1] < -0.7
-    assert figures.dissipated_energy_mJ.value == pytest.approx(4e-3 * 0.02 * 60.0, rel=0.02)
-
-
-def test_the_largest_ratio_in_partial_slip_is_the_loops_own_where_the_load_changes() -> None:
-    time = np.arange(200) / 200
-    force = 1.24 * 0.6 * np.sin(2.0 * np.pi * time)
-    displacement = force / 0.2 - 0.2 * np.cos(2.0 * np.pi * time)
-    load = 2.0 - 0.5 * np.cos(2.0 * np.pi * time)
-    figures = analyse_loop(displacement, force, load, time_s=time)
-    assert figures.regime == "partial slip"
-    assert figures.friction_max is not None
-    assert figures.friction_max.value == pytest.approx(float(np.max(np.abs(force) / load)), rel=1e-3)
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.005, 0.02])
 @pytest.mark.parametrize("friction", [0.02, 0.6, 1.5])
 def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: float) -> None:

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
-from wirewear.loops import LoopError, position_resolved_friction
+from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
+from wirewear.loops import position_resolved_friction
 
 RECIPE = Recipe(end_slope_rad=0.2, hook_power=2.0)
 LOOP = SyntheticLoop(RECIPE)
@@ -27,29 +27,9 @@ def test_friction_is_uniform_and_the_slope_is_the_scars(noise: float, within: fl
     np.testing.assert_allclose(resolved.slope_angle_rad[inner], expected[inner], atol=within)
 
 
-def test_without_a_given_stiffness_the_loops_own_is_used() -> None:
-    _, displacement, force = LOOP.sampled(400)
-    resolved = position_resolved_friction(displacement, force, 2.0, points=21)
-    assert resolved.stiffness_N_per_um == pytest.approx(SLIDING_STIFFNESS, rel=0.02)
-    assert resolved.friction[10] == pytest.approx(0.62, rel=0.01)
-    assert resolved.slip_position_um.shape == resolved.friction_angle_rad.shape == (21,)
-
-
 def test_friction_that_varies_along_the_slip_is_seen_where_it_varies() -> None:
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=1e6)).sampled(400)
     patchy = force * (1.0 + 0.2 * np.exp(-(((displacement - 20.0) / 8.0) ** 2)))
     resolved = position_resolved_friction(displacement, patchy, 2.0)
     assert resolved.slip_position_um[np.argmax(resolved.friction)] == pytest.approx(20.0, abs=2.0)
     assert resolved.friction.max() == pytest.approx(1.2 * 0.62, rel=0.01)
-
-
-def test_a_loop_in_partial_slip_is_refused() -> None:
-    _, displacement, force = partial_slip_loop(0.5, 200)
-    with pytest.raises(LoopError, match="partial slip"):
-        position_resolved_friction(displacement, force, 2.0)
-
-
-def test_a_stiffness_that_is_not_positive_is_refused() -> None:
-    _, displacement, force = LOOP.sampled(200)
-    with pytest.raises(LoopError, match="system_stiffness_N_per_um must be positive"):
-        position_resolved_friction(displacement, force, 2.0, system_stiffness_N_per_um=0.0)

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
+from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import analyse_loop
 from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import clean_loop
-from wirewear.loops.reversals import lean_of, upright
+from wirewear.loops.reversals import upright
 
 Array = np.ndarray
 
@@ -69,26 +69,3 @@ def test_figures_that_the_lean_leaves_alone_are_measured_and_no_stiffness_is(lin
     if linear < -1.0:
         assert found.measured_stiffness_N_per_um is None
         assert any("runs on while the force already falls" in note for note in found.notes)
-
-
-def test_loops_that_turn_with_their_drive_are_left_as_they_are() -> None:
-    """Soft and stiff, hooked, a reading that leans with the force, triangular, in partial slip, of few samples."""
-    phase = 2.0 * np.pi * np.arange(200) / 200
-    triangle = 60.0 * (2.0 / np.pi) * np.arcsin(np.sin(phase))
-    loops = [
-        SyntheticLoop(Recipe(end_slope_rad=slope, rig_stiffness=rig)).sampled(samples, 0.2)[1:]
-        for slope in (0.0, 0.2)
-        for rig in (100.0, 167.0, 5e4)
-        for samples in (20, 48, 256)
-    ]
-    loops += [(triangle, 1.24 * np.sign(np.cos(phase))), partial_slip_loop(0.9, 200)[1:]]
-    _, displacement, force = SyntheticLoop(STIFF).sampled(200)
-    loops.append((leaning(displacement, force, 4.0, 0.5), force))
-    assert [lean_of(*loop) for loop in loops] == [0.0] * len(loops)
-
-
-def test_forces_that_fall_towards_an_end_of_the_stroke_are_no_leaning_reading() -> None:
-    """Friction a third lower at one end: the force falls before the reversal, as slowly as the drive moves."""
-    _, displacement, force = SyntheticLoop(STIFF).sampled(200)
-    lower = force * (1.0 - 0.35 * np.clip(displacement / 60.0 - 0.5, 0.0, None) / 0.5)
-    assert lean_of(displacement, lower) == 0.0

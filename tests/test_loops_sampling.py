@@ -24,22 +24,6 @@ def test_sign_and_direction_conventions_do_not_matter(displacement_sign: int, fo
     assert turned == (displacement_sign * force_sign * step < 0)
 
 
-def test_a_displaced_origin_moves_only_the_fitted_lines() -> None:
-    displacement, force = hooked()
-    here, there = analyse_loop(displacement, force, 2.0), analyse_loop(displacement + 500.0, force, 2.0)
-    assert there.slip_amplitude_um.value == pytest.approx(here.slip_amplitude_um.value, rel=1e-6)
-    assert there.branches[0].displacement_um[0] == pytest.approx(here.branches[0].displacement_um[0] + 500.0, abs=1e-3)
-
-
-def test_a_force_offset_shows_as_mean_force_and_leaves_the_slip_alone() -> None:
-    displacement, force = hooked()
-    figures = analyse_loop(displacement, force + 0.2, 2.0)
-    assert figures.mean_force_N.value == pytest.approx(0.2, abs=0.01)
-    assert share_off(figures.slip_amplitude_um, HOOKED.slip_amplitude_um) < 0.01
-    assert figures.asymmetry is not None
-    assert figures.asymmetry.value == pytest.approx(0.2 / 1.24, rel=0.05)
-
-
 @pytest.mark.parametrize(("cycles", "note"), [(0.96, "open by"), (1.04, "run on past one cycle"), (1.2, "past one")])
 def test_a_loop_that_ends_early_or_late_is_noted_and_still_measured(cycles: float, note: str) -> None:
     times = np.arange(256) / 256 * cycles
@@ -56,34 +40,6 @@ def test_more_than_one_cycle_is_not_one_loop(cycles: float, start: float) -> Non
     _, displacement, force = HOOKED.sampled(200, start, times)
     with pytest.raises(LoopError, match=r"sweep the stroke \d times where one cycle was expected"):
         analyse_loop(displacement, force, 2.0, time_s=times)
-
-
-def test_unequal_sampling_is_no_obstacle_with_or_without_times() -> None:
-    random = np.random.default_rng(1)
-    times = (np.arange(256) + 0.8 * (random.random(256) - 0.5)) / 256
-    _, displacement, force = HOOKED.sampled(256, 0.1, times)
-    displacement, force = disturbed(displacement, force, 6, force_scale=1.24)
-    assert_known(analyse_loop(displacement, force, 2.0, time_s=times))
-    assert_known(analyse_loop(displacement, force, 2.0), stiffness_within=0.1)
-
-
-@pytest.mark.parametrize("seed", range(8))
-def test_a_triangular_drive_keeps_its_sharp_tips(seed: int) -> None:
-    phase = np.arange(256) / 256
-    path = 2.0 / math.pi * np.arcsin(np.sin(2.0 * math.pi * phase))
-    quarter = np.arcsin(path) / (2.0 * math.pi)
-    times = np.where(phase < 0.25, quarter, np.where(phase < 0.75, 0.5 - quarter, 1.0 + quarter))
-    _, displacement, force = HOOKED.sampled(256, 0.0, times)
-    assert_known(analyse_loop(*disturbed(displacement, force, seed, force_scale=1.24), 2.0, time_s=phase))
-
-
-def test_large_outliers_are_found_and_named() -> None:
-    _, displacement, force = HOOKED.sampled(256, 0.1)
-    force[[40, 41, 170]] += [2.0, 2.0, -3.0]
-    displacement[90] -= 80.0
-    figures = analyse_loop(displacement, force, 2.0)
-    assert figures.outlier_samples == (40, 41, 90, 170)
-    assert_known(figures)
 
 
 def test_outliers_near_each_other_do_not_hide_one_another() -> None:
@@ -126,15 +82,6 @@ def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, 
         assert math.isfinite(figures.dissipated_energy_mJ.value)
 
 
-def test_without_a_normal_force_friction_is_left_out_with_a_note() -> None:
-    figures = analyse_loop(*hooked())
-    assert figures.friction_max is None
-    assert figures.friction_energy is None
-    assert figures.friction_geometry_independent is None
-    assert figures.plateau_slope_N_per_um is not None
-    assert any("no normal force" in note for note in figures.notes)
-
-
 def test_the_fitted_lines_lie_on_the_samples_that_they_name() -> None:
     _, displacement, force = HOOKED.sampled(256, 0.2)
     for branch in analyse_loop(displacement, force, 2.0).branches:
@@ -160,15 +107,6 @@ def test_a_spike_towards_the_middle_is_left_out_though_a_stiff_rig_jumps_as_far_
     spiky[sample] *= share
     assert clean_loop(displacement_um, force_N, time_s=time_s).outliers == ()
     assert clean_loop(displacement_um, spiky, time_s=time_s).outliers == (sample,)
-
-
-def test_a_hook_of_a_coarse_loop_is_no_outlier() -> None:
-    displacement = 60.0 * np.sin(2.0 * np.pi * np.arange(32) / 32)
-    plateau = [1.268, 1.311, 1.339, 1.35, 1.363, 1.354, 1.361, 1.569, 1.747]
-    back = [-0.893, -1.123, -1.137, -1.124, -1.145, -1.16, -1.201, -1.26, -1.289, -1.32, -1.358, -1.427, -1.439]
-    force = np.array([*plateau, *back, -1.711, -1.89, -1.918, 0.582, 0.783, 1.033, 1.049, 1.169, 1.222, 1.256])
-    figures = analyse_loop(displacement, force, 2.0)
-    assert figures.displacement_amplitude_um.value == pytest.approx(60.0, abs=1e-9)
 
 
 def broken(index: int, value: float) -> np.ndarray:
@@ -204,11 +142,3 @@ def test_unusable_samples_are_refused_in_one_sentence(arguments: tuple[object, .
     with pytest.raises(LoopError, match=message) as caught:
         analyse_loop(*arguments)  # type: ignore[arg-type]
     assert isinstance(caught.value, WirewearError)
-
-
-def test_figures_scale_with_their_units_by_any_factor_that_is_not_refused() -> None:
-    plain, large = (analyse_loop(factor * SINE, factor * COSINE, 2.0 * factor) for factor in (1.0, 1e49))
-    assert large.dissipated_energy_mJ.value == pytest.approx(1e98 * plain.dissipated_energy_mJ.value, rel=1e-9)
-    assert large.friction_max is not None
-    assert plain.friction_max is not None
-    assert large.friction_max.value == pytest.approx(plain.friction_max.value, rel=1e-9)

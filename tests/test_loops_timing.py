@@ -32,17 +32,6 @@ def test_the_step_of_a_rounded_channel_is_found() -> None:
     assert step_of(np.round(rounded, 6)) == pytest.approx(STEP)
 
 
-def test_a_few_samples_that_were_put_in_between_hide_no_step() -> None:
-    rounded = STEP * np.round(channel() / STEP)
-    rounded[[50, 180]] += 0.3 * STEP
-    assert step_of(rounded) == pytest.approx(STEP)
-
-
-def test_a_channel_without_steps_has_none() -> None:
-    assert step_of(channel()) == 0.0
-    assert step_of(np.ones(40)) == 0.0
-
-
 def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
     """As one autoregression, both would make means of many samples look surer than they are."""
     random = np.random.default_rng(8)
@@ -101,16 +90,6 @@ def test_a_lag_is_told_whatever_of_spring_or_contact_takes_up_the_rise(lag: floa
     assert found.deviation < 0.8
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.002])
-def test_a_viscous_ellipse_is_noted_and_has_no_figures_of_sliding(noise: float) -> None:
-    phase = 2.0 * np.pi * np.arange(256) / 256
-    displacement, force = disturbed(350.0 * np.sin(phase), 1.19 * np.cos(phase), 1, noise, 0.0)
-    figures = analyse_loop(displacement, force, 2.0)
-    assert any("ellipse" in note for note in figures.notes)
-    assert figures.friction_energy is None
-    assert figures.friction_geometry_independent is None
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 @pytest.mark.parametrize("drift", [-0.05, 0.05])
 @pytest.mark.parametrize("start", [0.1, 0.4])
@@ -125,31 +104,6 @@ def test_a_displacement_that_drifts_within_the_loop_is_noted_and_freed_from_it(
     assert figures.slip_amplitude_um.value == pytest.approx(LOOP.slip_amplitude_um, rel=0.01)
 
 
-@pytest.mark.parametrize("noise", [0.0, 0.003])
-@pytest.mark.parametrize("drift", [-0.05, 0.05])
-def test_a_drift_that_another_period_may_be_is_noted_and_the_interval_holds_the_truth(
-    noise: float, drift: float
-) -> None:
-    """At mid-stroke, where the cycle begins and ends here, both open it alike."""
-    time, displacement, force = LOOP.sampled(128, 0.0)
-    displacement, force = disturbed(displacement, force, 3, noise, 0.0)
-    figures = analyse_loop(displacement + drift * 120.0 * time, force, 2.0, time_s=time)
-    assert any("from where it began" in note or "drifts by" in note for note in figures.notes)
-    low, high = figures.dissipated_energy_mJ.interval95
-    assert low <= LOOP.energy_mJ <= high
-
-
-def test_uneven_samples_without_times_tell_neither_lag_nor_drift() -> None:
-    """As simulations have them, finest behind each reversal."""
-    time, displacement, force = LOOP.sampled(800, 0.25)
-    since = (time + 0.25) % 0.5
-    dense = (since < 0.08) | (np.arange(800) % 16 == 0)
-    figures = analyse_loop(displacement[dense], force[dense], 2.0)
-    assert not any(word in note for word in ("samples", "began") for note in figures.notes)
-    low, high = figures.dissipated_energy_mJ.interval95
-    assert high - low < 0.01 * LOOP.energy_mJ
-
-
 @pytest.mark.parametrize("noise", [0.0, 0.005])
 def test_a_contact_that_sticks_says_so_with_its_numbers(noise: float) -> None:
     phase = 2.0 * np.pi * np.arange(200) / 200
@@ -158,16 +112,6 @@ def test_a_contact_that_sticks_says_so_with_its_numbers(noise: float) -> None:
     assert figures.slip_amplitude_um.value >= 0.0
     assert any("sticks" in note and "N/mm" in note and "6 µm" in note for note in figures.notes) or noise
     assert any("sticks" in note for note in figures.notes)
-
-
-def test_the_steps_of_a_simulation_tell_no_drift() -> None:
-    """Short where the force bends and long where the contact slides, they leave open when the cycle closes."""
-    stroke = np.concatenate([np.full(16, 0.006), np.full(13, 0.25 / 15), np.full(2, 0.077)])
-    steps = np.concatenate([stroke, stroke, [0.03]])
-    time = np.cumsum(steps[:-1]) / steps.sum()
-    time, displacement, force = LOOP.sampled(time.size, 0.6, times=time)
-    displacement, force = disturbed(displacement, force, 2, 0.01, 0.0)
-    assert not any("from where it began" in note for note in analyse_loop(displacement, force, 2.0, time_s=time).notes)
 
 
 @pytest.mark.parametrize("last", [0.5, 1.0, 3.0])
@@ -179,10 +123,3 @@ def test_a_cycles_period_is_told_by_its_drive_where_steps_are_uneven(start: floa
     time = np.cumsum(steps)[:-1] / steps.sum()
     displacement = 60.0 * np.sin(2.0 * np.pi * (time + start)) + 0.15 * random.standard_normal(time.size)
     assert period_of(time, displacement) == pytest.approx(1.0, abs=1e-3)
-
-
-@pytest.mark.parametrize("start", [0.0, 0.25, 0.6])
-def test_a_triangle_keeps_the_period_of_its_even_steps(start: float) -> None:
-    time = np.arange(128) / 128.0
-    triangle = np.arcsin(np.sin(2.0 * np.pi * (time + start)))
-    assert period_of(time, triangle) == pytest.approx(1.0, rel=1e-12)

@@ -6,12 +6,9 @@ import sys
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 
 from tests.studies import MINIMAL
 from wirewear import StudyError
-from wirewear.faces import cli
-from wirewear.planar import planar_study_from_tables
 from wirewear.study import parse_study, study_from_tables
 from wirewear.study.materials import material_named, materials, names
 
@@ -37,17 +34,6 @@ def test_a_shadowing_module_is_named_with_what_to_do(tmp_path: Path, name: str, 
     assert last_line.startswith(f"ImportError: wirewear needs its own package '{name}'")
     assert str(stranger) in last_line
     assert "rename or remove" in last_line
-
-
-def test_a_stranger_imported_earlier_is_named(tmp_path: Path) -> None:
-    (tmp_path / "geometry.py").write_text("", encoding="utf-8")
-    run = import_wirewear(tmp_path, before="import geometry")
-    assert "ImportError: wirewear needs its own package 'geometry'" in run.stderr
-
-
-def test_without_a_stranger_the_import_is_silent(tmp_path: Path) -> None:
-    run = import_wirewear(tmp_path)
-    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
 def test_everything_offered_is_there_and_nothing_is_loaded_before_it_is_asked_for() -> None:
@@ -79,26 +65,6 @@ def test_a_study_takes_a_material_by_any_of_its_names_and_reads_back_the_same() 
     assert study_from_tables(study.resolved(), "again").resolved() == study.resolved()
 
 
-def test_each_wire_and_each_planar_body_may_be_of_another_material() -> None:
-    study = parse_study(MINIMAL + '[wires.fixed]\nmaterial = "alumina"\n', "study.toml")
-    assert study.fixed_wire.material == material_named("alumina").elastic
-    assert study.moving_wire.youngs_modulus_MPa == 210_000.0
-    planar = planar_study_from_tables(
-        {
-            "format": 1,
-            "name": "unequal",
-            "kind": "cylinder-on-flat",
-            "pad": {"material": "alumina", "radius_mm": 6.0},
-            "specimen": {"material": "Inconel 600"},
-            "conditions": {"normal_load_N_per_mm": 20.0, "displacement_amplitude_um": 25.0, "cycles": 10},
-            "contact": {"friction": 0.5},
-        },
-        "study.toml",
-    )
-    assert planar.pad.elastic == material_named("alumina").elastic
-    assert planar.specimen.elastic == material_named("Inconel 600").elastic
-
-
 @pytest.mark.parametrize(
     ("text", "complaint"),
     [
@@ -111,10 +77,3 @@ def test_each_wire_and_each_planar_body_may_be_of_another_material() -> None:
 def test_an_unknown_material_and_one_beside_other_constants_are_refused(text: str, complaint: str) -> None:
     with pytest.raises(StudyError, match=complaint):
         parse_study(text, "study.toml")
-
-
-def test_the_command_lists_every_material_with_its_source() -> None:
-    outcome = CliRunner().invoke(cli, ["materials"])
-    assert outcome.exit_code == 0, outcome.output
-    assert all(name in outcome.output for name in names())
-    assert "Munro" in outcome.output

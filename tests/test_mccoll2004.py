@@ -1,39 +1,26 @@
 """McColl's line contact: what its script reads, how it judges, and a run beside the published models."""
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from studies.mccoll2004.compare import (
-    CYCLES,
     base_line_um,
     depth_comparisons,
-    main,
     measured_scar,
-    measured_scar_is_centred,
     pressure_is_smooth,
     published_scar,
-    ripple,
-    roughness_explains_the_rest,
     scar,
     shape_comparisons,
     simulated_scar,
 )
-from tests.synthetic_results import profile
 from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import RunResult, Scar
+from wirewear.results import RunResult
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "study.toml"
-
-
-def pressed(pressure_MPa: np.ndarray, x_um: np.ndarray) -> Scar:
-    nothing = np.zeros_like(x_um)
-    return profile("pad", x_um, nothing, 1000, pressure_MPa=pressure_MPa)
 
 
 @pytest.fixture(scope="module")
@@ -60,13 +47,6 @@ def test_the_measured_scar_is_deeper_than_the_published_model_by_what_its_source
     assert published.area_um2 == pytest.approx(937.0, rel=1e-3)
 
 
-def test_a_ripple_is_found_and_a_smooth_pressure_has_none() -> None:
-    x = np.linspace(-200.0, 200.0, 201)
-    smooth = np.sqrt(np.maximum(1.0 - (x / 150.0) ** 2, 0.0))
-    assert ripple(pressed(80.0 * smooth, x)) < 0.01
-    assert ripple(pressed(80.0 * smooth * (1.0 + 0.05 * np.sin(x / 5.0)), x)) == pytest.approx(0.05, abs=0.015)
-
-
 @pytest.mark.slow
 def test_depths_are_within_one_per_cent_of_the_published_range(run: tuple[RunResult, Path]) -> None:
     assert [(row.name, row.deviation) for row in depth_comparisons(run[0]) if not row.holds] == []
@@ -84,37 +64,3 @@ def test_area_and_width_are_those_of_the_published_model_and_the_measured_scar_i
 @pytest.mark.slow
 def test_the_pressure_at_mid_stroke_is_smooth(run: tuple[RunResult, Path]) -> None:
     assert pressure_is_smooth(run[0]).holds
-
-
-@pytest.mark.slow
-def test_a_measured_scar_that_were_the_simulated_one_would_be_explained(
-    run: tuple[RunResult, Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    simulated = simulated_scar(run[0])
-    assert not measured_scar_is_centred(simulated).holds
-    assert not roughness_explains_the_rest(simulated).holds
-    x = np.arange(-375.0, 476.0, 5.0)
-    rough = 0.1 * np.random.default_rng(0).standard_normal(len(x))
-    same = scar(x, np.interp(x, simulated.x_um, simulated.depth_um) + rough)
-    monkeypatch.setattr("studies.mccoll2004.compare.measured_scar", lambda: same)
-    assert measured_scar_is_centred(simulated).holds
-    assert roughness_explains_the_rest(simulated).holds
-
-
-@pytest.mark.slow
-def test_the_script_prints_its_verdicts_and_draws(run: tuple[RunResult, Path], tmp_path: Path) -> None:
-    outcome = CliRunner().invoke(main, [str(run[1]), "--output", str(tmp_path)])
-    assert outcome.exit_code == 0, outcome.output
-    assert "depth after 18000 cycles" in outcome.output
-    assert (tmp_path / "mccoll2004.png").exists()
-
-
-@pytest.mark.slow
-def test_a_run_that_ends_too_early_is_refused(
-    run: tuple[RunResult, Path], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    early = tuple(one for one in run[0].scars if one.cycle != CYCLES)
-    monkeypatch.setattr("studies.mccoll2004.compare.read_results", lambda _folder: [replace(run[0], scars=early)])
-    outcome = CliRunner().invoke(main, [str(run[1]), "--output", str(tmp_path)])
-    assert outcome.exit_code == 2
-    assert "no complete run of McColl's test" in outcome.output

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
 from math import acos, pi, sqrt
 from pathlib import Path
 
@@ -17,10 +16,9 @@ from scipy.sparse import csr_matrix, vstack
 
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
-from wirewear import ResultError, largest_mean_pressure_MPa
-from wirewear.base.errors import StudyError
+from wirewear import largest_mean_pressure_MPa
 from wirewear.faces import cli
-from wirewear.results.mean_pressure import averaging, largest_means
+from wirewear.results.mean_pressure import averaging
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
 from wirewear.sweeps.sweep import FIGURES, SweepRow
@@ -54,31 +52,6 @@ def test_a_polynomial_of_the_second_degree_is_found_exactly() -> None:
     np.testing.assert_allclose(model.at(at), curve(at), atol=1e-12)
 
 
-def test_its_error_is_what_it_misses_at_points_that_are_left_out() -> None:
-    points = rng().standard_normal((30, 2))
-    values = np.sin(2.0 * points[:, 0]) + points[:, 1]
-    left_out = []
-    for place in range(30):
-        rest = np.arange(30) != place
-        # The degree is that of the whole.
-        terms = fitted(points, values).terms
-        columns = np.prod(points[:, None, :] ** terms, axis=2)
-        found = np.linalg.lstsq(columns[rest], values[rest], rcond=None)[0]
-        left_out.append(values[place] - columns[place] @ found)
-    assert fitted(points, values).error == pytest.approx(np.sqrt(np.mean(np.square(left_out))), rel=1e-8)
-
-
-def test_noise_is_not_taken_for_curvature() -> None:
-    points = rng().standard_normal((30, 4))
-    values = points[:, 0] + 0.1 * np.random.default_rng(8).standard_normal(30)
-    assert len(fitted(points, values).terms) == 5
-
-
-def test_too_few_points_are_refused() -> None:
-    with pytest.raises(ValueError, match="3 points are too few for 4 factors"):
-        fitted(np.zeros((3, 4)), np.zeros(3))
-
-
 def test_inputs_scatter_as_the_study_states_and_angles_stay_below_a_right_one() -> None:
     study = scattering("[scatter]\nfriction = 0.05\nwear = 0.2\ncrossing_angle_deg = 2.0\n")
     assert [(one.key, round(one.deviation, 9)) for one in inputs_of(study)] == [
@@ -91,21 +64,6 @@ def test_inputs_scatter_as_the_study_states_and_angles_stay_below_a_right_one() 
     assert np.all(sweep.design.points[:, 2] <= 90.0)
     np.testing.assert_allclose(90.0 - sweep.design.points[:, 2], 2.0 * np.abs(deviations[:, 2]), atol=1e-9)
     np.testing.assert_allclose(deviations[1:].std(axis=0), 1.0, atol=0.06)
-
-
-@pytest.mark.parametrize(
-    ("text", "says"),
-    [
-        ("", "states no scatter: give standard deviations in [scatter]"),
-        ("[scatter]\ntangential_stiffness = 0.1\n", "which is no number there"),
-        ("[scatter]\nfriction = 0.9\n", "but must lie between 0 and 0.3"),
-        ("[scatter]\nfricton = 0.1\n", "did you mean 'friction'"),
-    ],
-)
-def test_what_scatters_nothing_or_nonsense_is_refused(text: str, says: str) -> None:
-    with pytest.raises(StudyError) as refused:
-        inputs_of(coarse(COARSE + WEARING + text))
-    assert says in str(refused.value)
 
 
 def test_intervals_are_those_of_the_closed_form(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -126,16 +84,6 @@ def test_intervals_are_those_of_the_closed_form(tmp_path: Path, monkeypatch: pyt
     assert one.error < 1e-9
     assert "contact.friction ± 0.031" in sentence(found)
     assert "tangential force" in page(found)
-
-
-def test_the_band_of_loops_that_scatter_in_one_shape_is_that_shape() -> None:
-    phase = 2.0 * np.pi * np.arange(uncertainty.PHASES) / uncertainty.PHASES
-    at = np.vstack([np.zeros(2), rng().standard_normal((30, 2))])
-    forces = np.sin(phase) + 0.1 * at[:, :1] * np.cos(phase)
-    drawn = rng().standard_normal((4000, 2))
-    band = uncertainty._band(10, 60.0 * np.sin(phase), forces, at, drawn, 1)
-    np.testing.assert_allclose(band.high_N - band.low_N, 0.1 * 3.92 * np.abs(np.cos(phase)), atol=0.02)
-    np.testing.assert_array_equal(band.nominal_N, np.sin(phase))
 
 
 @pytest.mark.slow
@@ -282,55 +230,3 @@ def test_forces_are_kept(seed: int, over: float) -> None:
     pressure[15:26, 15:26] = random.uniform(0.0, 100.0, (11, 11))
     means = weights(lines, lines, over) @ pressure.ravel()
     assert means.sum() == pytest.approx(pressure.sum())
-
-
-def test_a_disc_within_a_cell_and_an_even_pressure_have_the_nodes_pressure() -> None:
-    axial, transverse = graded(40.0, 3.0, 1.1), graded(40.0, 4.0, 1.1)
-    pressure = np.random.default_rng(1).uniform(0.0, 50.0, (axial.size, transverse.size))
-    # The outermost cells are cut off at the patch's edge, on which nothing touches.
-    pressure[[0, -1]] = pressure[:, [0, -1]] = 0.0
-    assert largest_mean_pressure_MPa(pressure, axial, transverse, over_um=2.0) == pytest.approx(pressure.max())
-    even = np.full_like(pressure, 80.0)
-    assert largest_mean_pressure_MPa(even, axial, transverse, over_um=20.0) == pytest.approx(80.0)
-
-
-def test_largest_means_of_states_are_their_own() -> None:
-    lines = graded(20.0, 1.0, 1.1)
-    states = np.stack([np.maximum(1.0 - (lines / half) ** 2, 0.0) for half in (4.0, 9.0, 15.0)])
-    alone = [largest_mean_pressure_MPa(state, lines, over_um=5.0) for state in states]
-    np.testing.assert_allclose(largest_means(states[:, :, None], lines, np.zeros(1), 5.0), alone)
-    assert largest_means(np.zeros((2, lines.size, 1)), lines, np.zeros(1), 5.0).tolist() == [0.0, 0.0]
-
-
-def test_a_length_far_beyond_the_contact_gives_load_over_area_in_little_memory() -> None:
-    lines, over = np.linspace(-100.0, 100.0, 48), 5000.0
-    pressure = hertzian(lines, lines, 90.0)
-    cells = np.diff(bounds(lines))
-    tracemalloc.start()
-    mean = largest_mean_pressure_MPa(pressure, lines, lines, over_um=over)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert mean == pytest.approx(cells @ pressure @ cells / (0.25 * pi * over**2), rel=1e-9)
-    # All pairs of the 48² nodes at once would be beyond 350 MB.
-    assert peak < 200e6
-
-
-@pytest.mark.parametrize(
-    ("pressure", "lines", "over", "sentence"),
-    [
-        ([1.0, 1.0], [0.0, 1.0], 0.0, "over a positive length, not over 0 µm"),
-        ([1.0, 1.0], [0.0, 1.0], float("nan"), "over a positive length, not over nan µm"),
-        (
-            [1.0, 1.0, 1.0],
-            [0.0, 1.0],
-            1.0,
-            r"pressures of shape \(3,\) are not those at nodes on lines of shape \(2,\)",
-        ),
-        ([1.0, 1.0], [1.0, 0.0], 1.0, "must increase"),
-    ],
-)
-def test_what_cannot_be_averaged_is_refused(
-    pressure: list[float], lines: list[float], over: float, sentence: str
-) -> None:
-    with pytest.raises(ResultError, match=sentence):
-        largest_mean_pressure_MPa(pressure, lines, over_um=over)

@@ -3,32 +3,21 @@
 from dataclasses import replace
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from geometry import EdgeGradedAxis, GeometryError, GradedAxis, Layering, WireMesh, graded_layers
+from geometry import EdgeGradedAxis, GeometryError, GradedAxis, Layering, WireMesh
 from geometry.mesh_motion import lowered
 from geometry.wire_section import wire_section
 from solvers.placement import place
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
-from tests.picture_pixels import shows
-from tests.studies import MINIMAL
-from wirewear.faces import cli
-from wirewear.pictures.boundary_conditions import HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR
-from wirewear.pictures.colours import GREY
-from wirewear.pictures.wire_supports import wire_supports
 from wirewear.simulation.problem import condensed_wire, condensed_worn_wire
-from wirewear.study import parse_study
 
 Array = NDArray[np.float64]
-
-STUDIES = Path(__file__).resolve().parent.parent / "studies"
 
 
 FINE_mm = 0.010
@@ -97,66 +86,6 @@ def test_every_patch_line_is_a_node_on_the_surface_and_no_node_is_doubled(
     assert len(np.unique(np.round(points / (1e-7 * radius)), axis=0)) == len(points)
 
 
-@pytest.mark.parametrize("coarse_share", [0.4, 0.2, 0.1])
-def test_the_area_tends_to_the_half_disc_as_the_mesh_is_refined(coarse_share: float) -> None:
-    axis = GradedAxis(0.1 * coarse_share, 0.1 * coarse_share, coarse_share, 0.2)
-    points, quads = wire_section(1.0, axis.half_lines(), coarse_share, Layering())
-    missing = 1.0 - quad_areas(points, quads).sum() / (0.5 * np.pi)
-    # Chords of length h cut off at most h^2 / 6 of the disc.
-    assert 0.0 < missing < (1.3 * coarse_share) ** 2 / 6.0
-
-
-def test_the_symmetry_plane_is_met_exactly() -> None:
-    points, _ = wire_section(0.225, GradedAxis(0.005, 0.02, 0.01, 0.08).half_lines(), 0.08, Layering())
-    assert points[:, 0].min() == 0.0
-    assert np.count_nonzero(points[:, 0] == 0.0) == np.count_nonzero(points[:, 0] < 1e-6)
-
-
-@pytest.mark.slow
-def test_the_meshes_of_a_study_are_written_with_their_surfaces_and_drawn(tmp_path: Path) -> None:
-    study = tmp_path / "study.toml"
-    study.write_text(MINIMAL, encoding="utf-8")
-    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path / "mesh")])
-    assert result.exit_code == 0, result.output
-    for name in ("moving", "fixed"):
-        mesh = meshio.read(tmp_path / "mesh" / f"{name}.vtu")
-        assert [block.type for block in mesh.cells] == ["hexahedron"]
-        contact = mesh.points[mesh.point_data["contact"] == 1.0]
-        np.testing.assert_allclose(np.hypot(contact[:, 1], contact[:, 2] + 0.225), 0.225, rtol=1e-9)
-        assert not np.any((mesh.point_data["contact"] == 1.0) & (mesh.point_data["grip"] == 1.0))
-    assert (tmp_path / "mesh" / "mesh.png").stat().st_size > 50_000
-    assert shows(tmp_path / "mesh" / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
-
-
-def test_sections_of_wires_are_round_and_held_alike_on_both_sides() -> None:
-    own = wire(0.02)
-    figure = wire_supports(parse_study(MINIMAL, "study.toml"), own, own)
-    upper = figure.axes[0].lines[0]
-    x, z = (values[np.isfinite(values)] for values in (np.asarray(upper.get_xdata()), np.asarray(upper.get_ydata())))
-    radius = own.geometry.radius_mm
-    assert x.size > 100
-    np.testing.assert_allclose(np.hypot(x, z - radius), radius, rtol=3e-3)
-    ends = sorted(float(np.asarray(line.get_xdata())[1]) for line in figure.axes[0].lines if line.get_color() == GREY)
-    assert len(ends) > 5
-    np.testing.assert_allclose(ends, -np.array(ends[::-1]), atol=0.05 * radius)
-
-
-def test_a_study_that_cannot_be_meshed_is_refused_in_one_sentence(tmp_path: Path) -> None:
-    study = tmp_path / "study.toml"
-    study.write_text(MINIMAL + "[mesh]\nscar_half_width_um = 5.0\n", encoding="utf-8")
-    result = CliRunner().invoke(cli, ["mesh", str(study), "--output", str(tmp_path)])
-    assert result.exit_code == 2
-    assert "would leave the finely meshed patch" in result.output
-
-
-def test_line_contacts_are_drawn_with_what_holds_and_moves_them(tmp_path: Path) -> None:
-    study = STUDIES / "cylinder_on_flat" / "study.toml"
-    result = CliRunner().invoke(cli, ["mesh", str(study), "--fidelity", "quick", "--output", str(tmp_path)])
-    assert result.exit_code == 0, result.output
-    assert shows(tmp_path / "boundary_conditions.png", HELD_COLOUR, LOAD_COLOUR, MOTION_COLOUR)
-    assert [block.type for block in meshio.read(tmp_path / "pad.vtu").cells] == ["quad"]
-
-
 @st.composite
 def axes(draw: st.DrawFn) -> GradedAxis:
     half = draw(st.floats(0.01, 1.0))
@@ -192,22 +121,6 @@ def test_elements_are_uniform_in_the_middle_and_grow_outwards_within_their_limit
     assert sizes.max() <= axis.outer_mm * stretch * (1.0 + 1e-9)
 
 
-def test_an_extent_of_whole_elements_is_not_stretched() -> None:
-    axis = GradedAxis(fine_mm=0.005, fine_half_extent_mm=0.02, outer_mm=0.005, half_extent_mm=0.03)
-    assert np.diff(axis.lines()) == pytest.approx(np.full(12, 0.005))
-
-
-@given(st.floats(1e-3, 1.0), st.floats(1.0, 3.0), st.floats(1e-2, 10.0), st.floats(1.0, 50.0))
-def test_layers_fill_their_extent_and_grow_within_their_limit(
-    first: float, growth: float, largest: float, multiple: float
-) -> None:
-    layers = graded_layers(first, growth, largest, first * multiple)
-    assert layers.sum() == pytest.approx(first * multiple)
-    assert np.all(layers > 0.0)
-    stretch = layers[0] / first
-    assert layers[1:].max(initial=0.0) <= largest * stretch * (1.0 + 1e-9)
-
-
 @pytest.mark.parametrize(
     ("changed", "complaint"),
     [
@@ -226,14 +139,6 @@ def test_an_impossible_grading_is_refused_in_one_sentence(changed: dict[str, flo
         GradedAxis(**sizes)
 
 
-@pytest.mark.parametrize(
-    "sizes", [(0.0, 1.2, 1.0, 1.0), (2.0, 1.2, 2.0, 1.0), (0.1, 0.9, 1.0, 1.0), (0.1, 1.0, 0.0, 1.0)]
-)
-def test_impossible_layers_are_refused(sizes: tuple[float, float, float, float]) -> None:
-    with pytest.raises(GeometryError, match="cannot fill"):
-        graded_layers(*sizes)
-
-
 @given(st.floats(1e-3, 0.02), st.floats(1.0, 10.0), st.floats(0.1, 3.0), st.floats(0.05, 0.5))
 def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middle(
     fine: float, coarser: float, middle: float, edge: float
@@ -248,14 +153,6 @@ def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middl
     assert sizes[at_edge].max() <= fine * (1.0 + 1e-9)
     # All layers are stretched together to fill the middle, by less than one of them.
     assert sizes[~at_edge].max() <= 1.5 * coarser * fine
-
-
-@pytest.mark.parametrize(
-    "wrong", [(0.0, 0.1, 1.0, 2.0), (0.2, 0.1, 1.0, 2.0), (0.1, 0.2, 0.05, 2.0), (0.1, 0.2, 2.0, 2.0)]
-)
-def test_an_edge_graded_axis_that_cannot_be_is_refused(wrong: tuple[float, float, float, float]) -> None:
-    with pytest.raises(GeometryError, match="must"):
-        EdgeGradedAxis(*wrong)
 
 
 @pytest.fixture(scope="module")
@@ -306,20 +203,6 @@ def test_a_uniform_depth_moves_the_inside_down_by_no_more_than_the_surface() -> 
     assert drop.max() == pytest.approx(0.02)
     column = (np.abs(block.points[:, 0]) < 1e-9) & (np.abs(block.points[:, 1]) < 1e-9)
     assert np.all(np.diff(drop[column][np.argsort(block.points[column, 2])]) > 0.0)
-
-
-@pytest.mark.parametrize(("depth", "complaint"), [(np.zeros((2, 2)), "does not belong"), (None, "not below zero")])
-def test_what_is_no_depth_of_the_patch_is_refused(fresh: WireMesh, depth: Array | None, complaint: str) -> None:
-    with pytest.raises(GeometryError, match=complaint):
-        fresh.worn(np.full(fresh.patch.shape, -1e-3) if depth is None else depth)
-
-
-def test_two_motions_leave_the_surface_of_their_sum(fresh: WireMesh) -> None:
-    depth = scar(fresh, 0.004)
-    twice, once = fresh.worn(depth).worn(depth), fresh.worn(2.0 * depth)
-    nodes = fresh.patch.nodes.ravel()
-    assert twice.mesh.points[nodes] == pytest.approx(once.mesh.points[nodes], abs=1e-15)
-    assert np.array_equal(twice.patch.height(fresh.patch.grid()), once.patch.height(fresh.patch.grid()))
 
 
 @pytest.mark.parametrize("upper", [True, False])

@@ -5,7 +5,6 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry import Elastic
-from solvers.condensation import CondensedBody
 from solvers.facing import facing
 from solvers.near_field import Bricks, half_space_response, missing_displacement, reach
 from solvers.placement import PlacedBody, place
@@ -15,7 +14,6 @@ from tests import bodies
 Array = NDArray[np.float64]
 
 FINE_mm = 0.004
-LAYERS = (0.6 * FINE_mm, 1.3)
 CROSSED = ((0.0, 1.0), (1.0, 0.0))
 
 
@@ -83,12 +81,6 @@ def test_a_loaded_node_gives_way_as_its_cell_does_between_two_half_spaces() -> N
     assert after < 0.05
 
 
-def test_an_even_pressure_on_a_large_area_is_answered_as_before() -> None:
-    steel = Bricks(bodies.STEEL, LAYERS)
-    near = missing_displacement(steel, (FINE_mm, FINE_mm), steel, (FINE_mm, FINE_mm), CROSSED)
-    assert np.abs(near.sum(axis=(0, 1))).max() < 1e-12 * np.abs(near).max()
-
-
 @pytest.mark.parametrize("sizes", [((0.004, 0.004), (0.004, 0.004)), ((0.012, 0.005), (0.006, 0.018))])
 def test_what_is_lacking_fades_within_a_few_elements_and_is_symmetric(sizes: tuple[tuple[float, float], ...]) -> None:
     own, other = sizes
@@ -132,18 +124,3 @@ def test_the_corrected_compliance_is_symmetric_and_positive_definite() -> None:
             compliance = facing(one, other).compliance
             np.testing.assert_allclose(compliance, compliance.T, atol=1e-14)
             assert np.linalg.eigvalsh(compliance)[0] > 0.0
-
-
-def test_symmetry_that_is_not_used_changes_nothing() -> None:
-    upper, lower = _bodies()
-    body = bodies.condensed_wire(FINE_mm)
-    assert body.folded.planes == (0, 1)
-    whole = CondensedBody(body.patch, CondensedBody.whole(body.patch, body.compliance).folded, body.bricks)
-    unfolded = facing(place(whole, upper=True, axis_angle_rad=np.pi / 2), lower).compliance
-    np.testing.assert_allclose(unfolded, facing(upper, lower).compliance, rtol=0.0, atol=1e-12 * unfolded.max())
-
-
-def test_bodies_whose_elements_are_not_known_are_left_as_they_are() -> None:
-    upper = _bodies()[0]
-    plain = CondensedBody(bodies.condensed_wire(FINE_mm).patch, bodies.condensed_wire(FINE_mm).folded)
-    assert facing(upper, place(plain, upper=False, axis_angle_rad=0.0)) is upper

@@ -9,8 +9,6 @@ import pytest
 from solvers import plugins
 from solvers.errors import SolverError
 from solvers.friction_laws import friction_laws
-from studies.blind.errors import BlindError
-from studies.blind.scoring.answers import read_answer
 from tests.diagnosis_cases import record
 from tests.test_import import GERMAN, mapped
 from tests.test_import import cycle as cycle_of
@@ -68,12 +66,6 @@ def test_a_plug_in_that_raises_when_it_is_loaded_is_named(
     )
 
 
-def test_a_diagnosis_of_a_hundred_thousand_brackets_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "diagnosis.json").write_text("[" * 100_000)
-    with pytest.raises(BlindError, match=r"diagnosis\.json cannot be read as JSON \(it is nested too deep\)\.$"):
-        read_answer(tmp_path / "diagnosis.json")
-
-
 def outside(tmp_path: Path) -> Path:
     """A file that no record and no mapping may quote."""
     secret = tmp_path / "secret.csv"
@@ -102,11 +94,3 @@ def test_links_out_of_a_folder_are_not_followed(tmp_path: Path, cycle: Any) -> N
     (folder / "loops.csv").symlink_to(secret)
     with pytest.raises(RecordError, match=r"loops in \[files\] .* leads out of the folder"):
         read_record(folder)
-
-
-def test_a_link_to_a_record_and_links_within_it_are_followed(tmp_path: Path) -> None:
-    folder = write_record(tmp_path / "record", record(repeats=1, evolution=False, normal=False))
-    (folder / "loops.csv").rename(folder / "kept.csv")
-    (folder / "loops.csv").symlink_to("kept.csv")
-    (tmp_path / "link").symlink_to(folder)
-    assert read_record(tmp_path / "link").repeats == (1,)

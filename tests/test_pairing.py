@@ -49,21 +49,6 @@ def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float
         assert np.asarray(operator.sum(axis=1)).ravel() == pytest.approx(pairing.areas, rel=1e-12)
 
 
-@pytest.mark.parametrize("angle", [0.0, np.pi / 2])
-@pytest.mark.parametrize("offset", [(0.0, 0.0), (0.0071, -0.0033), (0.05, 0.02)])
-def test_bodies_whose_axes_lie_along_one_another_are_coupled_as_those_turned_by_a_nanoradian(
-    angle: float, offset: tuple[float, float]
-) -> None:
-    exact, turned = (
-        paired(*upper_and_lower(GRADED, even(0.06, 17), angle_rad=a), offset) for a in (angle, angle + 1e-9)
-    )
-    whole = exact.inside & turned.inside
-    assert (exact.inside == turned.inside).mean() > 0.9
-    assert np.abs((exact.secondary - turned.secondary).toarray())[whole].max() < 1e-6 * exact.areas.max()
-    assert exact.gap[whole] == pytest.approx(turned.gap[whole], abs=1e-9)
-    assert exact.frames[whole] == pytest.approx(turned.frames[whole], abs=1e-6)
-
-
 def test_nodal_forces_on_both_bodies_add_up_to_the_same_force() -> None:
     primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
     pairing = paired(primary, secondary, (0.0071, -0.0033))
@@ -117,31 +102,10 @@ def test_uniform_pressure_crosses_equally_fine_meshes_to_round_off_wherever_they
     assert forces[middle] == pytest.approx(np.full(middle.sum(), spacing**2), rel=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("primary_count", "secondary_count", "error"),
-    [(11, 8, 0.02), (14, 10, 0.02), (21, 12, 0.02), (8, 11, 0.2), (10, 14, 0.2)],
-)
-def test_uniform_pressure_crosses_other_meshes_within_the_error_of_the_quadrature(
-    primary_count: int, secondary_count: int, error: float
-) -> None:
-    # Three Gauss points per element and direction do not see where the other surface's shape functions have kinks:
-    # that costs 2 % of a nodal force when the primary is the finer mesh, more when it is the coarser one.
-    assert consistency_error(primary_count, secondary_count) < error
-
-
 def test_the_consistency_error_falls_as_the_primary_mesh_is_refined() -> None:
     errors = [consistency_error(count, 8) for count in (9, 33, 129)]
     assert errors[1] < 0.5 * errors[0]
     assert errors[2] < 0.5 * errors[1]
-
-
-def test_frames_are_right_handed_orthonormal_and_point_up() -> None:
-    primary, secondary = upper_and_lower(GRADED, even(0.12, 25))
-    frames = paired(primary, secondary, (0.01, 0.02)).frames
-    assert frames @ frames.transpose(0, 2, 1) == pytest.approx(np.broadcast_to(np.eye(3), frames.shape), abs=1e-14)
-    assert np.linalg.det(frames) == pytest.approx(np.ones(len(frames)))
-    assert np.all(frames[:, 0, 2] > 0.9)
-    assert np.all(frames[:, 1, 0] > 0.9)
 
 
 def test_the_gap_of_crossed_cylinders_is_the_sum_of_their_heights() -> None:
@@ -199,16 +163,6 @@ def test_nodes_beside_the_other_patch_are_flagged_and_have_no_gap() -> None:
     assert np.array_equal(pairing.inside, x - 0.03 >= -0.04 + 0.004 - 1e-9)
     gap = vertical_gap(primary_surface(primary), secondary, np.array([0.03, 0.0]), fresh(primary), fresh(secondary))
     assert np.array_equal(np.isinf(gap), x - 0.03 < -0.04 - 1e-9)
-
-
-def test_pairing_some_nodes_gives_the_rows_of_pairing_all() -> None:
-    primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
-    every = paired(primary, secondary)
-    chosen = np.array([3, 40, 41, 77])
-    some = pair(primary_surface(primary), secondary, chosen, np.zeros(2), fresh(primary), fresh(secondary))
-    assert some.gap == pytest.approx(every.gap[chosen])
-    assert some.frames == pytest.approx(every.frames[chosen])
-    assert abs(some.secondary - every.secondary[chosen]).max() < 1e-18
 
 
 def test_depths_read_at_nodes_stay_where_they_are_and_averaged_ones_spread() -> None:

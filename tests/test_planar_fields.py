@@ -5,20 +5,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import pyvista
-from click.testing import CliRunner
 
 from geometry import build_planar
 from tests.bodies import STEEL
-from tests.picture_pixels import PANELS, shows
 from tests.test_planar_study import study
 from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
-from wirewear.faces import cli
-from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
-from wirewear.planar.fields import planar_grid, planar_strength, write_planar_fields
+from wirewear.planar.fields import planar_grid, planar_strength
 from wirewear.planar.model import placed_body, plan
 from wirewear.results import read_result
 
@@ -65,45 +60,6 @@ def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folde
         np.testing.assert_allclose(found[:, component], sign * expected[:, component], atol=0.04 * p0)
 
 
-def test_the_command_writes_and_draws_a_line_contact(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # As on a terminal.
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    asked = ["fields", str(folder), "--cycle", "1", "--at", "end-forward", "--output", str(tmp_path)]
-    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
-    assert "solving and writing" in outcome.stderr
-    (picture,) = tmp_path.glob("section_*.png")
-    assert shows(picture, *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
-    for path in tmp_path.glob("*.vtu"):
-        mesh = pyvista.read(path)
-        assert (mesh.celltypes == pyvista.CellType.QUAD).all()
-        assert mesh.cell_data["scaled_jacobian"].min() >= 0.2
-    with pytest.raises(ResultError, match="logged cycles are: 1"):
-        planar_grid(read_result(folder), "pad", 7, 0)
-
-
-def test_where_the_bodies_are_apart_files_are_written_and_nothing_is_drawn(folder: Path, tmp_path: Path) -> None:
-    before = read_result(folder)
-    apart = tuple(replace(one, force_N=np.zeros_like(one.force_N)) for one in before.contact_forces)
-    written = write_planar_fields(replace(before, contact_forces=apart), tmp_path, cycle=1, at=["mid-forward"])
-    assert sorted(path.suffix for path in written) == [".vtu", ".vtu"]
-
-
-def test_nodes_stand_in_the_worn_surface_unless_asked_to_stay(folder: Path) -> None:
-    before = read_result(folder)
-    x = before.scar(1, "specimen").axial_um
-    depth = 5.0 * np.maximum(1.0 - (x / 100.0) ** 2, 0.0)
-    scars = tuple(replace(one, depth_um=depth[:, None]) if one.body == "specimen" else one for one in before.scars)
-    result = replace(before, scars=scars)
-    worn, fresh = (planar_grid(result, "specimen", 1, 0, worn=worn) for worn in (True, False))
-    assert fresh.points[:, 2].max() == pytest.approx(0.0, abs=1e-9)
-    lowered = fresh.points[:, 2] - worn.points[:, 2]
-    assert lowered.max() == pytest.approx(5.0)
-    assert worn.cell_data["scaled_jacobian"].min() >= 0.2
-
-
 def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(folder: Path) -> None:
     result = read_result(folder)
     steel = reference.Elastic(2e5, 0.3)
@@ -122,35 +78,6 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     ):
         planar_strength(result, "pad", 1, StrengthAsked(averaging_length_um=1e9))
     assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
-
-
-def test_the_command_tells_the_strength_of_a_line_contact_and_shows_how_far_it_is(
-    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    # As on a terminal.
-    monkeypatch.setenv("FORCE_COLOR", "1")
-    asked = ["strength", str(folder), "--yield-strength", "5000", "--cycle", "1", "--cycle", "1.2"]
-    outcome = CliRunner().invoke(cli, [*asked, "--output", str(tmp_path)], catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
-    for doing in ("pad, cycle 1", "specimen, cycle 1", "writing"):
-        assert f"{doing} \x1b" in outcome.stderr, doing
-    assert "50%" in outcome.stderr
-    assert len((tmp_path / "strength.csv").read_text().splitlines()) == 3
-    assert "pad: nothing yields" in outcome.output
-    assert shows(tmp_path / "strength_specimen_0000001.png", *STRESS_COLOURS([0.35, 0.65]), part=PANELS)
-
-
-def test_what_is_refused_of_a_line_contact_is_refused_before_anything_is_computed(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("wirewear.planar.inside.build_planar", lambda _: pytest.fail("a body was meshed"))
-    for options, says in (
-        (["--averaging-length", "9999"], "stresses cannot be averaged over 9999 µm: the pad is thinner than that."),
-        (["--cycle", "1", "--cycle", "7"], "contact forces of the pad: nothing is logged near cycle 7"),
-    ):
-        outcome = CliRunner().invoke(cli, ["strength", str(folder), *options], catch_exceptions=False)
-        assert (outcome.exit_code, outcome.stderr[:10]) == (2, "wirewear: ")
-        assert says in outcome.stderr
 
 
 def test_a_stated_grip_lets_the_pad_give_way() -> None:

@@ -9,21 +9,14 @@ import numpy as np
 import polars as pl
 import pytest
 from click.testing import CliRunner
-from rich.console import Console
 
-from tests.synthetic_results import profile
-from wirewear import Study, reference
-from wirewear.base.errors import ResultError, RunError, StudyError
-from wirewear.base.hdf5 import hdf5_image
+from wirewear import reference
+from wirewear.base.errors import RunError, StudyError
 from wirewear.faces import cli
-from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
-from wirewear.planar.model import plan
-from wirewear.planar.pictures import draw_planar_result
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import RunResult, read_result
-from wirewear.results.summary import summary
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
@@ -55,49 +48,6 @@ def worn() -> RunResult:
     return run_planar_study(study(), fidelity="quick")
 
 
-@pytest.mark.slow
-def test_the_figures_of_a_run_stand_whole_with_their_units_on_a_narrow_screen(worn: RunResult) -> None:
-    console = Console(width=80)
-    with console.capture() as shown:
-        console.print(summary([worn]))
-    text = shown.get()
-    assert "…" not in text
-    assert "1 mm of the contact" in " ".join(text.split())
-    for name, column in (
-        ("largest tangential force [N]", "max_tangential_force_N"),
-        ("deepest wear, pad [µm]", "max_depth_pad_um"),
-    ):
-        cell = next(line.split()[-1] for line in text.splitlines() if name in line)
-        assert float(cell) == pytest.approx(worn.evolution[column].max(), rel=1e-3)
-
-
-def test_mean_pressures_are_over_half_the_fresh_contact_unless_the_study_says() -> None:
-    planned = plan(study(), "quick")
-    assert planned.settings()["pressure_length_um"] == pytest.approx(1e3 * planned.hertz.half_width_mm)
-    stated = study(log={"pressure_length_um": 20.0})
-    assert plan(stated, "quick").pressure_length_mm == pytest.approx(0.02)
-    assert stated.log.loop_cycles == (1, 5000, 20_000)
-
-
-@pytest.mark.slow
-def test_a_run_has_mean_pressures_of_every_loop(worn: RunResult) -> None:
-    """A mean is no more than the largest at a node, and about mid-stroke no more than the cycle's."""
-    evolution = worn.evolution
-    assert np.all(evolution["max_mean_pressure_MPa"] <= 1.01 * evolution["max_pressure_MPa"])
-    assert np.all(evolution["mid_stroke_mean_pressure_MPa"] <= evolution["max_mean_pressure_MPa"])
-    conditions = worn.study["conditions"]
-    fresh = reference.hertz_line(conditions["normal_load_N_per_mm"], 6.0, 2e5 / (2.0 * 0.91))
-    exact = fresh.mean_over_segment_MPa(1e-3 * worn.settings["pressure_length_um"])
-    assert evolution["mid_stroke_mean_pressure_MPa"][0] == pytest.approx(exact, rel=0.02)
-
-
-def test_the_shipped_planar_study_is_valid() -> None:
-    shipped = load_any_study(STUDY)
-    assert isinstance(shipped, PlanarStudy)
-    assert plan(shipped, "standard").hertz.half_width_mm == pytest.approx(0.558, rel=0.01)
-    assert isinstance(load_any_study(STUDY.parent.parent / "steel_wires" / "study.toml"), Study)
-
-
 @pytest.mark.parametrize(
     ("table", "values", "complaint"),
     [
@@ -113,16 +63,6 @@ def test_a_mistake_in_a_planar_study_is_told_in_one_sentence(
 ) -> None:
     with pytest.raises(StudyError, match=complaint):
         study(**{table: values})
-
-
-def test_archard_wear_without_friction_is_refused() -> None:
-    with pytest.raises(StudyError, match="computed from friction energy"):
-        study(contact={"friction": 0.0}, wear={"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 1e-5})
-
-
-def test_a_contact_that_does_not_fit_on_a_body_is_refused() -> None:
-    with pytest.raises(StudyError, match="the specimen is too narrow"):
-        plan(study(specimen={"half_width_mm": 0.2}), "quick")
 
 
 @pytest.mark.slow
@@ -155,29 +95,6 @@ def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> 
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
 
 
-def test_the_motion_sets_the_time_and_nothing_else() -> None:
-    short = {"cycles": 1}
-    log = {"loop_cycles": [1]}
-    loops = [
-        run_planar_study(study(conditions={**short, "motion": motion}, log=log), fidelity="quick").loops[0]
-        for motion in ("triangular", "sinusoidal")
-    ]
-    assert np.array_equal(loops[0].tangential_force_N, loops[1].tangential_force_N)
-    triangle, sine = loops
-    corners = np.interp(triangle.time_s, [0.0, 0.25, 0.75, 1.0], [0.0, 12.0, -12.0, 0.0])
-    assert triangle.displacement_um == pytest.approx(corners, abs=1e-9)
-    assert sine.displacement_um == pytest.approx(12.0 * np.sin(2.0 * np.pi * sine.time_s), abs=1e-9)
-    for loop in loops:
-        assert np.all(np.diff(loop.time_s) > 0.0)
-
-
-def test_the_edges_of_a_scar_lie_where_its_depth_vanishes() -> None:
-    x = np.linspace(-100.0, 100.0, 201)
-    depth = np.maximum(10.0 * (1.0 - (x - 5.0) ** 2 / 40.0**2), 0.0)
-    assert profile("pad", x, depth).edges_um() == pytest.approx((-34.8, 44.8), abs=0.2)
-    assert np.isnan(profile("pad", x, 0.0 * x).edges_um()).all()
-
-
 @pytest.mark.slow
 def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     file = tmp_path / "study.toml"
@@ -195,12 +112,6 @@ def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
     assert profiles["depth_um"].max() == pytest.approx(deepest)
     assert pl.read_csv(out / "evolution.csv")["cycle"].to_list() == [1.0, 20.0]
     assert set(profiles["body"].unique()) == {"pad", "specimen"}
-
-
-def test_a_variant_that_a_planar_study_has_not_is_told() -> None:
-    result = CliRunner().invoke(cli, ["run", str(STUDY), "--variant", "rigid"])
-    assert result.exit_code == 2
-    assert "has no variant 'rigid': it has no variants" in result.stderr
 
 
 class Killer(NoObserver):
@@ -243,19 +154,3 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
     assert (tmp_path / "loops.png").exists()
     with pytest.raises(RunError, match="another study"):
         run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)
-
-
-def test_a_file_that_is_no_planar_result_is_refused(tmp_path: Path) -> None:
-    image = hdf5_image(lambda file: file.attrs.__setitem__("kind", "something else"))
-    (tmp_path / "result.h5").write_bytes(image)
-    with pytest.raises(ResultError, match="is no wirewear result file"):
-        read_result(tmp_path / "result.h5")
-
-
-def test_planar_pictures_are_drawn_also_when_nothing_is_worn(tmp_path: Path) -> None:
-    unworn = {"pad_energy_mm3_per_J": 0.0, "specimen_energy_mm3_per_J": 0.0}
-    result = run_planar_study(study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, wear=unworn), fidelity="quick")
-    for path in draw_planar_result(tmp_path, result):
-        assert path.stat().st_size > 10_000
-    with pytest.raises(ResultError, match="scars of the pad: nothing is logged near cycle 7"):
-        result.scar(7, "pad")

@@ -9,7 +9,6 @@ import pytest
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example
-from wirewear import RecordError
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping
 from wirewear.records.importing.registry import readers
@@ -51,16 +50,3 @@ def test_files_that_a_package_knows_are_guessed_without_being_told_their_kind(ma
         "displacement_um": "x",
         "tangential_force_N": "Q",
     }
-
-
-def test_what_its_reader_refuses_is_told(mapping: Path) -> None:
-    (mapping.parent / "cycle_1.jsonl").write_text('{"t": 0.0, "x": 1.0}\n')
-    with pytest.raises(RecordError, match=r"cycle_1\.jsonl, line 1: this is no JSON object with numbers"):
-        import_record(mapping)
-
-
-def test_a_kind_without_its_package_is_named_with_those_there_are(tmp_path: Path) -> None:
-    path = tmp_path / "mapping.toml"
-    path.write_text(HEAD + '[loops]\nfiles = "a.jsonl"\nkind = "json-lines"\n', encoding="utf-8")
-    with pytest.raises(RecordError, match="must be one of 'text', 'matlab', 'tdms', 'profilometer'"):
-        import_record(path)

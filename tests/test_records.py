@@ -1,6 +1,5 @@
 """Experiment records: what is read, what is refused, and what a check says."""
 
-import dataclasses
 import json
 import re
 from collections.abc import Callable
@@ -15,9 +14,7 @@ from hypothesis import strategies as st
 
 from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
-from wirewear import RecordError, RunError, check_record, read_record, write_record
-from wirewear.base.locks import occupied
-from wirewear.base.reading import toml_text
+from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.faces import cli
 from wirewear.records.columns import Column, read_columns
 from wirewear.records.loop_statistics import loop_statistics
@@ -104,12 +101,6 @@ def test_refusals_name_file_line_and_what_would_be_right(
         read_record(folder)
 
 
-def test_unknown_keys_are_passed_over_and_told(folder: Path) -> None:
-    """Records of others say more than format 1 asks for."""
-    edit(folder / "experiment.toml", "[noise]", 'lubricant = "none"\n[noise]')
-    assert "line 22: the unknown key 'lubricant' in [stated] was passed over" in topics(folder)["experiment.toml"]
-
-
 def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder: Path) -> None:
     assert read_record(folder).tables.conditions.drive == "sensor"
     edit(folder / "experiment.toml", "cycles = 100000", 'cycles = 100000\ndrive = "stroke"')
@@ -145,30 +136,6 @@ def test_what_is_odd_in_a_record_is_told(
     assert words in topics(folder)[topic]
 
 
-def test_a_single_repeat_says_that_differences_cannot_be_judged(folder: Path) -> None:
-    edit_loops(folder, lambda f: f if f[0] == "1" else ["1", {"100": "200", "100000": "50000"}[f[1]], *f[2:]])
-    cannot = " ".join(check_record(read_record(folder)).cannot)
-    assert "with one repeat, the scatter between tests is unknown" in cannot
-
-
-def test_missing_scars_evolution_and_friction_are_named_with_what_they_cost(folder: Path) -> None:
-    for key in ("evolution", "scar_moving", "scar_fixed"):
-        edit(folder / "experiment.toml", f'{key} = "{key}.csv"\n', "")
-    edit(folder / "experiment.toml", "friction = 0.62\n", "")
-    cannot = " ".join(check_record(read_record(folder)).cannot)
-    for words in ("no scar of the moving and the fixed wire", "no evolution", "[stated] does not give friction"):
-        assert words in cannot
-
-
-def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None:
-    path = folder / "scar_moving.csv"
-    header, *rows = path.read_text(encoding="utf-8").splitlines()
-    path.write_text(
-        "\n".join([header, *(row for row in rows if float(row.split(",")[1]) < 50.0), ""]), encoding="utf-8"
-    )
-    assert "cut off the moving wire's scar" in topics(folder)["scars"]
-
-
 def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
     good = CliRunner().invoke(cli, ["check", str(folder), "--json"])
     assert good.exit_code == 0
@@ -197,32 +164,6 @@ def test_any_numbers_survive_the_file(tmp_path_factory: pytest.TempPathFactory, 
     np.testing.assert_array_equal(table.columns["b"], values)
 
 
-@given(st.text(max_size=30))
-def test_any_text_survives_as_toml(text: str) -> None:
-    import tomllib
-
-    assert tomllib.loads(toml_text({"a": text, "b": {"c": {"d": [1, 2.5]}}})) == {
-        "a": text,
-        "b": {"c": {"d": [1, 2.5]}},
-    }
-
-
-def test_a_record_leaves_nothing_of_the_one_before_it(tmp_path: Path) -> None:
-    whole = read_record(EXAMPLES / "no_gap")
-    write_record(tmp_path, whole)
-    (tmp_path / "notes.txt").write_text("mine")
-    write_record(tmp_path, dataclasses.replace(whole, scars=(), evolution=()))
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "loops.csv", "notes.txt"]
-
-
-def test_two_writers_of_one_record_are_refused_by_name(tmp_path: Path) -> None:
-    with (
-        occupied(tmp_path, "another"),
-        pytest.raises(RunError, match=r"another command is writing to .* \(another, process"),
-    ):
-        write_record(tmp_path, read_record(EXAMPLES / "no_gap"))
-
-
 # Checksums
 
 
@@ -230,10 +171,6 @@ def test_two_writers_of_one_record_are_refused_by_name(tmp_path: Path) -> None:
 def sealed(folder: Path, tmp_path: Path) -> Path:
     """A record as wirewear writes it."""
     return write_record(tmp_path / "sealed", read_record(folder))
-
-
-def test_a_record_as_it_was_written_is_read_without_a_word(sealed: Path) -> None:
-    assert read_record(sealed).notes == ()
 
 
 @pytest.mark.parametrize("name", ["loops.csv", "evolution.csv", "scar_moving.csv"])
@@ -249,14 +186,6 @@ def test_a_table_that_changed_since_it_was_written_is_refused(sealed: Path, name
     lines = (sealed / "experiment.toml").read_text().splitlines(keepends=True)
     (sealed / "experiment.toml").write_text("".join(line for line in lines if name not in line or "sha256" not in line))
     assert "is not as it was written" in topics(sealed)["experiment.toml"]
-
-
-def test_what_people_change_by_hand_is_told(sealed: Path) -> None:
-    edit(sealed / "experiment.toml", "friction = 0.62", "friction = 0.6")
-    assert topics(sealed)["experiment.toml"] == (
-        "experiment.toml is not as it was written: it was changed by hand, or is damaged."
-    )
-    assert read_record(sealed).tables.stated.friction == 0.6
 
 
 @pytest.mark.parametrize("turns", [0.0, 0.9])

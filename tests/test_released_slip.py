@@ -63,11 +63,6 @@ def test_behind_a_soft_rig_slip_gives_up_what_a_growing_friction_takes() -> None
     assert jump.friction_work == pytest.approx(after, rel=0.05)
 
 
-def test_a_contact_that_slides_far_needs_no_cycle_traced_after_the_jump() -> None:
-    problem = crossed_wires(MESH_mm, wear=RATES)
-    assert not jumped(problem, at_the_end(problem), 50.0).uncertain
-
-
 @pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 6.0e-4), (20.0, 0.045)])
 def test_a_layer_that_wears_in_leaves_its_shear_to_the_slip(rig_N_per_mm: float | None, stroke_mm: float) -> None:
     layer = RoughLayer(1e-4)

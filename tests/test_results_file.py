@@ -1,8 +1,6 @@
 """Result files: what is written is read, junk is refused, and a file is never half there."""
 
 import dataclasses
-import io
-import re
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +10,6 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from rich.console import Console
 
 from tests.synthetic_results import result
 from wirewear.base.errors import ResultError
@@ -24,10 +21,8 @@ from wirewear.results import (
     RunResult,
     Scar,
     read_result,
-    read_results,
     write_result,
 )
-from wirewear.results.summary import summary
 
 in_one_folder = settings(
     deadline=None,
@@ -43,78 +38,6 @@ json_values: st.SearchStrategy[Any] = st.recursive(
     lambda v: st.lists(v, max_size=2) | st.dictionaries(texts, v, max_size=2),
     max_leaves=6,
 )
-
-
-def printed(*results: RunResult, width: int = 110) -> list[str]:
-    console = Console(width=width, record=True, file=io.StringIO())
-    console.print(summary(results))
-    return console.export_text().splitlines()
-
-
-def row(lines: list[str], name: str) -> list[str]:
-    line = next(line for line in lines if name in line)
-    return re.split(r"\s{2,}", line.strip())[1:]
-
-
-def test_each_variant_has_a_column_of_its_own_numbers() -> None:
-    """Values are those of the evolution's ends, beside each other."""
-    compliant, rigid = result("compliant", 167.0), result("rigid")
-    lines = printed(compliant, rigid)
-    for run, cell in zip((compliant, rigid), row(lines, "slip amplitude δ0"), strict=True):
-        slip = run.evolution["slip_amplitude_um"]
-        assert cell == f"{slip[0]:.4g} → {slip[-1]:.4g}"
-    assert any("energy per cycle, first → last [mJ]" in line for line in lines)
-    assert row(lines, "deepest wear, fixed") == ["20", "20"]
-    assert row(lines, "wall time") == ["50.0 s", "50.0 s"]
-    assert row(lines, "worst force balance relative") == ["1.0e-09", "1.0e-09"]
-
-
-def test_pressures_are_told_as_means_over_a_length_and_at_nodes() -> None:
-    run = result("compliant", 167.0)
-    lines = printed(run)
-    assert row(lines, "mean pressures are over [µm]") == ["28.6"]
-    for name, column in (
-        ("largest mean pressure, first → last [MPa]", "max_mean_pressure_MPa"),
-        ("largest pressure at a node, first → last [MPa]", "max_pressure_MPa"),
-    ):
-        first, last = (f"{run.evolution[column][place]:.4g}" for place in (0, -1))
-        assert row(lines, name) == [f"{first} → {last}"]
-    columns = {name: values for name, values in run.evolution.items() if "mean_pressure" not in name}
-    older = dataclasses.replace(run, settings={}, evolution=Evolution(columns))
-    assert row(printed(older), "mean pressures are over [µm]") == ["–"]
-    assert row(printed(older), "largest mean pressure") == ["– → –"]
-
-
-def test_it_fits_on_one_screen() -> None:
-    """Two variants take at most 40 lines of 100 characters."""
-    lines = printed(result("compliant", 167.0), result("rigid"), width=100)
-    assert len(lines) <= 40
-    assert max(map(len, lines)) <= 100
-
-
-def test_the_file_and_the_reason_of_a_failure_are_shown() -> None:
-    """Square brackets in a message are text, not markup."""
-    run = dataclasses.replace(result(status="failed"), message="no contact [see log]", path=Path("out/result.h5"))
-    lines = printed(run)
-    assert row(lines, "status") == ["failed"]
-    assert row(lines, "message") == ["no contact [see log]"]
-    assert "out/result.h5" in lines
-
-
-def test_a_run_before_its_first_cycle_is_summed_up() -> None:
-    """What does not exist yet is a dash."""
-    run = dataclasses.replace(
-        result(status="running"), evolution=Evolution.from_rows([]), quality={}, timings_s={}, message=""
-    )
-    lines = printed(run)
-    for name in ("cycles", "largest tangential force", "wall time", "message"):
-        assert row(lines, name) == ["–"]
-
-
-def test_no_results_are_refused() -> None:
-    """There is nothing to show."""
-    with pytest.raises(ResultError, match="no results"):
-        summary([])
 
 
 def arrays(shape: int | tuple[int, ...], elements: st.SearchStrategy[float] = finite) -> st.SearchStrategy[Any]:
@@ -193,27 +116,6 @@ def test_what_is_written_is_read_back_to_the_last_bit(run: RunResult, tmp_path: 
     assert [p.name for p in tmp_path.iterdir()] == ["result.h5"]
 
 
-def test_equal_results_make_equal_files(tmp_path: Path) -> None:
-    """No time stamp or address enters the file."""
-    for name in ("a", "b"):
-        write_result(tmp_path / name, result())
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
-
-
-def test_numpy_values_in_tables_become_plain(tmp_path: Path) -> None:
-    """Settings may carry NumPy scalars and arrays; they are read back as numbers and lists."""
-    run = dataclasses.replace(result(), settings={"n": np.int64(3), "sizes_um": np.array([1.0, 2.0])})
-    write_result(tmp_path / "r.h5", run)
-    assert read_result(tmp_path / "r.h5").settings == {"n": 3, "sizes_um": [1.0, 2.0]}
-
-
-def test_a_value_without_json_form_is_refused_and_nothing_is_written(tmp_path: Path) -> None:
-    """The sentence names the table."""
-    with pytest.raises(ResultError, match="settings holds a value that JSON cannot"):
-        write_result(tmp_path / "r.h5", dataclasses.replace(result(), settings={"x": object()}))
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_a_failed_write_leaves_the_old_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """If the last step of writing fails, the previous result is still there."""
     path = tmp_path / "r.h5"
@@ -278,24 +180,3 @@ def test_a_file_with_wrong_contents_is_refused_with_the_reason(change: Any, sent
     path.write_bytes(sealed(path.read_bytes()))
     with pytest.raises(ResultError, match=f"r.h5 {sentence}"):
         read_result(path)
-
-
-def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    """Also in a folder."""
-    with pytest.raises(ResultError, match=r"there is no result file .*nothing\.h5\.$"):
-        read_result(tmp_path / "nothing.h5")
-    with pytest.raises(ResultError, match=r"there is no result file .*result\.h5\.$"):
-        read_result(tmp_path)
-
-
-def test_results_are_found_in_a_file_a_folder_and_a_folder_of_variants(tmp_path: Path) -> None:
-    """Ordered by variant; an empty folder is refused with what was looked for."""
-    write_result(tmp_path / "one" / "result.h5", result())
-    for variant in ("rigid", "compliant"):
-        write_result(tmp_path / "two" / variant / "result.h5", result(variant))
-    assert [r.variant for r in read_results(tmp_path / "two")] == ["compliant", "rigid"]
-    assert [r.variant for r in read_results(tmp_path / "one")] == [""]
-    assert [r.variant for r in read_results(tmp_path / "two" / "rigid" / "result.h5")] == ["rigid"]
-    (tmp_path / "none").mkdir()
-    with pytest.raises(ResultError, match=r"there is no result\.h5 in .* or in a folder directly below"):
-        read_results(tmp_path / "none")

@@ -1,7 +1,6 @@
 """The sensor model: closed forms of what it does to a loop, neutrality, and what can be undone."""
 
 import math
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -10,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.base.errors import SensorError
 from wirewear.loops import analyse_loop
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.loops.signals import LoopSignals
@@ -40,18 +38,6 @@ def assert_same(left: LoopSignals, right: LoopSignals, within: float) -> None:
         np.testing.assert_allclose(getattr(left, name), expected, atol=within * np.abs(expected).max(), rtol=0.0)
 
 
-def test_a_neutral_sensor_reads_and_corrects_to_the_last_bit() -> None:
-    truth, random = wire_loop(), np.random.default_rng(0)
-    for kind in ("first-order", "delay"):
-        sensor = Sensor(lag_kind=kind, noise=SensorNoise(correlation=0.5))
-        for signals in (sensor.read(truth, random), sensor.corrected(truth)):
-            assert signals.displacement_um.tobytes() == truth.displacement_um.tobytes()
-            assert signals.tangential_force_N.tobytes() == truth.tangential_force_N.tobytes()
-            assert truth.normal_force_N is not None
-            assert signals.normal_force_N is not None
-            assert signals.normal_force_N.tobytes() == truth.normal_force_N.tobytes()
-
-
 @given(st.floats(-2.0, 2.0), st.floats(-1.0, 1.0), st.floats(0.0, 2.0))
 @settings(deadline=None, max_examples=40)
 def test_a_load_coupled_reading_leaves_the_loops_energy_within_a_thousandth(
@@ -68,19 +54,6 @@ def test_the_energy_that_a_quadratic_coupling_seems_to_take_vanishes_with_the_sa
     errors = [abs(area_mJ(sensor.read(loop)) / area_mJ(loop) - 1.0) for loop in loops]
     assert errors[2] < 1e-5
     assert errors[2] <= 0.3 * max(errors[:2])
-
-
-def test_a_linear_coupling_keeps_the_sampled_energy_exactly() -> None:
-    truth = wire_loop(64)
-    read = Sensor(linear_um_per_N=1.5).read(truth)
-    assert area_mJ(read) == pytest.approx(area_mJ(truth), rel=1e-13)
-
-
-def test_the_polynomial_adds_what_it_says() -> None:
-    truth = wire_loop()
-    read = Sensor(linear_um_per_N=0.7, quadratic_um_per_N2=-0.2).read(truth)
-    force = truth.tangential_force_N
-    np.testing.assert_allclose(read.displacement_um, truth.displacement_um + 0.7 * force - 0.2 * force**2)
 
 
 def test_a_remote_point_softens_the_measured_stiffness_in_series() -> None:
@@ -116,14 +89,6 @@ def test_a_delay_gives_an_elastic_loop_the_area_of_its_phase(frequency_Hz: float
     read = Sensor(lag_s=1e-3, lag_kind="delay").read(elastic_loop(frequency_Hz, 1024))
     expected = math.pi * 0.1 * 10.0**2 * math.sin(2.0 * math.pi * frequency_Hz * 1e-3) * 1e-3
     assert area_mJ(read) == pytest.approx(expected, rel=1e-4)
-
-
-def test_a_first_order_lag_reads_a_sine_smaller_and_late() -> None:
-    truth = elastic_loop(3.0)
-    read = Sensor(lag_s=5e-3).read(truth)
-    angle = 2.0 * math.pi * 3.0 * 5e-3
-    late = 10.0 * np.sin(2.0 * math.pi * 3.0 * truth.time_s + 0.3 - math.atan(angle)) / math.hypot(1.0, angle)
-    np.testing.assert_allclose(read.displacement_um, late, atol=1e-12)
 
 
 @pytest.mark.parametrize("kind", ["first-order", "delay"])
@@ -163,16 +128,6 @@ def test_correcting_a_noise_free_reading_gives_back_the_truth(sensor: Sensor, sa
     assert_same(sensor.corrected(sensor.read(truth)), truth, 1e-10)
 
 
-def test_lags_of_unevenly_spread_samples_are_undone_to_the_splines_accuracy() -> None:
-    random = np.random.default_rng(2)
-    phase = (np.arange(256) + 0.6 * (random.random(256) - 0.5)) / 256
-    truth = LoopSignals(phase / 3.0, 60.0 * np.sin(2.0 * math.pi * phase), np.cos(phase), period_s=1.0 / 3.0)
-    sensor = Sensor(lag_s=2e-3, lag_kind="delay")
-    read = sensor.read(truth)
-    np.testing.assert_allclose(read.displacement_um, 60.0 * np.sin(2.0 * math.pi * (phase - 3.0 * 2e-3)), atol=1e-4)
-    np.testing.assert_allclose(sensor.corrected(read).displacement_um, truth.displacement_um, atol=2e-4)
-
-
 @pytest.mark.parametrize("correlation", [0.0, 0.8])
 def test_noise_has_its_deviation_and_memory_and_repeats_with_its_seed(correlation: float) -> None:
     noise = SensorNoise(0.2, 0.01, 0.02, correlation)
@@ -185,53 +140,6 @@ def test_noise_has_its_deviation_and_memory_and_repeats_with_its_seed(correlatio
     assert np.std(first.tangential_force_N) == pytest.approx(0.01, rel=0.05)
     assert first.normal_force_N is not None
     assert np.std(first.normal_force_N) == pytest.approx(0.02, rel=0.05)
-
-
-def test_correlated_noise_has_its_full_deviation_from_the_first_sample_on() -> None:
-    noise, random = SensorNoise(correlation=0.9), np.random.default_rng(5)
-    first = [noise.on(np.zeros(2), 1.0, random) for _ in range(4000)]
-    np.testing.assert_allclose(np.std(first, axis=0), 1.0, rtol=0.05)
-
-
-@pytest.mark.parametrize(
-    ("numbers", "message"),
-    [
-        ({"displacement_gain": 0.0}, "displacement_gain is 0.0, but must be positive"),
-        ({"linear_um_per_N": math.nan}, "linear_um_per_N is nan, but must be a finite number"),
-        ({"remote_compliance_um_per_N": -1.0}, "must not be negative"),
-        ({"force_crosstalk": 1.0}, "must lie between -1 and 1"),
-        ({"lag_s": -1e-3}, "must not be negative unless it is a delay"),
-        ({"lag_kind": "slow"}, "must be one of first-order, delay"),
-    ],
-)
-def test_senseless_numbers_are_refused_in_one_sentence(numbers: dict[str, float], message: str) -> None:
-    with pytest.raises(SensorError, match=message):
-        Sensor(**numbers)  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize("noise", [{"displacement_um": -0.1}, {"correlation": 1.0}, {"normal_force_N": math.inf}])
-def test_senseless_noise_is_refused(noise: dict[str, float]) -> None:
-    with pytest.raises(SensorError):
-        SensorNoise(**noise)
-
-
-def test_what_cannot_be_read_or_undone_says_why() -> None:
-    truth = wire_loop()
-    without_load = replace(truth, normal_force_N=None)
-    for act in (Sensor(force_crosstalk=0.1).read, Sensor(force_crosstalk=0.1).corrected):
-        with pytest.raises(SensorError, match="needs the normal force"):
-            act(without_load)
-    with pytest.raises(SensorError, match="cannot be undone"):
-        Sensor(lag_s=0.5).corrected(truth)
-    uneven = replace(truth, time_s=truth.time_s**1.1)
-    with pytest.raises(SensorError, match="period_s is needed"):
-        Sensor(lag_s=1e-3).read(uneven)
-    with pytest.raises(SensorError, match="without missing samples"):
-        Sensor(lag_s=1e-3).read(replace(truth, displacement_um=truth.displacement_um * np.nan))
-    with pytest.raises(SensorError, match="must rise"):
-        Sensor(lag_s=1e-3).read(replace(truth, time_s=truth.time_s[::-1]))
-    with pytest.raises(SensorError, match="as many samples as time_s"):
-        replace(truth, displacement_um=truth.displacement_um[:-1])
 
 
 def stick_or_slide(amplitude_um: float, stiffness: float = 0.5) -> LoopSignals:
@@ -250,16 +158,3 @@ def test_the_stroke_behind_a_sensor_held_amplitude_is_read_as_the_asked_one(
     held = sensor_held_stroke(sensor, asked, stick_or_slide)
     assert sensor.read(stick_or_slide(held.amplitude_um)).displacement_amplitude_um == pytest.approx(asked, rel=1e-6)
     assert held.evaluations <= 12
-
-
-def test_in_gross_slip_the_true_stroke_is_smaller_by_the_coupling_times_the_friction() -> None:
-    held = sensor_held_stroke(Sensor(linear_um_per_N=3.0), 60.0, stick_or_slide)
-    assert held.amplitude_um == pytest.approx(57.0, abs=1e-4)
-    assert held.evaluations <= 3
-
-
-def test_a_reading_that_never_reaches_the_asked_amplitude_is_an_error() -> None:
-    with pytest.raises(SensorError, match="no true stroke was found"):
-        sensor_held_stroke(Sensor(), 60.0, lambda _: stick_or_slide(10.0), most_evaluations=5)
-    with pytest.raises(SensorError, match="must be positive"):
-        sensor_held_stroke(Sensor(), 0.0, stick_or_slide)

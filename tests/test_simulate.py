@@ -9,12 +9,10 @@ import pytest
 
 from tests import synthetic_results
 from tests.studies import steel_wires
-from wirewear import ResultError, RunError, Study, parse_study
+from wirewear import RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
-from wirewear.simulation import WIRES, NoObserver, converge, run_study
+from wirewear.simulation import NoObserver, run_study
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
-from wirewear.simulation.convergence import refined_study
-from wirewear.simulation.folder import RunFolder
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
 
@@ -93,18 +91,6 @@ def test_a_run_logs_the_asked_cycles_and_leaves_no_checkpoint(unbroken: RunResul
     assert not (unbroken.path.parent / CHECKPOINT_FILE_NAME).exists()
 
 
-def test_every_measured_loop_has_mean_pressures_of_the_contact(unbroken: RunResult) -> None:
-    """Over the fresh contact's disc the mean is two thirds of the peak; nothing wears before the first cycle."""
-    evolution = unbroken.evolution
-    means, nodes = evolution["max_mean_pressure_MPa"], evolution["max_pressure_MPa"]
-    assert np.all((means > 0.0) & (means < 1.01 * nodes))
-    assert np.all(evolution["mid_stroke_mean_pressure_MPa"] <= means)
-    assert unbroken.settings["pressure_length_um"] == 2.0 * unbroken.settings["hertz_contact_radius_um"]
-    assert evolution["mid_stroke_mean_pressure_MPa"][0] == pytest.approx(
-        2.0 / 3.0 * unbroken.settings["hertz_pressure_MPa"], rel=0.15
-    )
-
-
 def test_worn_volume_of_each_wire_is_its_share_of_alpha_times_energy(unbroken: RunResult) -> None:
     energy = unbroken.evolution["accumulated_energy_J"][-1]
     assert unbroken.scar(300, "moving").volume_mm3 == pytest.approx(0.3 * 3.0e-5 * energy, rel=1e-6)
@@ -112,25 +98,10 @@ def test_worn_volume_of_each_wire_is_its_share_of_alpha_times_energy(unbroken: R
     assert unbroken.quality["volume_against_energy"] < 1e-6
 
 
-def test_accumulated_energy_is_the_sum_of_the_cycles(unbroken: RunResult) -> None:
-    evolution = unbroken.evolution
-    cycles, per_cycle = evolution["cycle"], evolution["dissipated_energy_mJ"]
-    expected = 1e-3 * (per_cycle[0] + np.trapezoid(per_cycle, cycles))
-    # Straight lines between sixteen increments cut the corners of the loops, whose area is their energy.
-    assert evolution["accumulated_energy_J"][-1] == pytest.approx(expected, rel=0.05)
-
-
 def test_the_loading_spring_relaxes_by_its_stiffness_times_the_descent(unbroken: RunResult) -> None:
     last = unbroken.loops[-1].normal_force_N
     descent_mm = 1e-3 * (unbroken.evolution["max_depth_moving_um"][-1] + unbroken.evolution["max_depth_fixed_um"][-1])
     assert 2.0 - 2.0 * descent_mm < last.mean() < 2.0
-
-
-def test_loops_start_at_mid_stroke_moving_forwards(unbroken: RunResult) -> None:
-    for loop in unbroken.loops:
-        assert loop.displacement_um[0] == 0.0
-        assert loop.displacement_um[1] > 0.0
-        assert loop.displacement_um.max() == pytest.approx(20.0)
 
 
 def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None:
@@ -157,24 +128,6 @@ def test_a_run_killed_at_any_moment_and_resumed_ends_with_the_same_result(
     assert resumed.quality == unbroken.quality
 
 
-@pytest.mark.slow
-def test_a_run_killed_after_its_last_cycle_still_tells_how_it_was_held(
-    unbroken: RunResult, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    written = RunFolder.write
-
-    def killed(folder: RunFolder, result: RunResult) -> None:
-        if result.status == "complete":
-            raise KeyboardInterrupt
-        written(folder, result)
-
-    monkeypatch.setattr(RunFolder, "write", killed)
-    with pytest.raises(KeyboardInterrupt):
-        run(tmp_path)
-    monkeypatch.undo()
-    assert run(tmp_path, resume=True).settings == unbroken.settings
-
-
 def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
     assert unbroken.path is not None
     before = unbroken.path.read_bytes()
@@ -188,24 +141,6 @@ def test_another_study_cannot_be_resumed_in_the_same_folder(unbroken: RunResult)
     other = coarse(COARSE.replace("friction = 0.62", "friction = 0.5"))
     with pytest.raises(RunError, match="another study"):
         run(unbroken.path.parent, resume=True, study=other)
-
-
-def test_a_damaged_checkpoint_is_an_error_that_says_what_to_do(tmp_path: Path) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        run(tmp_path, Killer(stop_after=1))
-    (tmp_path / CHECKPOINT_FILE_NAME).write_bytes(b"junk")
-    with pytest.raises(ResultError, match="run with --overwrite instead of --resume"):
-        run(tmp_path, resume=True)
-
-
-@pytest.mark.slow
-def test_a_run_without_wear_repeats_its_first_loop(tmp_path: Path) -> None:
-    table = COARSE[COARSE.index("[wear]") : COARSE.index("[holder]")]
-    result = run(tmp_path, study=coarse(COARSE.replace(table, "")))
-    assert (tmp_path / RESULT_FILE_NAME).exists()
-    first, last = result.loops[0], result.loops[-1]
-    np.testing.assert_allclose(last.tangential_force_N, first.tangential_force_N, atol=2e-3)
-    assert result.scar(300, "fixed").max_depth_um == 0.0
 
 
 VARIANTS = """
@@ -264,31 +199,6 @@ def test_complete_runs_are_read_from_their_files_without_loading_wires(
     results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=jobs)
     assert [result.variant for result in results] == ["compliant", "rigid"]
     assert all(result.status == "complete" for result in results)
-
-
-def test_refinements_that_are_complete_are_compared_without_loading_wires(tmp_path: Path, without_wires: None) -> None:
-    study = coarse()
-    refined = refined_study(study, "quick")
-    leave_complete_runs(refined, tmp_path, *refined.variant_names)
-    rows = converge(study, WIRES, fidelity="quick", output=tmp_path, jobs=2)
-    assert all(row.limit == pytest.approx(row.value, nan_ok=True) for row in rows)
-
-
-def test_of_several_variants_only_those_not_yet_complete_are_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    study = coarse(COARSE + VARIANTS)
-    leave_complete_runs(study, tmp_path, "compliant")
-    asked = []
-
-    def run_cycles(plan: RunPlan, folder: RunFolder, observer: object, *, resume: bool) -> RunResult:
-        asked.append((plan.label, folder.path.name, resume))
-        return synthetic_results.result(variant=plan.label)
-
-    monkeypatch.setattr("wirewear.simulation.runs.run_cycles", run_cycles)
-    results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=2)
-    assert asked == [("rigid", "rigid", True)]
-    assert [result.variant for result in results] == ["compliant", "rigid"]
 
 
 def test_a_run_keeps_the_contact_forces_of_its_logged_cycles(unbroken: RunResult) -> None:

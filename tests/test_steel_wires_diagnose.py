@@ -4,10 +4,8 @@ from functools import cache
 
 import pytest
 
-from studies.steel_wires.diagnose import Chapter, chapter_of, findings, picture
+from studies.steel_wires.diagnose import Chapter, chapter_of, findings
 from tests.diagnosis_cases import diagnosed, record
-from wirewear.base.errors import RecordError
-from wirewear.diagnosis import calibrated
 
 # All read one chapter, which takes seconds.
 pytestmark = pytest.mark.slow
@@ -33,13 +31,3 @@ def test_the_calibrated_model_predicts_the_last_cycle() -> None:
     slip = chapter().differences(chapter().cycles[1])["slip_amplitude_um"]
     assert slip[0] > 5.0
     assert slip[1] < 0.7
-
-
-def test_measured_and_computed_loops_are_drawn_at_first_and_last_cycle() -> None:
-    figure = picture(chapter())
-    assert [axes.get_title() for axes in figure.axes] == ["cycle 100", "cycle 100\u2009000"]
-
-
-def test_a_cycle_without_loops_calibrates_nothing() -> None:
-    with pytest.raises(RecordError, match="cannot be calibrated on the cycles 77"):
-        calibrated(chapter().whole, "tangential_compliance", (77,))

@@ -1,7 +1,6 @@
 """Files of fifty kinds in two languages each, guessed or answered with a mapping to fill in; none is read wrongly."""
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
@@ -16,9 +15,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops.area import enclosed_area
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import guessed_mapping, mapping_text
-from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.mistaken import open_lines
-from wirewear.records.importing.sources import read_source
 from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops
 
@@ -184,93 +181,3 @@ def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, fo
         np.testing.assert_array_equal(table.columns["cycle"], [1, 2, 4])
         np.testing.assert_array_equal(table.columns["dissipated_energy_mJ"], [0.2607, 0.2620, 0.2640])
         np.testing.assert_array_equal(table.columns["max_tangential_force_N"], [1.24, 1.25, 1.26])
-
-
-@pytest.mark.parametrize("kind", LOGGED)
-def test_the_command_loops_reads_the_same_files(tmp_path: Path, kind: str) -> None:
-    (path,) = write(KINDS[kind](ENGLISH), tmp_path)
-    displacement, force = LOGGED[kind]
-    loops = read_loops(path, normal_load="2.0", displacement=displacement, force=force)
-    joined = [np.concatenate([loop.displacement_um for loop in loops])]
-    joined.append(np.concatenate([loop.tangential_force_N for loop in loops]))
-    area = 1e-3 * enclosed_area(*joined)
-    assert area == pytest.approx(4.0 * energy_mJ(), rel=0.01)
-
-
-def test_which_of_several_tables_is_read_is_told(tmp_path: Path) -> None:
-    (path,) = write(KINDS["steps of a programme"](ENGLISH), tmp_path)
-    told = (
-        "lines 319 to 830 are read, the table with the most motion; 3 begin with the same names, in lines 8, 316, 836"
-    )
-    assert told in " ".join(guessed_mapping([path], {"diameter_mm": 0.45} | STEEL).remarks)
-    assert told in read_loops(path)[0].notes[0]
-
-
-def test_rows_below_a_line_of_words_are_not_left_out(tmp_path: Path) -> None:
-    written = KINDS["units in brackets"](ENGLISH)
-    lines = written.files["log.csv"].decode().splitlines()
-    (tmp_path / "log.csv").write_text("\n".join([*lines[:300], "Error,Error,Error", *lines[300:]]), encoding="utf-8")
-    with pytest.raises(RecordError, match=r"line 301, column Displacement \[mm\]: 'Error' is no number"):
-        guessed_mapping([tmp_path / "log.csv"], {"diameter_mm": 0.45} | STEEL)
-
-
-def test_channels_of_which_each_has_its_own_times_are_not_joined(tmp_path: Path) -> None:
-    written = KINDS["one file a channel"](ENGLISH)
-    write(written, tmp_path)
-    lines = (tmp_path / "channel1.csv").read_text().splitlines()
-    (tmp_path / "channel1.csv").write_text("\n".join([lines[0], *lines[2:], "1.34,0.0"]), encoding="utf-8")
-    with pytest.raises(
-        RecordError, match=r"channel0.csv was left out: it has no columns for a displacement and a force"
-    ):
-        guessed_mapping([tmp_path / name for name in written.files], {"diameter_mm": 0.45} | STEEL)
-
-
-def test_a_channel_of_another_file_goes_with_one_file(tmp_path: Path) -> None:
-    write(KINDS["one file a channel"](ENGLISH), tmp_path)
-    force = ColumnMapping(column=2, file="channel1.csv")
-    with pytest.raises(RecordError, match="goes with one file, not with several"):
-        read_source(tmp_path / "channel0.csv", Source(files=("channel*.csv",)), {"tangential_force_N": force})
-
-
-def test_a_matlab_variable_without_a_unit_is_asked_for_by_the_command_loops(tmp_path: Path) -> None:
-    (path,) = write(KINDS["MATLAB vectors"](ENGLISH), tmp_path)
-    with pytest.raises(
-        RecordError, match=r"the column 'Displacement' has no unit; write --displacement Displacement:UNIT"
-    ):
-        read_loops(path)
-
-
-def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guessed(tmp_path: Path) -> None:
-    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
-    (tmp_path / "notes.txt").write_text("no table\nof numbers\n", encoding="utf-8")
-    (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
-    (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
-    others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
-    guess = guessed_mapping([*files, *others], {"diameter_mm": 0.45} | STEEL)
-    told = " ".join(guess.remarks)
-    assert re.search(r"notes.txt was left out: .*no table of numbers", told)
-    assert "old.xls was left out" in told
-    assert "cut.sur was left out" in told
-    assert "save it as .xlsx or as CSV" in told
-
-
-def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
-    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
-    told = " ".join(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL).remarks)
-    assert "the wires are taken to cross at 90°" in told
-    crossed = guessed_mapping(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0} | STEEL)
-    assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
-    assert "90°" not in " ".join(crossed.remarks)
-
-
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_displacement(
-    tmp_path: Path, sign: float
-) -> None:
-    """A spring: Q = K δ, with a lag that no logger resolves and noise."""
-    noise = 0.002 * np.random.default_rng(1).standard_normal(strangers.X.size)
-    force = sign * (0.01 * strangers.X) + noise
-    head = "Time (s),Displacement (um),Force (N)\n"
-    files = write(strangers.plain(head, (strangers.TIME, strangers.X, force), ENGLISH), tmp_path)
-    guess = guessed_mapping(files, {"diameter_mm": 0.45, "normal_load_N": 2.0} | STEEL)
-    assert guess.tables["loops"]["columns"]["tangential_force_N"].get("factor", 1.0) == sign

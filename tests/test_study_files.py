@@ -4,13 +4,11 @@ import json
 from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
-from wirewear.faces import cli
 from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study, load_study, parse_study, study_from_tables
 from wirewear.study.consistency import default_loop_cycles
@@ -46,10 +44,6 @@ def test_loops_are_recorded_at_1_2_5_per_decade_and_at_the_end_unless_stated() -
     assert default_loop_cycles(1000) == (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
-def test_a_whole_number_may_be_written_with_an_exponent() -> None:
-    assert parse_study(MINIMAL.replace("cycles = 700", "cycles = 1e5"), "study.toml").conditions.cycles == 100_000
-
-
 def test_a_wire_of_its_own_overrides_the_common_one_key_by_key() -> None:
     study = parse_study(MINIMAL + "[wires.fixed]\ndiameter_mm = 1.0\nlength_mm = 3\n", "study.toml")
     assert (study.fixed_wire.diameter_mm, study.fixed_wire.length_mm) == (1.0, 3.0)
@@ -73,16 +67,6 @@ def test_a_variant_changes_its_own_keys_and_keeps_the_others() -> None:
     assert (short.conditions.cycles, short.log.loop_cycles) == (10, (1, 2, 5, 10))
 
 
-def test_unknown_variants_and_fidelities_are_answered_with_the_known_ones() -> None:
-    study = load_study(STEEL_WIRES)
-    with pytest.raises(StudyError, match=r"no variant 'soft': its variants are compliant, rigid\.$"):
-        study.variant("soft")
-    with pytest.raises(StudyError, match="has no variants"):
-        study.variant("rigid").variant("rigid")
-    with pytest.raises(StudyError, match="quick, standard, fine"):
-        study.fidelity("superb")
-
-
 def test_the_steel_wire_study_states_the_articles_test() -> None:
     study = load_study(STEEL_WIRES)
     compliant, rigid = study.variant("compliant"), study.variant("rigid")
@@ -92,15 +76,6 @@ def test_the_steel_wire_study_states_the_articles_test() -> None:
     assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
     assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
     assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
-
-
-def test_what_is_recorded_stays_where_the_cycles_are_left_to_the_program() -> None:
-    log = "[log]\ncontact_states = 7\npressure_length_um = 12.5\n"
-    study = parse_study(MINIMAL + log, "study.toml")
-    for one in (study, study.logging((1, 500))):
-        assert (one.log.contact_states, one.log.pressure_length_um) == (7, 12.5)
-    assert study.log.loop_cycles == default_loop_cycles(study.conditions.cycles)
-    assert study.logging((1, 500)).log.loop_cycles == (1, 500)
 
 
 def test_mean_pressures_are_over_the_stated_length_or_over_the_fresh_contact() -> None:
@@ -163,22 +138,6 @@ def test_the_resolved_tables_read_back_give_the_same_study(
     assert study_from_tables(json.loads(json.dumps(study.resolved())), "resolved") == study
 
 
-def test_a_study_is_immutable_and_hashable() -> None:
-    study = load_study(STEEL_WIRES)
-    assert len({study, load_study(STEEL_WIRES)}) == 1
-    with pytest.raises(ValueError, match="frozen"):
-        study.contact.friction = 0.1  # type: ignore[misc]
-
-
-def test_holder_and_contact_say_how_the_wires_are_held_and_pressed() -> None:
-    text = MINIMAL.replace("[contact]", '[contact]\nformulation = "penalty"\nprimary_wire = "moving"')
-    text = text.replace("[conditions]", "[conditions]\napproach_um = 0.9")
-    study = parse_study(text + "\n[holder]\nrotational_stiffness_N_mm_per_rad = 13500\npivot_height_mm = 9\n", "s.toml")
-    assert (study.contact.formulation, study.contact.primary_wire) == ("penalty", "moving")
-    assert study.conditions.approach_um == 0.9
-    assert (study.holder.rotational_stiffness_N_mm_per_rad, study.holder.pivot_height_mm) == (13500.0, 9.0)
-
-
 @pytest.mark.parametrize(
     ("holder", "sentence"),
     [
@@ -190,76 +149,6 @@ def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sente
     text = MINIMAL.replace("[conditions]", "[conditions]\napproach_um = 0.9")
     with pytest.raises(StudyError, match=sentence):
         parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
-
-
-def test_a_changed_study_keeps_what_is_not_named() -> None:
-    study = parse_study(MINIMAL, "s.toml")
-    changed = study.changed({"conditions": {"cycles": 7}, "log": {"loop_cycles": (7,)}, "wear": None})
-    assert (changed.conditions.cycles, changed.log.loop_cycles, changed.wear) == (7, (7,), None)
-    assert changed.conditions.normal_load_N == study.conditions.normal_load_N
-    assert changed.wires == study.wires
-    assert study.conditions.cycles != 7
-
-
-def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file_as_from_python() -> None:
-    text = MINIMAL + "[log]\nloop_cycles = [1, 3, 500, 700]\n"
-    short = parse_study(text.replace("cycles = 700", "cycles = 10"), "study.toml")
-    assert short.log.loop_cycles == (1, 3, 10)
-    assert parse_study(text, "study.toml").with_values({"conditions.cycles": 10}).tables == short.tables
-    variant = parse_study(text + "[variants.short.conditions]\ncycles = 10\n", "study.toml").variant("short")
-    assert variant.log.loop_cycles == (1, 3, 10)
-
-
-@pytest.mark.parametrize(
-    ("content", "message"),
-    [
-        (None, "there is no study file"),
-        (b"\xff\xfe\x00\x01", "line 1: this is not text in UTF-8"),
-        (b"\x7fELF\x02", "is not valid TOML"),
-        (b"", "missing key 'format'"),
-    ],
-)
-def test_a_file_that_is_no_study_is_named(tmp_path: Path, content: bytes | None, message: str) -> None:
-    path = tmp_path / "s.toml"
-    if content is not None:
-        path.write_bytes(content)
-    with pytest.raises(StudyError, match=message) as caught:
-        load_study(path)
-    assert str(path) in str(caught.value)
-
-
-def test_a_folder_and_an_impossible_path_are_no_study(tmp_path: Path) -> None:
-    with pytest.raises(StudyError, match="is a folder"):
-        load_study(tmp_path)
-    with pytest.raises(StudyError, match="cannot be read"):
-        load_study("a\0b")
-
-
-@pytest.mark.parametrize("command", [["run"], ["mesh"], ["converge"], ["sweep"], ["calibrate"]])
-def test_a_study_called_without_its_ending_is_named(
-    command: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    Path("my_wires.toml").write_text(MINIMAL)
-    missing = CliRunner().invoke(cli, [*command, "my_wires"])
-    assert missing.exit_code == 2
-    assert missing.stderr.endswith(" file my_wires, but my_wires.toml is there.\n")
-    Path("my_wires").mkdir()
-    folder = CliRunner().invoke(cli, [*command, "my_wires"])
-    assert folder.stderr.endswith(" file is needed, but my_wires.toml is there.\n")
-    assert "toml" not in CliRunner().invoke(cli, [*command, "others"]).stderr
-
-
-def test_a_byte_order_mark_does_no_harm(tmp_path: Path) -> None:
-    path = tmp_path / "s.toml"
-    path.write_bytes(b"\xef\xbb\xbf" + MINIMAL.encode())
-    assert load_study(path) == parse_study(MINIMAL, "s.toml")
-
-
-@given(st.text())
-def test_any_text_is_a_study_or_a_study_error(text: str) -> None:
-    with pytest.raises(StudyError):
-        parse_study(text, "s.toml")
 
 
 @given(paths, junk)

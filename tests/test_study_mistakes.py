@@ -289,7 +289,3 @@ def test_a_mistake_is_told_in_one_sentence_with_its_place_and_what_would_be_righ
     old: str, new: str, message: str
 ) -> None:
     assert problem(changed(old, new)) == message
-
-
-def test_deep_nesting_is_told_in_one_sentence() -> None:
-    assert "nesting too deep" in problem(f"a = {'[' * 5000}")

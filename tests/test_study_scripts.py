@@ -158,36 +158,6 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("script", "arguments", "sentence"),
-    [
-        (
-            "fair_sizes",
-            "BATCH empty",
-            "fair_sizes: empty holds no diagnosis of a record of BATCH, as case_001/diagnosis.json.",
-        ),
-        ("intervals", "--answered BATCH empty", "intervals: no diagnosis of these batches estimates a parameter of"),
-        ("intervals", "--answered BATCH kept", "is no diagnosis (TypeError: list indices must be integers or slices"),
-        ("ablations", "kept BATCH", "records/case_001.json is no file of this script's answers (TypeError: "),
-        ("conformal", "kept BATCH", "records/case_001.json is no file of this script's answers (TypeError: "),
-        ("ablations", "kept", "ablations: there is no record to judge: name a batch whose records can be diagnosed"),
-        ("forest", "BATCH junk answers", "forest: junk/manifest.json is no manifest of a blind batch (TypeError: "),
-    ],
-)
-def test_wrong_answers_to_a_batch_are_one_sentence(
-    script: str, arguments: str, sentence: str, batch: Path, home: Path
-) -> None:
-    for number in range(1, 5):
-        for kept in (home / f"kept/records/case_00{number}.json", home / f"kept/case_00{number}/diagnosis.json"):
-            kept.parent.mkdir(parents=True, exist_ok=True)
-            kept.write_text("[1]", encoding="utf-8")
-    main = import_module(f"studies.blind.{script}").main
-    ended = CliRunner().invoke(main, arguments.replace("BATCH", str(batch)).split())
-    assert ended.exit_code == 2, repr(ended.exception)
-    assert sentence.replace("BATCH", str(batch)) in ended.stderr
-    assert len(ended.stderr.splitlines()) == 1
-
-
 def run_by_their_path() -> list[str]:
     """Scripts whose first lines say that they are run by their path, as `make run` runs what compares a study."""
     files = (file for file in (ROOT / "studies").glob("*/*.py"))

@@ -5,10 +5,7 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry import HexMesh
-from solvers.interior import Interior
-from solvers.strain import integration_points
 from solvers.subgrid_traction import SubgridTraction
-from solvers.surface_lattice import lattice_error
 from solvers.surface_stress import LoadedSurface, SurfaceStress, half_space_stress
 from tests import bodies
 from wirewear import reference
@@ -39,43 +36,11 @@ def test_between_nodes_hertzs_pressure_ends_on_its_circle(per_radius: float, cen
     np.testing.assert_allclose(between.ratio[middle, middle], [-FRICTION, 0.0, -1.0])
 
 
-def test_nothing_loaded_has_no_edge() -> None:
-    assert len(SubgridTraction.of_nodes(np.zeros((5, 6, 3))).edge()) == 0
-
-
 def flat(size_mm: float = 1.0, elements: int = 16, depth: int = 10) -> SurfaceStress:
     step = size_mm / elements
     mesh = bodies.brick((elements, elements, depth), (size_mm, size_mm, depth * step))
     mesh = HexMesh(mesh.points, mesh.cells, {**mesh.surfaces, "contact": mesh.surfaces["top"]})
     return SurfaceStress(mesh, bodies.patch_on(mesh), bodies.STEEL, (step, 1.0))
-
-
-def test_what_elements_lack_is_what_a_mesh_of_bricks_lacks() -> None:
-    """A traction at one node of a block: the mesh's stress near it is the half-space's plus the lattice's error."""
-    surface = flat()
-    mesh, patch, step = surface.mesh, surface.patch, 1.0 / 16.0
-    nodes = patch.nodes.ravel()
-    forces = np.zeros((3, len(nodes), 3))
-    for component in range(3):
-        share = np.outer([1.0, 4.0, 1.0], [1.0, 4.0, 1.0]) / 36.0 * step**2
-        forces[component].reshape(*patch.shape, 3)[7:10, 7:10, component] = share
-    held = Interior(mesh, bodies.STEEL, mesh.surface_nodes("grip"))
-    points = integration_points(mesh)
-    for component, moved in enumerate(held.displacements(nodes, forces)):
-        found = points.at_nodes(points.stresses(bodies.STEEL, moved))[patch.nodes]
-        expected = surface.stencil[16:25, 16:25, :, component]
-        # The block is finite: what it has beyond a half-space is smooth and small near the node.
-        np.testing.assert_allclose(found[4:13, 4:13], expected, atol=0.025)
-        assert np.abs(found[7:10, 7:10]).max() > 0.2
-
-
-def test_long_waves_are_resolved_so_the_error_has_no_sum() -> None:
-    error = lattice_error(1.0, 1.4, 0.6, 1.3, NU)
-    assert np.abs(error).max() > 0.1
-    np.testing.assert_allclose(error.sum(axis=(0, 1)), 0.0, atol=1e-9)
-    # Shear along x pulls behind as it pushes in front; pressure does the same on all sides.
-    np.testing.assert_allclose(error[::-1, :, 0, 0], -error[:, :, 0, 0], atol=1e-9)
-    np.testing.assert_allclose(error[::-1, ::-1, :, 2][..., [0, 1, 2, 3]], error[..., [0, 1, 2, 3], 2], atol=1e-9)
 
 
 @pytest.mark.parametrize("x", [-1.0, -0.6, 0.0, 0.8, 1.3])

@@ -8,20 +8,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from solvers import SolverError
-from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.effect_studies import COARSE, WEARING
 from wirewear.base.cluster import engine_of
 from wirewear.base.engine import Done, Engine, Result
-from wirewear.base.errors import RunError, StudyError
-from wirewear.faces import cli
+from wirewear.base.errors import StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.design import Design, VariedInput
-from wirewear.sweeps.forecast import forecast, time_text
-from wirewear.sweeps.page import write_sweep, write_table
-from wirewear.sweeps.pictures import _lines, front
+from wirewear.sweeps.page import write_table
+from wirewear.sweeps.pictures import front
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
 from wirewear.sweeps.sweep import FIGURES, SweepRow
@@ -113,13 +108,6 @@ def test_a_latin_hypercube_has_one_run_in_each_slice_and_spreads_logarithms(aske
         assert sorted(np.floor(12 * share).astype(int)) == list(range(12))
 
 
-def test_a_run_has_the_effects_that_are_varied(sweep_file: Callable[[str], Path]) -> None:
-    sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION + PLAY))
-    (play,) = sweep.study_of(3).effects
-    assert play.name == "free_play"
-    assert play.values == {"gap_um": sweep.design.values(3)["effects.free_play.gap_um"]}
-
-
 @pytest.mark.parametrize(
     ("text", "says"),
     [
@@ -171,45 +159,6 @@ def test_a_row_that_is_damaged_or_cut_off_is_made_again(asked: Sweep, tmp_path: 
     assert again.begun == 2
 
 
-def test_a_failed_run_is_kept_apart_with_its_sentence(asked: Sweep, tmp_path: Path) -> None:
-    written = files(tmp_path, asked, InPlace())
-    failures = written["failures.csv"].decode().splitlines()
-    wrong = int((asked.design.points[:, 1] > 0.7).sum())
-    assert wrong > 0
-    assert len(failures) == 1 + wrong
-    assert failures[1].endswith("the contact did not converge")
-    assert written["table.csv"].decode().count("failed") == wrong
-
-
-def test_a_folder_of_another_sweep_is_refused(asked: Sweep, sweep_file: Callable[[str], Path], tmp_path: Path) -> None:
-    run_sweep(asked, tmp_path / "out", InPlace())
-    other = load_sweep(sweep_file(HYPERCUBE.replace("12", "13") + STIFFNESS + FRICTION))
-    with pytest.raises(RunError, match="holds another sweep: choose another --output"):
-        run_sweep(other, tmp_path / "out", InPlace())
-
-
-def test_what_a_sweep_takes_is_foreseen_from_three_runs(asked: Sweep, tmp_path: Path) -> None:
-    result = run_sweep(asked, tmp_path, InPlace(), only_pilots=True)
-    assert len(result.rows) == 3
-    assert result.forecast is not None
-    whole = sum(row.cpu_s for row in run_sweep(asked, tmp_path, InPlace()).rows.values())
-    assert result.forecast.cpu_s == pytest.approx(whole, rel=0.3)
-    assert result.forecast.sentence.startswith("12 runs on 2 workers take about ")
-
-
-def test_times_grow_with_the_size_of_the_runs(asked: Sweep) -> None:
-    sizes = np.linspace(1000.0, 12_000.0, 12)
-    rows = [SweepRow(number, None, "", 1e-6 * sizes[number - 1] ** 1.7, 1) for number in (1, 7, 12)]
-    foreseen = forecast(asked, sizes, rows, 4)
-    assert foreseen.cpu_s == pytest.approx(1e-6 * float(np.sum(sizes**1.7)), rel=1e-6)
-    assert foreseen.wall_s == pytest.approx(foreseen.cpu_s / 4)
-
-
-@pytest.mark.parametrize(("seconds", "text"), [(41.0, "41 s"), (600.0, "10 min"), (86400.0, "24 h"), (1e7, "120 days")])
-def test_times_are_told_to_two_digits(seconds: float, text: str) -> None:
-    assert time_text(seconds) == text
-
-
 # What it says
 
 
@@ -231,46 +180,12 @@ def test_sobol_indices_are_those_of_the_closed_form() -> None:
     assert found[2].total == pytest.approx(0.2437, abs=0.03)
 
 
-def test_a_figure_that_does_not_vary_has_no_indices(asked: Sweep) -> None:
-    rows = {n + 1: SweepRow(n + 1, {"slip": 1.0}) for n in range(len(asked))}
-    assert indices(asked.design, rows, "slip") == []
-
-
 def test_the_front_holds_the_runs_that_no_other_beats() -> None:
     slip, depth = np.array([1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 2.5, 4.0])
     assert front(slip, depth).tolist() == [0, 2, 1]
 
 
-def test_the_page_holds_the_sentence_pictures_and_failures(asked: Sweep, tmp_path: Path) -> None:
-    paths = write_sweep(tmp_path, run_sweep(asked, tmp_path, InPlace()))
-    page = paths[-1].read_text(encoding="utf-8")
-    assert "12 of 12 runs are done, " in page
-    assert page.count("<svg") == 2
-    assert "the contact did not converge" in page
-    assert 'src="http' not in page
-
-
-@pytest.mark.slow
-@needs_browser
-def test_the_page_fits_a_phone(asked: Sweep, tmp_path: Path) -> None:
-    paths = write_sweep(tmp_path, run_sweep(asked, tmp_path, InPlace()))
-    with browser() as shown:
-        shown.open(paths[-1], 390, 844, phone=True)
-        assert shown.value("document.documentElement.scrollWidth") == 390
-        assert shown.value(TOO_WIDE) == []
-        assert shown.problems == []
-
-
 # Whole
-
-
-def test_a_sweep_that_is_complete_plans_nothing_and_asks_nobody(
-    asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    before = run_sweep(asked, tmp_path / "out", InPlace())
-    monkeypatch.setattr("wirewear.sweeps.running.sizes_of", lambda _: pytest.fail("planned again"))
-    nobody = engine_of(scheduler="tcp://127.0.0.1:9")
-    assert run_sweep(asked, tmp_path / "out", nobody).rows == before.rows
 
 
 @pytest.mark.slow
@@ -285,38 +200,3 @@ def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
         far = files(tmp_path / "far", sweep, engine_of(scheduler=cluster.scheduler_address))
     assert own == far
     assert own["table.csv"].decode().count("complete") == 4
-
-
-def test_the_command_leaves_table_and_page(asked: Sweep, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.base.cluster.engine_of", lambda *_: InPlace())
-    ended = CliRunner().invoke(cli, ["sweep", str(tmp_path / "sweep.toml"), "--output", str(tmp_path / "out")])
-    assert ended.exit_code == 0, ended.output
-    assert {path.name for path in (tmp_path / "out").iterdir()} == {
-        "table.parquet",
-        "table.csv",
-        "failures.csv",
-        "sweep.html",
-        JOURNAL,
-    }
-    assert "12 runs on 2 workers take about " in ended.stderr
-
-
-def test_a_simulation_that_fails_is_a_row(sweep_file: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> None:
-    def failing(*_: object, **__: object) -> None:
-        raise SolverError("the contact did not converge")
-
-    monkeypatch.setattr("wirewear.sweeps.sweep.simulate", failing)
-    from wirewear.sweeps.sweep import run_case
-
-    sweep = load_sweep(sweep_file(HYPERCUBE + FRICTION))
-    row = run_case(sweep.study, sweep.design.values(0), "quick", 1, None)
-    assert (row.failed, row.failure) == (True, "the contact did not converge")
-
-
-def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them() -> None:
-    points = np.array([[x, z] for x in (1.0, 2.0, 3.0) for z in (0.0, 10.0)])
-    y = points[:, 0] + points[:, 1]
-    lines = _lines(points, 0, y)
-    assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
-    scattered = np.random.default_rng(0).random((40, 2))
-    assert len(_lines(scattered, 0, scattered[:, 0])) == 1

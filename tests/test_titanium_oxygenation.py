@@ -4,13 +4,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from studies.titanium_oxygenation.compare import (
     VARIANTS,
     Scar,
     findings_of,
-    main,
     oxygenation_explains_the_w,
     predicts_the_low_frequency_depth,
     scar_in,
@@ -60,20 +58,3 @@ def test_contact_oxygenation_makes_the_measured_w() -> None:
     assert 400.0 < found.place_um < 1000.0
     assert result.quality["volume_against_energy"] < 1e-9
     assert result.quality["energy_against_loops"] < 0.02
-
-
-@pytest.mark.slow
-def test_a_w_needs_debris_that_carries_the_load_besides() -> None:
-    """Metal that must conform presses where it wears little until it wears alike."""
-    study = load_any_study(STUDY)
-    assert isinstance(study, PlanarStudy)
-    both = study.variant("2Hz")
-    alone = both.model_copy(update={"effects": tuple(e for e in both.effects if e.name == "contact_oxygenation")})
-    flat = run_planar_study(alone, fidelity="quick").scar(5000, "specimen")
-    assert Scar(*flat.section_along_motion()).middle_um > 0.9 * flat.max_depth_um
-
-
-def test_a_folder_without_the_runs_is_one_sentence(tmp_path: Path) -> None:
-    outcome = CliRunner().invoke(main, [str(tmp_path)])
-    assert outcome.exit_code == 2
-    assert outcome.stderr.strip().startswith("compare: ")

@@ -1,21 +1,16 @@
 """The tribometer study's comparison: its verdicts follow the rows, either way."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
-from click.testing import CliRunner
-from matplotlib.image import imread
 
 from studies.tribometers import article
 from studies.tribometers.article import (
     compliance_suffices,
     force_lowers_slip,
     half_is_lost,
-    main,
     measured_lies_below,
     one_rig_one_stiffness,
-    sensitivity_table,
     stiffness_comparisons,
 )
 from studies.tribometers.judge import Tribometer, judge
@@ -49,25 +44,3 @@ def test_statements_fail_where_rows_contradict_them(rows: list[Tribometer]) -> N
     assert not force_lowers_slip([first]).holds
     stiffer = replace(first, rig_stiffness_N_per_um=1.5 * (first.rig_stiffness_N_per_um or 0.0))
     assert not one_rig_one_stiffness([first, stiffer]).holds
-
-
-def test_sensitivity_is_told_for_every_contact_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(article, "VARIED", article.VARIED[:1])
-    table = sensitivity_table(read_rows(article.ROWS))
-    assert len(table.columns) == 1 + 4
-    assert all(abs(float(next(iter(column.cells)))) < 10.0 for column in table.columns[1:])  # type: ignore[arg-type]
-
-
-def test_the_command_prints_its_verdicts_and_leaves_a_picture(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(article, "VARIED", article.VARIED[:1])
-    result = CliRunner().invoke(main, ["--output", str(tmp_path / "new")])
-    assert result.exit_code == 0
-    assert "16 of 18 hold" in result.stdout
-    assert imread(tmp_path / "new" / "tribometers.png").shape[1] > 1000
-
-
-def test_a_folder_that_cannot_be_made_is_one_sentence(tmp_path: Path) -> None:
-    (tmp_path / "file").write_text("", encoding="utf-8")
-    result = CliRunner().invoke(main, ["--output", str(tmp_path / "file")])
-    assert result.exit_code == 2
-    assert result.stderr.strip().startswith("article: ")

@@ -16,14 +16,11 @@ from click.testing import CliRunner
 from tests.diagnosis_cases import diagnosed
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
-from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record, write_result
+from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.observe.scars import DEPTH_ERROR_um, ScarFigures
 from wirewear.faces import cli
 from wirewear.records import ExperimentRecord
 from wirewear.records.checking import problems_told
-from wirewear.records.exporting import record_of_result
 from wirewear.records.values import Array, MeasuredLoop
 from wirewear.views.comparison import compare
 
@@ -131,14 +128,6 @@ def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, 
     assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
 
 
-def test_repeats_that_have_each_others_evolution_are_told(sound: ExperimentRecord) -> None:
-    parts = sound.evolution
-    turned = (replace(part, columns=parts[(i + 1) % 3].columns) for i, part in enumerate(parts))
-    told = [remark.text for remark in check_record(replace(sound, evolution=tuple(turned))).problems]
-    assert any("evolution of each other, " in text and "1 that of" in text for text in told), told
-    assert check_record(sound).problems == ()
-
-
 def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", loops(tangential_force_N=-1.0)(sound))
     ended = CliRunner().invoke(cli, ["diagnose", str(folder), "--output", str(tmp_path / "out")])
@@ -146,54 +135,11 @@ def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: Ex
     assert "as if its sign were wrong" in ended.stderr
 
 
-def test_a_sound_record_and_one_with_lesser_problems_are_not_refused(sound: ExperimentRecord) -> None:
-    assert problems_told(sound) == ()
-    one = replace(sound.loops[0], tangential_force_N=-sound.loops[0].tangential_force_N)
-    (told,) = problems_told(replace(sound, loops=(one, *sound.loops[1:])))
-    assert told.startswith("The tangential force drives the motion, as if its sign were wrong, in 1 of 12 loops")
-
-
-def test_noise_about_an_unworn_surface_has_no_wrong_sign(sound: ExperimentRecord) -> None:
-    random = np.random.default_rng(2)
-    noisy = depths(lambda d: np.asarray(random.normal(0.0, 0.05, d.shape)))(sound)
-    assert not any(problem.refuses for problem in check_record(noisy).problems)
-
-
-@pytest.mark.parametrize("share", [0.0, 1e-4])
-def test_that_nothing_is_worn_is_an_observation(sound: ExperimentRecord, share: float) -> None:
-    observed = reduce(depths(lambda d: share * d)(sound))
-    here = observed.layout.of_kind(ScarFigures)
-    values, noise = observed.values[:, here], observed.noise[:, here]
-    (part,) = (part for part in observed.layout if isinstance(part.observable, ScarFigures))
-    depth = np.array(part.sites.figure) == "depth"
-    assert values[:, depth] == pytest.approx(np.log(DEPTH_ERROR_um))
-    assert noise[:, depth] == pytest.approx(1.0, rel=0.01)
-
-
 @pytest.mark.slow
 def test_a_record_in_which_nothing_is_worn_where_wear_is_expected_is_a_gap() -> None:
     """On version 8318817 depths of zero were left out, and this was "no gap"."""
     unworn = depths(lambda d: 0.0 * d)(independent_record(scars=True))
     assert diagnosed(unworn).diagnosis.verdict != "no_gap"
-
-
-def test_an_unfinished_run_is_told_by_compare_and_export(sound: ExperimentRecord, tmp_path: Path) -> None:
-    failed = replace(run(), status="failed", message="no solution")
-    assert compare(failed, record_of_result(failed)).notes[0].endswith("is not complete (no solution).")
-    write_result(tmp_path / "result.h5", failed)
-    ended = CliRunner().invoke(cli, ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record")])
-    assert ended.exit_code == 0, ended.output
-    assert "is not complete (no solution)." in ended.stderr
-
-
-def test_an_export_tells_what_is_odd_in_it(tmp_path: Path) -> None:
-    write_result(tmp_path / "result.h5", run())
-    ended = CliRunner().invoke(
-        cli,
-        ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record"), "--gain", "displacement=10"],
-    )
-    assert ended.exit_code == 0, ended.output
-    assert "The displacement amplitude is 10 times" in ended.stderr
 
 
 def _driven(samples: int, dense_at_turns: bool, noise_um: float) -> list[MeasuredLoop]:
@@ -247,9 +193,3 @@ def test_a_force_of_coarse_steps_is_noted_with_its_step(sound: ExperimentRecord)
     (text,) = resolution_of(stepped(0.1)(sound))
     assert text.startswith("The tangential force is read in steps of 0.1 N, ")
     assert f"{len(sound.loops)} of {len(sound.loops)} loops" in text
-
-
-@pytest.mark.parametrize("step_N", [0.001, 0.01])
-def test_steps_that_cannot_be_seen_in_a_loop_are_not_noted(sound: ExperimentRecord, step_N: float) -> None:
-    assert resolution_of(sound) == []
-    assert resolution_of(stepped(step_N)(sound)) == []

@@ -15,7 +15,6 @@ from solvers import (
     Symmetry,
     ThirdBody,
     WearRates,
-    closed_cycle,
     closed_trace,
     jump_cycles,
     misaligned,
@@ -23,7 +22,7 @@ from solvers import (
     symmetry_of,
 )
 from solvers.wear_step.symmetry import mirrored
-from tests.bodies import FRICTION, LOAD_N, condensed_wire
+from tests.bodies import LOAD_N, condensed_wire
 from tests.wear_jumps import (
     INCREMENTS,
     RATES,
@@ -84,13 +83,6 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
             assert folded.state.wear.energy_mJ == pytest.approx(unfolded.state.wear.energy_mJ, rel=1e-11)
 
 
-def test_a_symmetric_problem_has_symmetric_depths(problem: ContactProblem) -> None:
-    state = worn(problem, 20.0, CYCLES)
-    for depth in depths(problem, state):
-        assert np.abs(depth - depth[::-1]).max() < 1e-9 * depth.max()
-        assert np.abs(depth - depth[:, ::-1]).max() < 1e-9 * depth.max()
-
-
 def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(problem: ContactProblem) -> None:
     leaning = misaligned(problem, np.radians(5.0))
     assert symmetry_of(leaning).half_cycle is None
@@ -101,16 +93,6 @@ def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(prob
     upper = depths(leaning, state)[0]
     # The plane of contact descends along the motion: the way up presses harder, which no mirror undoes.
     assert np.abs(upper - upper[:, ::-1]).max() > 1e-3 * upper.max()
-
-
-def test_worn_volume_is_the_coefficient_times_the_energy_on_both_bodies(problem: ContactProblem) -> None:
-    uneven = replace(problem, wear=WearRates(2e-8, 0.5e-8))
-    wear = worn(uneven, 20.0, CYCLES).wear
-    primary, secondary = (body.patch.node_areas() for body in (uneven.primary, uneven.secondary))
-    assert primary @ wear.primary_energy.ravel() == pytest.approx(wear.energy_mJ, rel=1e-12)
-    assert secondary @ wear.secondary_energy.ravel() == pytest.approx(wear.energy_mJ, rel=1e-12)
-    for rate, areas, depth in ((2e-8, primary, wear.primary_depth), (0.5e-8, secondary, wear.secondary_depth)):
-        assert areas @ depth.ravel() == pytest.approx(rate * wear.energy_mJ, rel=1e-12)
 
 
 def test_depths_are_never_negative_and_never_shrink(problem: ContactProblem) -> None:
@@ -132,23 +114,6 @@ def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> N
         pairs = zip(depths(one, first), depths(other, second), strict=True)
         differences.append(max(float(np.linalg.norm(here - there) / np.linalg.norm(there)) for here, there in pairs))
     assert differences[1] < 0.5 * differences[0] < 0.02
-
-
-def test_with_constant_friction_archard_is_the_energy_law(problem: ContactProblem) -> None:
-    archard = replace(problem, wear=replace(problem.wear.scaled(FRICTION), law="archard"))
-    one, other = worn(archard, 20.0, CYCLES), worn(problem, 20.0, CYCLES)
-    for depth, expected in zip(depths(archard, one), depths(problem, other), strict=True):
-        assert depth == pytest.approx(expected, rel=1e-9, abs=1e-12 * expected.max())
-    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=1e-10)
-
-
-def test_without_friction_archard_wears_and_the_energy_law_does_not(problem: ContactProblem) -> None:
-    slippery = replace(problem, friction=0.0)
-    archard = replace(slippery, wear=replace(problem.wear, law="archard"))
-    assert not worn(slippery, 20.0).wear.primary_depth.any()
-    wear = worn(archard, 20.0).wear
-    assert wear.energy_mJ == 0.0
-    assert wear.primary_depth.max() > 0.0
 
 
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: ContactProblem) -> None:
@@ -192,19 +157,6 @@ def test_jumps_are_of_second_order() -> None:
     assert errors[0] < 1e-3 * float(np.linalg.norm(ends[-1]))
 
 
-def test_nodes_that_a_contact_meets_during_a_long_jump_bear_no_more_than_after_short_ones() -> None:
-    contact = line_contact(0.004)
-    state = worn(contact, 100.0, 300.0, 600.0, 2000.0, stroke_mm=LINE_STROKE_mm)
-    largest = []
-    for parts in (1, 4):
-        after = state
-        for _ in range(parts):
-            after = jumped(contact, after, 3000.0 / parts, stroke_mm=LINE_STROKE_mm).state
-        _, trace = closed_cycle(contact, after, LINE_STROKE_mm, INCREMENTS)
-        largest.append(max(report.inner_pressure for report in trace.reports if report.drive == 0.0))
-    assert largest[0] == pytest.approx(largest[1], rel=0.15)
-
-
 def test_the_change_of_pressures_falls_with_the_jump() -> None:
     contact = line_contact()
     state = worn(contact, 100.0, 200.0, stroke_mm=LINE_STROKE_mm)
@@ -232,14 +184,6 @@ def test_layers_between_the_surfaces_wear_with_the_books_in_order(
     assert least < state.wear.primary_depth.max() / bare.wear.primary_depth.max() < most
 
 
-def test_the_penalty_formulation_wears_nearly_as_the_exact_one(problem: ContactProblem) -> None:
-    penalty = replace(problem, formulation="penalty")
-    one, other = worn(penalty, 20.0, CYCLES), worn(problem, 20.0, CYCLES)
-    assert one.wear.energy_mJ == pytest.approx(other.wear.energy_mJ, rel=0.01)
-    for depth, expected in zip(depths(penalty, one), depths(problem, other), strict=True):
-        assert depth == pytest.approx(expected, abs=0.03 * expected.max())
-
-
 def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_jump(problem: ContactProblem) -> None:
     def fading(cycle: float, _energy_mJ: float) -> ContactProblem:
         return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * (cycle - 1.0) / CYCLES))
@@ -252,16 +196,6 @@ def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_ju
     assert volumes[0] < volumes[1] < volumes[2]
     # A straight fall from 1 to 1/2 is worth its mean, 3/4, where the energy per cycle stays what it is.
     assert volumes[1] / volumes[2] == pytest.approx(0.75, rel=0.01)
-
-
-def test_a_coefficient_may_follow_the_energy(problem: ContactProblem) -> None:
-    whole = jumped(problem, at_the_end(problem), CYCLES).state.wear.energy_mJ
-
-    def fading(_cycle: float, energy_mJ: float) -> ContactProblem:
-        return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * energy_mJ / whole))
-
-    changing = jumped(problem, at_the_end(problem), CYCLES, problem_at=fading).state.wear
-    assert changing.primary_volume_mm3 / (RATES[0] * changing.energy_mJ) == pytest.approx(0.75, rel=0.01)
 
 
 def test_a_line_contact_wears_as_the_energy_says() -> None:

@@ -10,11 +10,8 @@ from click.testing import CliRunner, Result
 from studies.blind.commands import exam
 from tests import synthetic_results
 from wirewear import RunError, write_result
-from wirewear.base.writing import prepared_folder, usable_file, usable_folder
 from wirewear.faces import cli
 from wirewear.faces.group import OutputFile, OutputFolder
-from wirewear.planar.tables import KINDS
-from wirewear.study.tables import PLANAR_KINDS
 
 STUDIES = Path(__file__).parent.parent / "studies"
 RECORD = STUDIES / "steel_wires" / "example_records" / "no_gap"
@@ -106,26 +103,6 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
     assert not Path("runs").exists()
 
 
-def test_a_scheduler_that_does_not_answer_is_told_before_bodies_are_condensed(monkeypatch: pytest.MonkeyPatch) -> None:
-    def forbidden(*_: object, **__: object) -> None:
-        raise AssertionError("the study was refined")
-
-    monkeypatch.setattr("wirewear.simulation.converge", forbidden)
-    ended = invoked("converge steel_wires.toml --variant rigid --scheduler nonsense --output c")
-    assert ended.exit_code == 2, ended.output
-    assert "no Dask scheduler answers at 'nonsense'" in ended.stderr
-    assert not Path("c").exists()
-
-
-def test_more_cores_than_there_are_are_all_of_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    def begin(*_: object, **__: object) -> None:
-        raise RunError("the simulation would begin")
-
-    monkeypatch.setattr("wirewear.diagnosis.beginning.nominal_run", begin)
-    ended = invoked(f"diagnose RECORD --output d --jobs {10**20}")
-    assert ended.stderr.endswith("wirewear: the simulation would begin\n")
-
-
 def commands(group: click.Command, before: str = "") -> dict[str, click.Command]:
     """All commands by what is typed."""
     if not isinstance(group, click.Group):
@@ -153,10 +130,6 @@ def outputs() -> list[tuple[str, click.Parameter]]:
     ]
 
 
-def test_the_outputs_of_all_commands_are_tried() -> None:
-    assert len(outputs()) >= 19
-
-
 LONG = "n" * 300
 
 
@@ -168,49 +141,3 @@ def test_an_output_that_cannot_be_written_is_told_while_the_command_is_read(give
         with pytest.raises(RunError, match=r"(cannot be used|cannot be written): .*[a-z]\.$"):
             parameter.type_cast_value(click.Context(cli), given)
     assert sorted(tmp_path.iterdir()) == before
-
-
-@pytest.mark.parametrize(
-    ("line", "sentence"),
-    [
-        ("verify --quick --json folder", "wirewear: invalid value for '--json': File 'folder' is a directory.\n"),
-        (f"verify --quick --json {LONG}", f"wirewear: {LONG} cannot be written: file name too long.\n"),
-        (
-            "verify --quick --json /proc/table.json",
-            "wirewear: the output folder /proc cannot be used: no such file or ",
-        ),
-        (f"loops RECORD --output {LONG}.png", f"wirewear: {LONG}.png cannot be written: file name too long.\n"),
-        ("fields result.h5 --cycle 1 --output text", "wirewear: the output folder text cannot be used: it is a file,"),
-    ],
-)
-def test_nothing_is_computed_for_an_output_that_cannot_be_written(
-    line: str, sentence: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def forbidden(*_: object, **__: object) -> None:
-        raise AssertionError("it was computed")
-
-    for place in ("verification.verify", "views.loops_report.analyse_loops", "interior.writing.write_fields"):
-        monkeypatch.setattr(f"wirewear.{place}", forbidden)
-    ended = invoked(line)
-    assert ended.exit_code == 2, ended.output
-    assert ended.stderr.startswith(sentence)
-
-
-def test_a_place_that_is_tried_is_left_as_it_was(tmp_path: Path) -> None:
-    before = sorted(tmp_path.rglob("*"))
-    assert usable_folder(tmp_path / "one" / "two") == tmp_path / "one" / "two"
-    assert usable_file(tmp_path / "one" / "table.json") == tmp_path / "one" / "table.json"
-    assert usable_file(tmp_path / "text") == tmp_path / "text"
-    assert sorted(tmp_path.rglob("*")) == before
-    with pytest.raises(RunError, match=r"folder cannot be written: is a directory\.$"):
-        usable_file(tmp_path / "folder")
-
-
-def test_an_output_folder_is_made_and_left_empty(tmp_path: Path) -> None:
-    assert not list(prepared_folder(tmp_path / "one" / "two").iterdir())
-    with pytest.raises(RunError, match="text cannot be used: it is a file, not a folder"):
-        prepared_folder(tmp_path / "text")
-
-
-def test_the_kinds_named_to_users_are_those_that_run_takes() -> None:
-    assert set(PLANAR_KINDS) == set(KINDS)

@@ -9,12 +9,10 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solvers import Holder, WearRates
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from studies.blind.generators.finite_element.changes import changes_of, instruments_of
-from studies.blind.generators.finite_element.model import NUMERICS, believed_study
+from studies.blind.generators.finite_element.changes import instruments_of
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.model import IndependentModel
@@ -25,8 +23,7 @@ from studies.blind.generators.instruments import Signals, read_by
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.sizes import drawn_parameters
 from tests.test_blind_finite_element import plain_nuisances
-from tests.test_blind_unseen import LOOP, QUIET, STEEL, TURN, Named
-from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
+from tests.test_blind_unseen import LOOP, STEEL, Named
 
 Array = NDArray[np.float64]
 
@@ -95,16 +92,6 @@ def require_untouched(effect: str, nothing: Named) -> None:
     assert snapshot.shapes.moving == pytest.approx(plain.shapes.moving, abs=1e-12)
 
 
-def require_sizes_for_all_tests(effect: str) -> None:
-    """See that sizes can be drawn for any test, and change a world."""
-    random = np.random.default_rng(3)
-    for nominal in drawn_nominals(8, random):
-        for ease in ("hard", "easy"):
-            parameters = drawn_parameters(effect, ease, nominal, random)
-            assert all(np.isfinite(value) for value in parameters.values())
-            assert changed(STEEL, effect, parameters) != STEEL
-
-
 def require_traceless(effect: str, outside: Iterable[str], folder: Path) -> None:
     """See that a record is the same again, and that its files have one size without the cause."""
     model = IndependentModel(points=6, outside=tuple(outside))
@@ -118,39 +105,6 @@ def require_traceless(effect: str, outside: Iterable[str], folder: Path) -> None
     assert seen_["first"] == seen_["again"]
     assert seen_["first"][0] != seen_["without"][0]
     assert seen_["first"][1] == seen_["without"][1]
-
-
-def require_alike_at_seams(effect: str) -> None:
-    """See that both tiers have the same holder, friction, load and wear at every cycle."""
-    parameters = drawn(effect, 2)
-    world = changed(STEEL, effect, parameters)
-    changes = changes_of([TrueEffect(effect, parameters)], QUIET)
-    believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"]).with_effects(*changes)
-    for cycle in (0.0, 10.0, 1000.0, 3e4, 1e5):
-        age = Age(cycle, 0.0)
-        holder = applied(changes, Seam.HOLDER, Holder(2.0, 1.0 / 167.0), age)
-        assert holder.tangential_compliance_mm_per_N == pytest.approx(
-            world.rig.series_mm_per_N + world.rig.loose_mm_per_N(cycle)
-        )
-        assert holder.play_mm == pytest.approx(world.rig.aged(cycle).play_mm)
-        friction = applied(changes, Seam.CONTACT, ContactLaw(0.62), age).friction
-        assert friction == pytest.approx(world.friction.at(cycle))
-        load = applied(changes, Seam.LOADING, Loading(2.0), age).normal_load_N
-        assert load == pytest.approx(world.loading.load_at(cycle))
-        rates = applied(changes, Seam.WEAR, WearRates(0.5, 0.5), age)
-        assert rates.lower_mm3_per_mJ == pytest.approx(0.5 * world.wear.factor_at(cycle))
-
-
-def require_same_of_uneven_samples(effect: str) -> None:
-    """See that samples at uneven times are read as those at even ones."""
-    uneven = np.unique(np.concatenate([TURN[::4], TURN[1::7]]))
-    rows = np.searchsorted(TURN, uneven)
-    names = ("time_s", "displacement_um", "tangential_force_N", "normal_force_N")
-    thinned = replace(LOOP, **{name: getattr(LOOP, name)[rows] for name in names})
-    parameters = drawn(effect)
-    found, whole = seen(effect, thinned, **parameters), seen(effect, **parameters)
-    assert found.tangential_force_N == pytest.approx(whole.tangential_force_N[rows], abs=0.02)
-    assert found.normal_force_N == pytest.approx(whole.normal_force_N[rows], abs=0.02)
 
 
 def gaps_in_scatters(effect: str, points: int = 10) -> dict[str, float]:
