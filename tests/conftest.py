@@ -28,6 +28,12 @@ def pytest_report_header() -> str | None:
     return None if is_examined() else "the diagnosis has changed since it passed its exam: `make test-all` is due"
 
 
+def pytest_itemcollected(item: pytest.Item) -> None:
+    """Of a law whose cases are long the first is tried with every change, all of them before a release."""
+    if item.get_closest_marker("first_case") and any(item.callspec.indices.values()):  # type: ignore[attr-defined]
+        item.add_marker("slow")
+
+
 @pytest.hookimpl(trylast=True)
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Files of some minutes first, those with most that is slow, then large ones: processes end together.

@@ -34,6 +34,7 @@ class InterruptedModel(PlainModel):
         return super().make(case)
 
 
+@pytest.mark.seconds
 def test_an_interrupted_batch_goes_on_and_ends_as_an_unbroken_one(tmp_path: Path) -> None:
     with pytest.raises(StopError):
         make_batch(tmp_path / "broken", cases=7, seed=2, generator=InterruptedModel())
@@ -75,6 +76,7 @@ def batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.seconds
 def test_records_are_read_without_a_remark(batch: Path) -> None:
     for folder in sorted(batch.glob("case_*"))[:20]:
         record = read_record(folder)

@@ -138,6 +138,8 @@ def a_run(study: Study, _name: str) -> RunResult:
     return replace(result(), loops=loops, scars=scars)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("tier", ["T0", "T1"])
 def test_records_of_finite_elements_are_read_without_a_remark(
     tier: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -50,6 +50,7 @@ def test_the_first_loop_is_that_of_the_closed_forms_within_a_percent_or_two() ->
         assert first["dissipated_energy_mJ"] == pytest.approx(energy_mJ, rel=0.02)
 
 
+@pytest.mark.seconds
 def test_scars_and_loop_after_100_000_cycles_agree_with_the_finite_elements_within_five_percent(
     steel: list[Snapshot],
 ) -> None:
@@ -167,6 +168,7 @@ def nominal() -> dict[str, float]:
     return figures(STEEL, 1000)
 
 
+@pytest.mark.seconds
 def test_a_compliance_takes_its_share_of_the_stroke_and_rotation_is_the_same(nominal: dict[str, float]) -> None:
     sprung, turned = (
         figures(with_effect("tangential_compliance"), 1000),
@@ -216,6 +218,7 @@ def test_a_lagging_sensor_opens_the_loop_in_proportion_to_the_frequency() -> Non
     assert gains[1] / gains[0] == pytest.approx(2.0, rel=0.1)
 
 
+@pytest.mark.seconds
 def test_roughness_softens_the_early_loop_and_wears_in() -> None:
     rough = with_effect("roughness_compliance")
     early, late = (

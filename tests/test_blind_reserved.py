@@ -243,6 +243,8 @@ def test_there_are_fourteen_kinds_and_more_at_all_seams_that_no_other_set_has() 
     assert not set(RESERVED) & {*earlier, *LIBRARY_EFFECTS}
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("effect", RESERVED)
 def test_records_are_the_same_again_and_their_files_of_one_size_without_the_cause(effect: str, tmp_path: Path) -> None:
     require_traceless(effect, RESERVED, tmp_path)

@@ -53,6 +53,7 @@ def test_a_perfect_diagnosis_scores_perfectly() -> None:
     assert sum(counts[row, column] for row, column in enumerate(columns)) == counts.sum()
 
 
+@pytest.mark.seconds
 def test_a_shuffled_key_scores_at_chance() -> None:
     truths = truths_of(2000)
     random = np.random.default_rng(0)

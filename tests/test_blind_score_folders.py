@@ -62,6 +62,7 @@ def batch(made: Path, tmp_path: Path) -> tuple[Path, Path, Path]:
     return tmp_path / "batch", tmp_path / "diagnoses", tmp_path / "batch.key"
 
 
+@pytest.mark.seconds
 def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> None:
     folder, diagnoses, key = batch
     score = score_batch(folder, diagnoses, key_path=key)
@@ -157,6 +158,7 @@ def test_the_contracts_example_is_read(tmp_path: Path) -> None:
     assert said.causes[0].intervals == {"stiffness_N_per_mm": (158.0, 173.0)}
 
 
+@pytest.mark.seconds
 def test_the_command_makes_and_scores_and_says_where_things_are(batch: tuple[Path, Path, Path], tmp_path: Path) -> None:
     folder, diagnoses, key = batch
     scored = CliRunner().invoke(exam, ["score", str(folder), str(diagnoses), "--key", str(key)])

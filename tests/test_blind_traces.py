@@ -68,6 +68,8 @@ def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> 
     assert 1.0 < pair < both
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("share", [0.5, 2.0])
 def test_a_gap_is_smaller_under_more_noise(share: float) -> None:
     noisier = replace(

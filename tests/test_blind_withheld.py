@@ -134,6 +134,7 @@ def test_values_over_the_cycles_follow_their_laws() -> None:
     assert [steps.at(n) for n in (9.0, 10.0, 99.0, 100.0, 1e3)] == [1.0, 1.2, 1.2, 0.9, 1.1]
 
 
+@pytest.mark.seconds
 def test_a_flexure_cracks_late_and_a_pivot_wears_from_the_start() -> None:
     rig = changed(STEEL, "cracking_flexure", {"um_per_N": 4.0, "cycles": 1e4, "power": 3.0}).rig
     assert [rig.loose_mm_per_N(n) for n in (5e3, 1e4)] == pytest.approx([5e-4, 4e-3])
@@ -166,6 +167,7 @@ def test_microslip_in_a_joint_closes_its_loop_and_takes_work() -> None:
     assert plain.loop.reach_mm[1] - slipping.loop.reach_mm[1] == pytest.approx(2e-3 * largest**2, rel=0.05)
 
 
+@pytest.mark.seconds
 def test_wear_hardly_begins_under_a_coat_and_in_a_hard_skin() -> None:
     plain = worn()[0].worn_mm3
     assert worn("incubated_wear", share=0.95, cycle=1e5, abruptness=6.0)[0].worn_mm3 == pytest.approx(
@@ -205,6 +207,8 @@ def test_there_are_twelve_kinds_and_more_at_all_seams_that_no_other_set_has() ->
     assert not set(WITHHELD) & {*FIRST, *DEVELOPMENT, *SEALED, *UNSEEN, *LIBRARY_EFFECTS}
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("effect", ["crossover_distortion", "loose_plug", "opening_joint", "used_wire"])
 def test_records_are_the_same_again_and_their_files_of_one_size_without_the_cause(effect: str, tmp_path: Path) -> None:
     require_traceless(effect, WITHHELD, tmp_path)

@@ -67,6 +67,8 @@ print(cache_directory())
 """
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("mode", [0o500, 0o600, 0o000])
 def test_where_the_folder_cannot_be_written_or_entered_one_warning_says_so(home: Path, mode: int) -> None:
     home.mkdir(mode=mode)

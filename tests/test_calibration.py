@@ -46,6 +46,7 @@ def run() -> RunResult:
     return dataclasses.replace(result("", 167.0), study=study.variant("compliant").resolved())
 
 
+@pytest.mark.seconds
 def test_a_record_read_through_a_known_polynomial_is_corrected_to_within_its_noise(
     run: RunResult, tmp_path: Path
 ) -> None:
@@ -72,6 +73,7 @@ def test_a_record_read_through_a_known_polynomial_is_corrected_to_within_its_noi
     assert not check_record(reread).problems
 
 
+@pytest.mark.seconds
 def test_amplitudes_of_a_corrected_record_are_the_true_ones(run: RunResult) -> None:
     corrected = corrected_record(record_of_result(run, sensor=SENSOR), EXACT).record
     tips = [loop.tangential_force_N[loop.displacement_um.argmax()] for loop in run.loops]

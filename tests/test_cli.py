@@ -55,6 +55,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
     return asked
 
 
+@pytest.mark.seconds
 def test_run_takes_the_standard_fidelity_and_a_folder_named_after_the_study(
     study_file: Path, asked: dict[str, Any]
 ) -> None:
@@ -64,6 +65,8 @@ def test_run_takes_the_standard_fidelity_and_a_folder_named_after_the_study(
     assert asked["study"].variant_names == ("rigid",)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("status", "words"), [("complete", "a complete result, and"), ("running", "an unfinished result, and")]
 )
@@ -94,6 +97,7 @@ def test_every_error_of_ours_ends_in_its_sentence_and_exit_code_2(
         assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"wirewear: {error}\n")
 
 
+@pytest.mark.seconds
 def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
     command = Path(sys.executable).with_name("wirewear")
     version = subprocess.run([command, "--version"], capture_output=True, text=True, check=True)

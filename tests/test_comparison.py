@@ -22,6 +22,8 @@ from wirewear.study import load_study
 from wirewear.views.comparison import compare
 from wirewear.views.registration import register
 
+pytestmark = pytest.mark.seconds
+
 ROOT = Path(__file__).parent.parent
 STUDY = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
 

@@ -119,6 +119,7 @@ def test_the_compliance_by_symmetry_is_that_of_the_whole_body(
     assert np.array_equal(body.compliance, body.compliance.T)
 
 
+@pytest.mark.seconds
 def test_a_wire_is_a_quarter_condensed_four_times() -> None:
     meshed, body = wire(FINE_mm), condensed_wire(FINE_mm)
     assert body.folded.planes == (0, 1)
@@ -153,6 +154,7 @@ def test_a_planar_body_is_condensed_by_halves() -> None:
     assert_close(body.compliance, by_the_whole(planar.mesh, body))
 
 
+@pytest.mark.seconds
 def test_a_wire_worn_alike_on_both_sides_stays_symmetric() -> None:
     fresh = wire(FINE_mm)
     a, t = fresh.patch.axial_mm, fresh.patch.transverse_mm
@@ -171,6 +173,7 @@ def turned_dense(body: CondensedBody, rotation: Array) -> Array:
     return turned.reshape(3 * n, 3 * n)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 35.0])
 @pytest.mark.parametrize("upper", [False, True])
 def test_a_placed_body_has_the_turned_compliance(degrees: float, upper: bool) -> None:
@@ -193,6 +196,7 @@ def test_what_is_gathered_between_nodes_is_that_part_of_the_whole(degrees: float
     assert folded.between(moved, loaded[:0]).shape == (21, 0)
 
 
+@pytest.mark.seconds
 def test_a_wire_comes_back_from_the_cache_as_it_was_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     geometry = wire_geometry(FINE_mm, 0.02, 0.04)
     made = wires.condensed_wire(geometry, STEEL, tmp_path)
@@ -259,6 +263,7 @@ def dense_schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntAr
     return np.asarray(full[np.ix_(kept, kept)] - coupling.T @ np.linalg.solve(inner, coupling))
 
 
+@pytest.mark.seconds
 @settings(max_examples=8)
 @given(st.integers(0, 2**32 - 1), st.floats(0.01, 0.5), st.floats(0.0, 0.3))
 def test_nested_substructures_give_the_dense_schur_complement(seed: int, kept_share: float, held_share: float) -> None:

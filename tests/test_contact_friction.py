@@ -96,6 +96,7 @@ def gross_slip(rig: ContactProblem) -> tuple[list[ContactState], list[list[Incre
     return driven(rig, pressed(rig)[0], sines(PER_CYCLE + PER_CYCLE // 4))
 
 
+@pytest.mark.seconds
 def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: PartialSlipPoint) -> None:
     problem = crossed_wires(FINE_mm)
     drive = 0.9 * LIMIT_N / mindlin.stiffness_N_per_mm
@@ -160,6 +161,7 @@ def test_friction_work_is_the_area_of_the_closed_loop(gross_slip: Slip) -> None:
     assert work == pytest.approx(loop_area(drive, forces(reports)[-PER_CYCLE:]), rel=0.004)
 
 
+@pytest.mark.seconds
 def test_friction_work_of_few_increments_is_the_area_of_a_loop_of_many(rig: ContactProblem, gross_slip: Slip) -> None:
     start = gross_slip[0][PER_CYCLE // 4 - 1]
 

@@ -38,6 +38,8 @@ def areas_mJ(record: ExperimentRecord) -> np.ndarray:
     return np.array([loop.figures(2.0).dissipated_energy_mJ.value for loop in record.loops])
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("name", sorted({*ODDITIES, *FURTHER} - {*RIGS}))
 def test_an_odd_rig_reads_the_same_friction_energy_otherwise(record: ExperimentRecord, name: str) -> None:
     odd = {**ODDITIES, **FURTHER}[name](record, np.random.default_rng(1))

@@ -16,6 +16,8 @@ from solvers.wear import WearRates
 from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear.loops.area import enclosed_area
 
+pytestmark = pytest.mark.seconds
+
 COARSE_mm = 0.010
 STEPS = AMPLITUDE_mm * np.sin(0.5 * np.pi * np.arange(1, 6) / 5)
 ROUGH = RoughLayer(2e-4, 100.0)

@@ -59,6 +59,8 @@ def test_a_loop_that_opens_has_all_figures_but_coefficients_of_friction() -> Non
     assert any("no normal force was given" in note for note in without.notes)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("samples", [16, 24, 40, 64, 96])
 def test_any_loop_of_a_contact_that_touches_for_a_part_of_the_stroke_is_analysed_or_refused(samples: int) -> None:
     phase = 2.0 * np.pi * np.arange(samples) / samples
@@ -90,6 +92,7 @@ def run() -> RunResult:
     return dataclasses.replace(made, loops=(*early, changed))
 
 
+@pytest.mark.seconds
 def test_commands_on_a_run_whose_wires_part_leave_out_what_cannot_be_told(run: RunResult, tmp_path: Path) -> None:
     write_result(tmp_path / "run" / "result.h5", run)
     assert write_page([run], tmp_path).is_file()
@@ -120,6 +123,7 @@ def errors(report: IncrementReport, height_mm: float, hertz: PointContact) -> tu
     )
 
 
+@pytest.mark.seconds
 def test_peak_pressure_and_approach_tend_to_hertz_as_the_mesh_is_refined(hertz: PointContact) -> None:
     found = []
     for fine in (COARSE_mm, FINE_mm):

@@ -40,6 +40,7 @@ def volumes(problem: ContactProblem, state: ContactState) -> tuple[float, float]
     return (primary, secondary) if problem.primary_is_upper else (secondary, primary)
 
 
+@pytest.mark.seconds
 def test_worn_volume_is_wear_coefficient_times_energy_on_both_bodies(problem: ContactProblem, run: Run) -> None:
     states, reports = run
     work = states[-1].wear.energy_mJ

@@ -123,6 +123,7 @@ def test_a_power_law_is_extrapolated_exactly_whatever_the_spacings(
     assert found.error == pytest.approx(abs(share) * limit * spacings[-1] ** order, rel=1e-3)
 
 
+@pytest.mark.seconds
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_values_without_a_trend_are_not_extrapolated(one: float, two: float, three: float) -> None:
     assume((two - one) * (three - two) < 0.0 and max(abs(two - one), abs(three - two)) > 1e-3)

@@ -98,6 +98,7 @@ def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     assert probability(diagnosis, "rotational_compliance") > 0.1
 
 
+@pytest.mark.seconds
 def test_a_compliance_asks_for_a_measurement_that_splits_its_class() -> None:
     following = with_compliance().diagnosis.next_measurement
     assert following is not None

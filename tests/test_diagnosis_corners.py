@@ -80,6 +80,7 @@ def test_lines_between_few_points_are_seen_under_noise(points: int, samples: int
     assert corners_of(logged(points, samples), FREQUENCY_Hz) == points
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("size", [0.0, 0.1, 1.0])
 @pytest.mark.parametrize("correlation", [0.0, 0.8])
 @pytest.mark.parametrize("coupling", [0.0, 2.0])

@@ -105,6 +105,7 @@ def correlations(covariance: Array) -> Array:
     return np.asarray(covariance / np.outer(sizes, sizes))
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("cycles", [1.0, 1e3, 1e5])
 def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite(cycles: float) -> None:
     whole = layout()
@@ -114,6 +115,7 @@ def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite
     assert np.linalg.eigvalsh(correlations(covariance)).min() > 1e-9
 
 
+@pytest.mark.seconds
 @settings(max_examples=4, deadline=None)
 @given(st.randoms(use_true_random=False))
 def test_the_order_in_which_numbers_are_listed_changes_nothing(random: Random) -> None:
@@ -141,6 +143,7 @@ def test_under_another_load_solvers_differ_by_the_same_share_of_the_forces(facto
     np.testing.assert_allclose(other, factor**2 * own, rtol=1e-6, atol=1e-12)
 
 
+@pytest.mark.seconds
 def test_a_stroke_that_wanders_alike_in_every_test_is_no_gap() -> None:
     """Repeats agree on what their drive does: they tell nothing of it."""
     observed = reduce(record(repeats=3))
@@ -150,6 +153,7 @@ def test_a_stroke_that_wanders_alike_in_every_test_is_no_gap() -> None:
     assert wander @ np.linalg.solve(total, wander) < 4.0
 
 
+@pytest.mark.seconds
 def test_whitened_gap_free_residuals_are_standard_deviates_at_most() -> None:
     """Records of the model itself differ by noise and scatter alone, so less than solvers are allowed to."""
     observed = reduce(record(repeats=3))

@@ -176,6 +176,7 @@ def found_ripple(one: ExperimentRecord) -> Ripple | None:
     return ripple(states(), setup, reduce(one).loops)
 
 
+@pytest.mark.seconds
 def test_a_ripple_of_the_noises_height_is_seen_at_full_sampling() -> None:
     wave = found_ripple(rippled(0.008, "stroke"))
     assert wave is not None

@@ -30,6 +30,7 @@ def fits(count: int, evidences: tuple[float, ...] = ()) -> list[Fit]:
     ]
 
 
+@pytest.mark.seconds
 @given(st.integers(2, 8), st.integers(0, 10_000))
 def test_members_of_a_class_are_near_and_classes_could_not_be_joined(count: int, seed: int) -> None:
     random = np.random.default_rng(seed)
@@ -45,6 +46,7 @@ def test_members_of_a_class_are_near_and_classes_could_not_be_joined(count: int,
         assert all(matrix[np.ix_(one, other)].max() >= SEPARABLE for other in groups[:i])
 
 
+@pytest.mark.seconds
 @given(misfit=st.floats(0.4, 3.0))
 def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
     """As if all variances were so much larger or smaller: twice the evidence and twice the misfit are the same."""

@@ -23,6 +23,7 @@ def course(setup: Setup | None = None, **changed: float) -> LoopCourse:
     return simulate(replace(states(), stroke_um=60.0), rough, CYCLES)
 
 
+@pytest.mark.seconds
 def test_a_layer_without_height_changes_no_slope_and_no_contact() -> None:
     found = wires().at(np.zeros(3), np.zeros(3), np.array([0.0, 0.3, 20.0]))
     assert np.all(found[:, :-1] == 0.0)

@@ -129,6 +129,7 @@ def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
     assert course.volume_um3[-1] == pytest.approx(30.0 * energy, rel=0.01)
 
 
+@pytest.mark.seconds
 def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout
     before = layout.observed(simulate(states(), nominal(), layout.cycles))

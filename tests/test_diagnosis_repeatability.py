@@ -43,6 +43,7 @@ def test_the_factor_on_the_noise_is_found_whatever_the_specimens_scatter(true_fa
     assert factors[-1] == pytest.approx(1.0, rel=0.12)
 
 
+@pytest.mark.seconds
 def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_well() -> None:
     observed = reduce(record())
     shaken = observed.values.copy()

@@ -188,6 +188,7 @@ def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp
     assert "loosening clamp" in found.sentence
 
 
+@pytest.mark.seconds
 def test_a_sensor_that_ages_reads_each_loop_at_its_age(installed: Any) -> None:
     installed("warming = warming:Warming", warming=WARMING)
     (warming,) = (kind() for name, kind in all_effects().items() if name == "warming")

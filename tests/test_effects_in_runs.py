@@ -67,6 +67,7 @@ SENSOR_ENERGY = {
 }
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("name", SENSOR_ENERGY)
 def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_theorem_says(name: str) -> None:
     values, ratio = SENSOR_ENERGY[name]
@@ -76,6 +77,7 @@ def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_
     assert loop_area_mJ(read) == pytest.approx(ratio * loop_area_mJ(nominal.loops[0]), rel=1e-3)
 
 
+@pytest.mark.seconds
 def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
     (read,) = read_loops(result_with(effect("sensor_lag", time_s=0.002)))
     truth = result_with().loops[0]
@@ -85,6 +87,7 @@ def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
     np.testing.assert_allclose(read.displacement_um - truth.displacement_um, expected, atol=20.0 * (omega * 0.002) ** 2)
 
 
+@pytest.mark.seconds
 def test_a_record_of_a_study_with_a_sensor_effect_holds_readings_and_states_the_nominal_model() -> None:
     misread = result_with(effect("displacement_gain", gain=1.1), effect("friction_offset", friction=0.5))
     record = record_of_result(misread)
@@ -93,6 +96,7 @@ def test_a_record_of_a_study_with_a_sensor_effect_holds_readings_and_states_the_
     assert "effects" not in record.tables.model_dump_json()
 
 
+@pytest.mark.seconds
 def test_friction_moves_height_and_knee_of_the_loop_together() -> None:
     nominal, lower = result_with(), result_with(effect("friction_offset", friction=0.527))
     assert largest_force_N(lower) == pytest.approx(0.85 * largest_force_N(nominal), rel=1e-3)

@@ -81,6 +81,7 @@ def test_averages_keep_linear_fields_in_the_middle_and_a_length_of_zero_leaves_a
     assert (averaging(points, volumes, middle, 0.0) @ bump)[0] == bump[middle[0]]
 
 
+@pytest.mark.seconds
 def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_strength() -> None:
     run = run_with_forces()
     sharp = strength_of(run, "fixed", CYCLE, yield_strength_MPa=100.0)

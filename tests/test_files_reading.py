@@ -45,12 +45,16 @@ def _shell(line: str, **environment: str) -> subprocess.CompletedProcess[str]:
     return subprocess.CompletedProcess(ended.args, ended.returncode, out, err)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("encoding", ["ascii", "latin-1"])
 def test_what_standard_output_cannot_show_is_spelled_plainly(encoding: str) -> None:
     ended = _shell(f"{COMMAND} effects; {COMMAND} effects --json", PYTHONIOENCODING=encoding)
     assert (ended.returncode, ended.stderr) == (0, "")
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("closed", [">&-", "<&- >&- 2>&-"])
 def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path, closed: str) -> None:
     ended = _shell(f"{COMMAND} new {tmp_path / 'study.toml'} {closed}")

@@ -36,6 +36,7 @@ def invoked(line: str) -> Result:
     return CliRunner().invoke(cli, line.split())
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("name", "held"),
     [
@@ -58,6 +59,7 @@ def test_what_a_path_holds_is_seen_by_its_contents(name: str, held: Held | None)
     assert recognised(Path(name)) == held
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [

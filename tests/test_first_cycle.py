@@ -18,6 +18,8 @@ from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.views.run_wording import sentence
 
+pytestmark = pytest.mark.seconds
+
 ALPHA_mm3_per_J = 3e-5
 AMPLITUDE_um = 40.0
 LINE_AMPLITUDE_um = 25.0
@@ -67,6 +69,7 @@ def volume_mm3(result: RunResult) -> float:
     return float(result.evolution["worn_volume_moving_mm3"][-1] + result.evolution["worn_volume_fixed_mm3"][-1])
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("cycles", [1, 2, 10])
 def test_wires_wear_in_every_cycle_of_a_test(cycles: int, tmp_path: Path) -> None:
     result = run(wires(cycles), tmp_path)
@@ -78,6 +81,7 @@ def test_wires_wear_in_every_cycle_of_a_test(cycles: int, tmp_path: Path) -> Non
     assert fitted == pytest.approx(ALPHA_mm3_per_J, rel=5e-3)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("cycles", [1, 2, 10, 1000])
 def test_line_contacts_wear_in_every_cycle_of_a_test(cycles: int) -> None:
     evolution = line(cycles).evolution
@@ -88,6 +92,7 @@ def test_line_contacts_wear_in_every_cycle_of_a_test(cycles: int) -> None:
     assert worn == pytest.approx(1e-3 * ALPHA_mm3_per_J * spent, rel=5e-3)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("friction", [0.001, 0.01, 0.62, 1.5])
 def test_the_energy_of_a_loop_is_its_area_and_the_friction_work_at_any_friction(
     friction: float, tmp_path: Path
@@ -123,6 +128,7 @@ def test_without_friction_line_contacts_slide_by_the_whole_stroke_and_wear_nothi
     assert evolution["worn_volume_specimen_mm3"][-1] == 0.0
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("as_json", [False, True])
 def test_a_rig_that_takes_the_whole_stroke_is_the_first_thing_that_a_run_says(as_json: bool, tmp_path: Path) -> None:
     """µP/K = 0.62 x 2 N over 20 N/mm is 62 µm."""

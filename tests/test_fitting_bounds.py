@@ -15,6 +15,8 @@ from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.report import fit_json
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
+pytestmark = pytest.mark.seconds
+
 CYCLES = (100, 1000, 10_000)
 
 
@@ -40,6 +42,7 @@ def holds(parameter: FittedParameter, truth: float) -> bool:
     return parameter.interval95[0] <= truth <= parameter.interval95[1]
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize(("rig_N_per_mm", "play_um"), [(80.0, 3.0), (40.0, 5.0), (500.0, 5.0), (167.0, 0.0)])
 def test_a_play_is_fitted_and_not_laid_into_the_stiffness(rig_N_per_mm: float, play_um: float) -> None:
     loose = {"free_play": {"gap_um": play_um}} if play_um else {}

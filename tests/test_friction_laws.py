@@ -117,6 +117,7 @@ def limited() -> ContactProblem:
     return replace(crossed_wires(0.010, long_patch=True, rig_N_per_mm=RIG_N_per_mm), friction_law=LAW)
 
 
+@pytest.mark.seconds
 def test_friction_work_under_another_law_is_the_loops_area(limited: ContactProblem) -> None:
     start, _ = driven(limited, pressed(limited)[0], AMPLITUDE_mm * np.sin(0.5 * np.pi * np.arange(1, 6) / 5))
     drives = AMPLITUDE_mm * np.cos(2.0 * np.pi * np.arange(1, 161) / 160)
@@ -127,6 +128,7 @@ def test_friction_work_under_another_law_is_the_loops_area(limited: ContactProbl
     assert work == pytest.approx(area, rel=2e-3)
 
 
+@pytest.mark.seconds
 def test_wear_by_energy_follows_the_friction_law_and_by_archard_the_pressure(limited: ContactProblem) -> None:
     half = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 11) / 10)
 

@@ -9,7 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tools.house import branches_on_kinds, circles, imports_among, modules_of, weights
+from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, weights
+
+pytestmark = pytest.mark.seconds
 
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("geometry", "solvers", "wirewear", "studies")
@@ -79,7 +81,7 @@ def violations(root: Path) -> list[str]:
     found = []
     for layer in LAYERS:
         for file in sorted((root / layer).rglob("*.py")):
-            nodes = list(ast.walk(ast.parse(file.read_text(encoding="utf-8"), filename=str(file))))
+            nodes = nodes_of(file)
             where = file.relative_to(root)
             may_import = MAY_IMPORT[layer] | ({"solvers"} if where.as_posix().startswith(EFFECTS_OF_STUDIES) else set())
             found += [
@@ -252,7 +254,7 @@ BUDGETS = {
     "lines of geometry, solvers and wirewear": 64_880,
     "lines of wirewear": 53_230,
     "lines of studies": 19_500,
-    "lines of tests": 25_000,
+    "lines of tests": 25_100,
     "files of geometry, solvers and wirewear": 464,
     "rooms of wirewear": 24,
     "arrows between rooms": 139,

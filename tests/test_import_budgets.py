@@ -101,6 +101,7 @@ def test_a_matlab_file_that_would_fill_the_memory_is_refused_before_it_is_read(
     tracemalloc.stop()
 
 
+@pytest.mark.seconds
 def test_a_large_text_that_is_no_map_is_refused_without_being_read(tmp_path: Path) -> None:
     """SurfaceTopography took 160 bytes a byte, and a second a megabyte."""
     path = tmp_path / "map.txt"

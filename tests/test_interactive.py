@@ -16,6 +16,8 @@ from wirewear.faces import cli
 from wirewear.pictures.smooth import smooth_loop
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
+pytestmark = pytest.mark.seconds
+
 TITANIUM = Path(__file__).parents[1] / "studies" / "titanium_oxygenation" / "record_2Hz"
 
 VARIANTS = (
@@ -95,6 +97,7 @@ def test_arrays_state_their_units(run: ww.Run, tmp_path: Path) -> None:
         )
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize("form", ["csv", "parquet", "netcdf"])
 def test_tables_are_exported_for_other_programs(run: ww.Run, form: str, tmp_path: Path) -> None:
     pytest.importorskip("h5netcdf")

@@ -84,6 +84,7 @@ def test_contact_forces_survive_the_file(run: Run, stored: Path) -> None:
         np.testing.assert_array_equal(before.nodes, after.nodes)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("wire", WIRES)
 def test_the_grip_holds_what_the_contact_gives(run: Run, wire: str) -> None:
     (state,) = body_states(run, wire, CYCLE, ["mid-forward"])
@@ -95,6 +96,7 @@ def test_the_grip_holds_what_the_contact_gives(run: Run, wire: str) -> None:
     assert state.forces.tangential_force_N[state.position] == pytest.approx(FRICTION * LOAD_N)
 
 
+@pytest.mark.seconds
 def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
     worn, fresh = (body_states(run, "fixed", CYCLE, [0], worn=worn)[0] for worn in (True, False))
     patch = worn.body.wire.patch

@@ -25,6 +25,8 @@ OPTIONS = {
 }
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("face", OPTIONS)
 def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path: Path, face: str) -> None:
     keys, options = OPTIONS[face]

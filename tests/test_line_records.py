@@ -21,6 +21,8 @@ from wirewear.records.line_files import is_line_record, read_line_record, write_
 from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.results import RunResult, read_result
 
+pytestmark = pytest.mark.seconds
+
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
 

@@ -69,6 +69,7 @@ def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
         assert np.abs(found[near]).max() > 0.2
 
 
+@pytest.mark.seconds
 def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
     x, traction = hertz(12.0)
     mesh = flat(2.5, 1.0 / 12.0)

@@ -42,6 +42,7 @@ def test_a_noiseless_plateau_is_not_called_clipped(samples: int, rig_stiffness: 
     assert not any("clipped" in note for note in analyse_loop(np.clip(displacement, -50.0, 50.0), force, 2.0).notes)
 
 
+@pytest.mark.seconds
 def test_noise_and_outliers_leave_slip_and_energy_within_one_percent_and_stiffness_within_five() -> None:
     # The noise is 1 % of the stroke and of the sliding force: the slope of less micro-slip cannot be told to 5 %.
     for recipe, phase, seed in drawn(60, 0.1, seed=1):
@@ -53,12 +54,14 @@ def test_noise_and_outliers_leave_slip_and_energy_within_one_percent_and_stiffne
         assert share_off(figures.measured_stiffness_N_per_um, loop.stiffness_N_per_um) < 0.05, recipe
 
 
+@pytest.mark.seconds
 def test_geometry_independent_friction_is_within_one_percent_whatever_the_hooks() -> None:
     for recipe, phase, seed in drawn(80, 0.02, seed=2):
         _, figures = analysed_with_noise(recipe, phase, seed)
         assert share_off(figures.friction_geometry_independent, recipe.friction) < 0.01, recipe
 
 
+@pytest.mark.seconds
 def test_coarse_simulated_loops_give_slip_and_energy_within_half_a_percent() -> None:
     for recipe, phase, seed in drawn(60, 0.02, seed=3):
         loop = SyntheticLoop(recipe)
@@ -77,6 +80,7 @@ def test_a_rigid_rigs_sharp_corners_are_not_cut_off(samples: int) -> None:
     assert share_off(figures.dissipated_energy_mJ, loop.energy_mJ) < 0.005
 
 
+@pytest.mark.seconds
 def test_intervals_hold_the_truth_about_as_often_as_they_promise() -> None:
     random = np.random.default_rng(11)
     held = []

@@ -55,6 +55,7 @@ def test_json_has_the_fixed_keys_with_value_and_interval(tmp_path: Path) -> None
     assert loop["friction_geometry_independent"]["value"] == pytest.approx(0.62, rel=0.005)
 
 
+@pytest.mark.seconds
 @given(st.sampled_from(["_", " [", " ("]), st.sampled_from([("um", 1.0), ("mm", 1e-3), ("nm", 1e3)]))
 def test_usual_names_are_recognised_however_the_unit_is_written(
     tmp_path_factory: pytest.TempPathFactory, mark: str, unit: tuple[str, float]
@@ -66,6 +67,8 @@ def test_usual_names_are_recognised_however_the_unit_is_written(
     np.testing.assert_allclose(loop.tangential_force_N, FORCE_N, rtol=1e-9)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("start", [0.0, 0.13, 0.25, 0.6, 0.75])
 @pytest.mark.parametrize("named", [True, False])
 def test_several_cycles_without_a_column_of_cycles_are_split_at_reversals(
@@ -82,6 +85,7 @@ def test_several_cycles_without_a_column_of_cycles_are_split_at_reversals(
         assert loop["slip_amplitude_um"]["value"] == pytest.approx(LOOP.slip_amplitude_um, rel=0.005)
 
 
+@pytest.mark.seconds
 def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
     path = tmp_path / "result.h5"
     write_result(path, synthetic_results.result("compliant", 167.0))

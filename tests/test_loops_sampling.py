@@ -60,6 +60,7 @@ def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:
     assert share_off(figures.friction_max, math.tan(math.atan(0.62) + 0.15)) < 0.02
 
 
+@pytest.mark.seconds
 @example(330, 16, "spikes")
 @given(st.integers(0, 10**6), st.integers(16, 90), st.sampled_from(["noise", "steps", "elastic", "spikes"]))
 @settings(deadline=None, max_examples=60)

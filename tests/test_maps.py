@@ -19,6 +19,8 @@ from wirewear.views.regression import line_through_origin, line_with_threshold
 from wirewear.views.response import edge_tension, tension_at
 from wirewear.views.run_maps import FreshContact, fresh_contact, transition
 
+pytestmark = pytest.mark.seconds
+
 EXAMPLES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records"
 
 

@@ -36,6 +36,7 @@ def test_a_shadowing_module_is_named_with_what_to_do(tmp_path: Path, name: str, 
     assert "rename or remove" in last_line
 
 
+@pytest.mark.seconds
 def test_everything_offered_is_there_and_nothing_is_loaded_before_it_is_asked_for() -> None:
     code = (
         "import sys, wirewear\n"

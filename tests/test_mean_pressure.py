@@ -185,6 +185,7 @@ def test_the_largest_mean_of_a_flat_punch_is_that_over_the_length_beside_its_edg
     assert found <= exact * (1.0 + 1e-9)
 
 
+@pytest.mark.seconds
 def test_the_mean_of_a_round_punch_beside_its_edge_is_that_of_its_field() -> None:
     """p = P / (2π a √(a² − r²)) over the disc that touches the edge from inside, by quadrature over chords."""
     radius, over, load = 50.0, 20.0, 1000.0
@@ -220,6 +221,7 @@ def test_means_of_a_single_nodes_force_do_not_grow_as_the_mesh_is_refined() -> N
     assert means == pytest.approx(2 * [2000.0 / (0.25 * pi * 15.0**2)])
 
 
+@pytest.mark.seconds
 @settings(max_examples=20)
 @given(st.integers(0, 2**32 - 1), st.floats(0.05, 30.0))
 def test_forces_are_kept(seed: int, over: float) -> None:

@@ -205,6 +205,7 @@ def test_a_uniform_depth_moves_the_inside_down_by_no_more_than_the_surface() -> 
     assert np.all(np.diff(drop[column][np.argsort(block.points[column, 2])]) > 0.0)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("upper", [True, False])
 def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_it_or_not(
     fresh: WireMesh, upper: bool
@@ -217,6 +218,7 @@ def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_
     assert moved.node_heights(depth) == pytest.approx((-1.0 if upper else 1.0) * on_mesh, abs=1e-15)
 
 
+@pytest.mark.seconds
 def test_a_worn_wire_is_condensed_on_its_moved_nodes(tmp_path: Path) -> None:
     geometry = wire_geometry(0.02, 0.02, 0.04)
     fresh = condensed_wire(geometry, STEEL, tmp_path)

@@ -65,6 +65,7 @@ def _error_against_cells(matrix: Array, patch_shape: tuple[int, int], size: tupl
     return float(np.abs(found - exact).max() / exact.max())
 
 
+@pytest.mark.seconds
 def test_a_loaded_node_gives_way_as_its_cell_does_between_two_half_spaces() -> None:
     upper, lower = _bodies()
     size = (float(np.diff(upper.patch.axial_mm)[8]), float(np.diff(upper.patch.transverse_mm)[8]))

@@ -48,6 +48,8 @@ def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
     return read_record(folder / "record")
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("logger", ["German", "English"])
 def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(
     tmp_path: Path, example: ExperimentRecord, logger: str
@@ -91,6 +93,7 @@ def few_files(folder: Path, example: ExperimentRecord) -> list[Path]:
     return write_german(ExperimentRecord(example.tables, example.loops[:2], scars=scars), folder)
 
 
+@pytest.mark.seconds
 def test_a_dry_run_draws_loop_and_fitted_scars_and_refuses_a_wrong_unit(
     tmp_path: Path, example: ExperimentRecord
 ) -> None:
@@ -107,6 +110,7 @@ def test_a_dry_run_draws_loop_and_fitted_scars_and_refuses_a_wrong_unit(
     assert "it looks like millimetres" in wrong.stderr
 
 
+@pytest.mark.seconds
 def test_a_tdms_file_is_read_by_group_and_channel(tmp_path: Path, example: ExperimentRecord) -> None:
     nptdms = pytest.importorskip("nptdms")
     loop = example.loops[0].complete

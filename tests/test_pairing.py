@@ -39,6 +39,7 @@ def upper_and_lower(
 GRADED = GradedAxis(0.004, 0.012, 0.012, 0.04).lines()
 
 
+@pytest.mark.seconds
 @given(st.floats(-0.03, 0.03), st.floats(-0.03, 0.03), st.floats(0.0, np.pi))
 def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float, y: float, angle: float) -> None:
     primary, secondary = upper_and_lower(GRADED, even(0.12, 21), angle_rad=angle)
@@ -93,6 +94,7 @@ def consistency_error(primary_count: int, secondary_count: int) -> float:
     return float(np.abs(forces - exact).max() / exact.max())
 
 
+@pytest.mark.seconds
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 def test_uniform_pressure_crosses_equally_fine_meshes_to_round_off_wherever_they_stand(x: float, y: float) -> None:
     spacing = 0.004

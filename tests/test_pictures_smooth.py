@@ -94,6 +94,7 @@ def test_a_round_scar_has_a_round_edge(count: int) -> None:
     assert float(r[finer.depth_um == 0.0].min()) == pytest.approx(RADIUS_um, abs=0.5 * spacing)
 
 
+@pytest.mark.seconds
 def test_symmetric_scars_are_drawn_symmetrically() -> None:
     scar = bowl("fixed", 12.0, 80.0, 60.0)
     depth = smooth_scar(scar).depth_um

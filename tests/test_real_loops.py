@@ -22,6 +22,8 @@ def figures_of(loop: RealLoop, samples: int = 512, seed: int = 0) -> LoopFigures
     return analyse_loop(displacement, force, load, time_s=time / 3.0)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("size", SIZES)
 def test_play_with_chatter_offset_and_unequal_friction_is_measured_at_every_size(size: str) -> None:
     cases = itertools.product((4.0, 8.0), (0.0, 0.4), (0.0, 0.2), (1.24, 0.93))
@@ -46,6 +48,7 @@ def test_play_with_chatter_offset_and_unequal_friction_is_measured_at_every_size
     assert np.mean(held) > 0.8
 
 
+@pytest.mark.seconds
 def test_play_of_an_independent_rig_is_found_and_none_where_it_has_none() -> None:
     records = Path("studies/steel_wires/example_records")
     loops = [loop for loop in read_record(records / "free_play_rig").loops if loop.cycle <= 1000]

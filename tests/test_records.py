@@ -48,6 +48,7 @@ def topics(folder: Path) -> dict[str, str]:
     return {remark.topic: remark.text for remark in check_record(read_record(folder)).remarks}
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("name", NAMES)
 def test_example_records_pass_the_check(name: str) -> None:
     report = check_record(read_record(EXAMPLES / name))
@@ -73,6 +74,7 @@ def test_a_written_record_is_read_as_it_was(tmp_path: Path) -> None:
     assert not list((tmp_path / "copy").glob(".*"))
 
 
+@pytest.mark.seconds
 def test_240_mutated_records_are_read_correctly_or_refused_in_one_sentence_with_its_place() -> None:
     counts, wrongs = run(2, range(240), check_every=7)
     assert wrongs == []
@@ -110,6 +112,7 @@ def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder
         read_record(folder)
 
 
+@pytest.mark.first_case
 @pytest.mark.parametrize(
     ("topic", "change", "words"),
     [

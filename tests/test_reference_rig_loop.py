@@ -99,6 +99,7 @@ def test_the_largest_tension_is_at_the_edge_and_grows_with_friction() -> None:
     assert moving - still[0] == pytest.approx(np.array([1.0, -1.0]) * np.pi * (4.0 + NU) / 8.0 * Q0, rel=1e-6)
 
 
+@pytest.mark.seconds
 def test_the_largest_von_mises_stress_lies_where_textbooks_say() -> None:
     """For ν = 0.3: 0.620 p0 at 0.48 a under a sphere, 0.558 p0 at 0.70 a under a line (Johnson, section 4.2)."""
     z = np.linspace(0.0, 2.0, 4001) * A
@@ -147,6 +148,7 @@ def test_steel_wires_behind_the_articles_rig_dissipate_and_slip_as_computed_by_h
     assert slip_amplitude(STEEL_WIRES, 0.06) == pytest.approx(0.05949, abs=1e-5)
 
 
+@pytest.mark.seconds
 @given(STIFFNESSES, st.floats(0.05, 20.0))
 def test_energy_and_slip_are_the_loops_area_and_half_width(rig: float, excess: float) -> None:
     amplitude = excess * sliding_threshold(STEEL_WIRES, rig)
@@ -168,6 +170,7 @@ def test_a_branch_leaves_its_reversal_with_the_series_stiffness(rig: float, exce
     assert slope == pytest.approx(unloading_stiffness(STEEL_WIRES, rig), rel=1e-4)
 
 
+@pytest.mark.seconds
 @given(STIFFNESSES, st.floats(0.1, 10.0), st.integers(8, 200))
 def test_a_closed_loop_lies_on_its_branches_and_is_point_symmetric(rig: float, excess: float, quarters: int) -> None:
     amplitude = excess * sliding_threshold(STEEL_WIRES, rig)

@@ -9,6 +9,8 @@ from solvers import ContactProblem, ContactState, RoughLayer, Symmetry, closed_t
 from tests.bodies import crossed_wires, pressed
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped, wires
 
+pytestmark = pytest.mark.seconds
+
 MESH_mm = 0.005
 #: By the rig's stiffness, 0 where it is rigid; some two thirds of the fresh contact's radius stick.
 STROKES_mm = {0.0: 4.0e-4, 20.0: 0.045}

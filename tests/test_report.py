@@ -19,6 +19,8 @@ from wirewear.views.run_data import page_data
 from wirewear.views.run_maps import running_conditions
 from wirewear.views.run_page import run_page, write_page
 
+pytestmark = pytest.mark.seconds
+
 
 def stated(run: RunResult, stiffness: float | str) -> RunResult:
     """The result with a whole study in it."""

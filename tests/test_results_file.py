@@ -104,6 +104,7 @@ def assert_same(one: object, other: object) -> None:
         assert one == other
 
 
+@pytest.mark.seconds
 @in_one_folder
 @given(run=results())
 def test_what_is_written_is_read_back_to_the_last_bit(run: RunResult, tmp_path: Path) -> None:

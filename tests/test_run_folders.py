@@ -59,6 +59,7 @@ def run(output: Path, study: Study | None = None, *, resume: bool = True) -> lis
     return notes.notes
 
 
+@pytest.mark.seconds
 def test_a_complete_run_stands_for_itself_only_while_the_code_is_the_same(
     tmp_path: Path, simulated: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -95,6 +96,7 @@ def test_two_runs_at_once_are_refused_by_name(tmp_path: Path, simulated: list[st
     assert not (tmp_path / LOCK_FILE_NAME).exists()
 
 
+@pytest.mark.seconds
 def test_results_are_not_mixed_up_with_other_runs_in_the_same_folder(tmp_path: Path, simulated: list[str]) -> None:
     run(tmp_path, coarse(COARSE + VARIANTS))
     with pytest.raises(RunError, match=r"holds other runs in folders of its own \(compliant, rigid\)"):
@@ -113,6 +115,8 @@ def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
         seen |= graph[module]
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("start", "code", "left_out"),
     [

@@ -63,6 +63,8 @@ def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
     return files
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0, 30.0])
 def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_were_exported_from(
     tmp_path: Path, angle_deg: float
@@ -86,6 +88,7 @@ def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_were_exported
         assert pair.measured_volumes_mm3[0] == pytest.approx(pair.simulated_volumes_mm3[0], rel=0.02)
 
 
+@pytest.mark.seconds
 def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_its_own_axis(tmp_path: Path) -> None:
     run = run_at(60.0)
     exported(run, tmp_path, 60.0)
@@ -117,6 +120,7 @@ def test_quarters_of_a_turn_keep_every_point() -> None:
     assert scar.turned(90.0).depth_um[-1, 2] == depth[2, 0]
 
 
+@pytest.mark.seconds
 def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherever_it_is_given() -> None:
     """Depths are never clipped: six maps of a noisy scar have the mean of the scar that they are of."""
     run = run_at(90.0)

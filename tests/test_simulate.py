@@ -16,6 +16,8 @@ from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
 
+pytestmark = pytest.mark.seconds
+
 COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=300)}[wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 moving_share = 0.3

@@ -52,6 +52,7 @@ def test_expected_figures_are_those_worked_out_by_hand(pair: Pair) -> None:
     assert 150.0 < expected["compliant: stiffness K_t,m [N/mm]"] < 157.3
 
 
+@pytest.mark.seconds
 def test_the_example_record_is_nearer_to_the_run_that_has_its_stiffness(pair: Pair) -> None:
     record = read_record(EXAMPLE_RECORD)
     beside = beside_record(pair, record)

@@ -106,6 +106,7 @@ def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_
     assert check(StudyTables) > 30
 
 
+@pytest.mark.seconds
 @given(
     diameter=st.floats(0.1, 20.0),
     load=st.floats(1e-3, 1e4),
@@ -151,6 +152,7 @@ def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sente
         parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
 
 
+@pytest.mark.seconds
 @given(paths, junk)
 def test_any_value_in_any_place_is_accepted_or_told_in_one_sentence(keys: tuple[str, ...], value: object) -> None:
     data = minimal()

@@ -131,6 +131,8 @@ def test_every_script_is_tried() -> None:
     assert scripts() == sorted(ARGUMENTS)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("script", "given"),
     [

@@ -25,6 +25,8 @@ def hertz(per_radius: float, centre: tuple[float, float]) -> Array:
     return np.stack([-FRICTION * pressure, 0.0 * pressure, -pressure], axis=-1)
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("centre", [(0.0, 0.0), (0.11, 0.05)])
 @pytest.mark.parametrize("per_radius", [4.0, 24.0])
 def test_between_nodes_hertzs_pressure_ends_on_its_circle(per_radius: float, centre: tuple[float, float]) -> None:
@@ -43,6 +45,7 @@ def flat(size_mm: float = 1.0, elements: int = 16, depth: int = 10) -> SurfaceSt
     return SurfaceStress(mesh, bodies.patch_on(mesh), bodies.STEEL, (step, 1.0))
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("x", [-1.0, -0.6, 0.0, 0.8, 1.3])
 def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
     between = SubgridTraction.of_nodes(hertz(4.0, (0.0, 0.0)))
@@ -57,6 +60,7 @@ def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
     np.testing.assert_allclose(found[:4], exact[:4], atol=0.04)
 
 
+@pytest.mark.seconds
 def test_a_contact_that_leaves_the_elements_alike_is_not_corrected_there_and_its_mirror_image_neither() -> None:
     surface = flat(5.0, 20)
     grid = surface.patch.grid()

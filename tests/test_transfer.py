@@ -44,6 +44,7 @@ def worn(draw: st.DrawFn) -> tuple[ContactPatch, Array]:
     return old, draw(arrays(float, old.shape, elements=st.sampled_from([0.0, 0.0, 1e-9, 1e-3, 0.04])))
 
 
+@pytest.mark.seconds
 @settings(max_examples=150)
 @given(worn(), grids(0.06), grids(0.06))
 def test_any_depth_keeps_its_volume_and_never_becomes_negative(
@@ -63,6 +64,7 @@ def test_a_transfer_to_the_same_grid_changes_nothing(given_wear: tuple[ContactPa
     assert transferred(depth, old, old) == pytest.approx(depth, rel=1e-9, abs=1e-12)
 
 
+@pytest.mark.seconds
 @given(worn(), st.integers(2, 4))
 def test_a_finer_grid_that_contains_the_old_lines_shows_the_same_surface(
     given_wear: tuple[ContactPatch, Array], pieces: int

@@ -47,6 +47,7 @@ def changed(row: tuple[object, ...], **values: object) -> tuple[object, ...]:
     return tuple(values.get(name, value) for name, value in zip(HEAD, row, strict=True))
 
 
+@pytest.mark.seconds
 def test_all_thirteen_published_stiffnesses_are_met_within_10_percent_and_on_average_within_3() -> None:
     errors = []
     for found in read_tribometers(PUBLISHED):
@@ -63,6 +64,7 @@ def test_a_round_pad_of_6_mm_is_softer_than_a_half_plane_and_a_wide_block_hardly
     assert line_contact_stiffness(40.0, 0.549, TITANIUM, TITANIUM) == pytest.approx(half_planes[0.549], rel=0.06)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(("radius", "share"), [(0.3, 0.45), (6.0, 0.002), (150.0, 0.2)])
 def test_stiffness_grows_with_the_contact(radius: float, share: float) -> None:
     half_width = share * ASSUMED.widest_contact(radius)
@@ -148,6 +150,7 @@ def read_or_refused(path: Path) -> str | int:
         return str(refused)
 
 
+@pytest.mark.seconds
 @given(content=st.binary(max_size=300) | st.text(max_size=300).map(lambda text: text.encode("utf-8", "replace")))
 def test_any_file_is_read_or_refused(tmp_path_factory: pytest.TempPathFactory, content: bytes) -> None:
     path = tmp_path_factory.getbasetemp() / "any.csv"

@@ -71,6 +71,8 @@ REFUSED = [
 ]
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize(("change", "words"), REFUSED)
 def test_a_record_that_cannot_be_is_refused_with_the_likely_cause(
     sound: ExperimentRecord, change: Change, words: str
@@ -128,6 +130,7 @@ def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, 
     assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
 
 
+@pytest.mark.seconds
 def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", loops(tangential_force_N=-1.0)(sound))
     ended = CliRunner().invoke(cli, ["diagnose", str(folder), "--output", str(tmp_path / "out")])
@@ -159,6 +162,8 @@ def _driven(samples: int, dense_at_turns: bool, noise_um: float) -> list[Measure
     return loops
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize("stated", [0.0, 0.15])
 @pytest.mark.parametrize(("samples", "dense_at_turns"), [(92, True), (128, False), (256, False)])
 def test_noise_that_is_as_stated_is_told_to_be_no_other(
@@ -189,6 +194,7 @@ def resolution_of(record: ExperimentRecord) -> list[str]:
     return [remark.text for remark in check_record(record).remarks if remark.topic == "resolution"]
 
 
+@pytest.mark.seconds
 def test_a_force_of_coarse_steps_is_noted_with_its_step(sound: ExperimentRecord) -> None:
     (text,) = resolution_of(stepped(0.1)(sound))
     assert text.startswith("The tangential force is read in steps of 0.1 N, ")

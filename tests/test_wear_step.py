@@ -56,6 +56,7 @@ def turned(angle_deg: float) -> ContactProblem:
     return replace(right, upper=upper)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0])
 def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg: float) -> None:
     posed = turned(angle_deg)
@@ -83,6 +84,7 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
             assert folded.state.wear.energy_mJ == pytest.approx(unfolded.state.wear.energy_mJ, rel=1e-11)
 
 
+@pytest.mark.seconds
 def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(problem: ContactProblem) -> None:
     leaning = misaligned(problem, np.radians(5.0))
     assert symmetry_of(leaning).half_cycle is None
@@ -95,6 +97,7 @@ def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(prob
     assert np.abs(upper - upper[:, ::-1]).max() > 1e-3 * upper.max()
 
 
+@pytest.mark.seconds
 def test_depths_are_never_negative_and_never_shrink(problem: ContactProblem) -> None:
     state = at_the_end(problem)
     for cycles in (5.0, 30.0, 200.0, 1000.0):
@@ -105,6 +108,7 @@ def test_depths_are_never_negative_and_never_shrink(problem: ContactProblem) -> 
         state = after
 
 
+@pytest.mark.seconds
 def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> None:
     differences = []
     for element_mm in (0.02, 0.01):
@@ -116,6 +120,7 @@ def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> N
     assert differences[1] < 0.5 * differences[0] < 0.02
 
 
+@pytest.mark.seconds
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: ContactProblem) -> None:
     def in_metres(body: CondensedBody) -> CondensedBody:
         return CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
@@ -143,6 +148,7 @@ def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: Con
         assert folded == pytest.approx(other, rel=1e-4, abs=1e-10)
 
 
+@pytest.mark.seconds
 def test_jumps_are_of_second_order() -> None:
     contact = line_contact()
     state = worn(contact, 100.0, 300.0, 600.0, 2000.0, stroke_mm=LINE_STROKE_mm)
@@ -157,6 +163,7 @@ def test_jumps_are_of_second_order() -> None:
     assert errors[0] < 1e-3 * float(np.linalg.norm(ends[-1]))
 
 
+@pytest.mark.seconds
 def test_the_change_of_pressures_falls_with_the_jump() -> None:
     contact = line_contact()
     state = worn(contact, 100.0, 200.0, stroke_mm=LINE_STROKE_mm)
@@ -166,6 +173,8 @@ def test_the_change_of_pressures_falls_with_the_jump() -> None:
     assert 2.0 < large / small < 8.0
 
 
+@pytest.mark.first_case
+@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("layer", "least", "most"),
     # Roughness spreads the load, so that the scar is shallower; debris fills a part of it, so that it is deeper.
@@ -184,6 +193,7 @@ def test_layers_between_the_surfaces_wear_with_the_books_in_order(
     assert least < state.wear.primary_depth.max() / bare.wear.primary_depth.max() < most
 
 
+@pytest.mark.seconds
 def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_jump(problem: ContactProblem) -> None:
     def fading(cycle: float, _energy_mJ: float) -> ContactProblem:
         return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * (cycle - 1.0) / CYCLES))
@@ -198,6 +208,7 @@ def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_ju
     assert volumes[1] / volumes[2] == pytest.approx(0.75, rel=0.01)
 
 
+@pytest.mark.seconds
 def test_a_line_contact_wears_as_the_energy_says() -> None:
     contact = line_contact()
     wear = worn(contact, 100.0, 400.0, stroke_mm=LINE_STROKE_mm).wear

@@ -12,12 +12,19 @@ from __future__ import annotations
 import ast
 import sys
 from collections.abc import Iterable, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from statistics import median
 
 Graph = dict[str, set[str]]
 
 CODE = ("geometry", "solvers", "wirewear", "studies")
+
+
+@cache
+def nodes_of(file: Path) -> tuple[ast.AST, ...]:
+    """All that a file says, read once."""
+    return tuple(ast.walk(ast.parse(file.read_text(encoding="utf-8"), filename=str(file))))
 
 
 def modules_of(root: Path, package: str = "wirewear") -> dict[str, Path]:
@@ -38,7 +45,7 @@ def imports_among(modules: Mapping[str, Path]) -> Graph:
 
 def _imported(name: str, file: Path, modules: Mapping[str, Path]) -> Iterator[str]:
     package = name if file.name == "__init__.py" else name.rpartition(".")[0]
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"), filename=str(file))):
+    for node in nodes_of(file):
         match node:
             case ast.Import(names=names):
                 yield from (alias.name for alias in names if alias.name in modules)
@@ -112,7 +119,7 @@ _KINDS = {
 
 def branches_on_kinds(files: Iterable[Path]) -> int:
     """How often code asks which kind of contact it has before it."""
-    return sum(_asks(node) for file in files for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))))
+    return sum(_asks(node) for file in files for node in nodes_of(file))
 
 
 def _asks(node: ast.AST) -> bool:
@@ -139,7 +146,7 @@ def weights(root: Path) -> dict[str, float]:
     importing = sum(
         1 + int(node.end_lineno or node.lineno) - node.lineno
         for file in code["wirewear"]
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        for node in nodes_of(file)
         if isinstance(node, ast.Import | ast.ImportFrom)
     )
     rooms = rooms_among(modules_of(root))
