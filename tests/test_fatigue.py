@@ -107,5 +107,6 @@ def test_the_command_writes_table_fields_and_maps(tmp_path: Path) -> None:
     outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
     assert outcome.exit_code == 0, outcome.output
     assert "yields at 500 MPa" in outcome.output
+    assert "wirewear: fixed, cycle 100\n" in outcome.stderr
     names = {path.name for path in (tmp_path / "strength").iterdir()}
     assert names == {"strength.csv", "strength_fixed_0000100.vtu", "strength_fixed_0000100.png"}
