@@ -1,6 +1,7 @@
 """`wirewear new`: a commented study, or a mapping guessed from a logger's own files; and what import makes of it."""
 
 import re
+import tomllib
 from pathlib import Path
 
 import numpy as np
@@ -80,6 +81,22 @@ def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: Experime
     path = tmp_path / "other.csv"
     path.write_text("time_s,pressure_bar\n0,1\n1,2\n2,3\n", encoding="utf-8")
     assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45").stderr
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.01, 0.03, 0.06])
+def test_a_guessed_amplitude_is_not_that_of_the_outermost_noisy_readings(tmp_path: Path, noise: float) -> None:
+    random = np.random.default_rng(1)
+    time = np.arange(1600) / 800.0
+    phase = 2.0 * np.pi * 5.0 * time
+    x = 12.0 * (np.sin(phase) + noise * random.standard_normal(time.size))
+    force = 0.6 * np.tanh(3.0 * np.cos(phase)) + 0.6 * np.clip(np.sin(phase), 0.0, 0.1)
+    log = tmp_path / "log.csv"
+    lines = [f"{t:.5f};{a:.4f};{q:.4f}" for t, a, q in zip(time, x, force, strict=True)]
+    log.write_text("\n".join(["time [s];displacement [µm];tangential force [N]", *lines]), encoding="utf-8")
+    result = wirewear("new", "--mapping", log, "--diameter", "0.45", "--normal-load", "2")
+    assert result.exit_code == 0, result.output
+    guessed = tomllib.loads((tmp_path / "mapping.toml").read_text(encoding="utf-8"))["conditions"]
+    assert guessed["displacement_amplitude_um"] == pytest.approx(12.0, rel=0.005 + 0.1 * noise)
 
 
 def mapping_of(folder: Path, files: list[Path]) -> Path:

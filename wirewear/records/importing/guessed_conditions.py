@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
+from wirewear.loops import LoopError
 from wirewear.loops.cycles import split_cycles
 from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, shut
 from wirewear.records.importing.importing import drives_motion, loops_of
@@ -19,6 +20,8 @@ from wirewear.records.values import Array, MeasuredLoop
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
 ONE_AMPLITUDE = 0.1
 
+#: Loops that are analysed for it, from first to last: a second or two.
+MOST_READ = 25
 
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0
@@ -132,13 +135,20 @@ def _amplitude(source: dict[str, Any], loops: Sequence[MeasuredLoop], known: dic
         return known["displacement_amplitude_um"], ""
     if _open(source, "displacement_um") or not loops:
         return OPEN, "the displacement amplitude, half the stroke in µm, is not told: --amplitude does it, too"
-    spans = [np.percentile(loop.displacement_um, [0.2, 99.8]) for loop in loops]
-    amplitudes = [0.5 * float(high - low) for low, high in spans]
+    amplitudes = [_amplitude_of(loop) for loop in loops[:: -(-len(loops) // MOST_READ)]]
     amplitude = float(f"{np.median(amplitudes):.3g}")
     if min(amplitudes) < (1.0 - ONE_AMPLITUDE) * max(amplitudes):
         told = f"amplitudes of the loops go from {min(amplitudes):.3g} to {max(amplitudes):.3g} µm"
         return amplitude, f"the {told}; their median stands in the mapping"
     return amplitude, f"the displacement amplitude, {amplitude:g} µm, is that of the loops"
+
+
+def _amplitude_of(loop: MeasuredLoop) -> float:
+    """Half a loop's stroke: where its drive turns, for the outermost of noisy readings lie farther out."""
+    try:
+        return loop.figures(None).displacement_amplitude_um.value
+    except LoopError:
+        return 0.5 * float(np.ptp(np.percentile(loop.displacement_um, [0.2, 99.8])))
 
 
 def _last_cycle(source: dict[str, Any], loops: Sequence[MeasuredLoop]) -> int:
