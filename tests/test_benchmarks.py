@@ -105,6 +105,12 @@ def test_code_is_kept_for_its_owner_alone_and_anothers_is_not_loaded(tmp_path: P
     assert _answer(tmp_path, **values) == (20.0, 0)
 
 
+@pytest.mark.seconds
+def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
+    (tmp_path / "kept").write_text("a file, no folder")
+    assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
+
+
 def test_the_exponent_of_a_power_law_is_found() -> None:
     assert fitted_exponent([10.0, 20.0, 40.0], [1.0, 4.0, 16.0]) == pytest.approx(2.0)
     with pytest.raises(ValueError, match="two sizes"):

@@ -6,8 +6,11 @@ from pathlib import Path
 
 import pytest
 
+from tests.synthetic_results import result as made_up
 from tests.test_planar_study import TABLES
+from wirewear import RecordError, read_record, record_of_result, write_record
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.loops import analyse_loop
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
@@ -19,6 +22,10 @@ from wirewear.records.line_exporting import line_record_of_result
 from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.records.line_values import BODIES, LineRecord
 from wirewear.results import RunResult
+from wirewear.study import load_study
+
+STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
+
 
 LENGTH_mm = 8.0
 
@@ -49,6 +56,14 @@ def test_a_runs_record_carries_its_bodies_into_the_model_that_is_made_of_it(reco
     study = believed_study(read.tables)
     assert (study.pad.height_mm, study.pad.half_width_mm, study.specimen.height_mm) == (5.0, 4.0, 4.0)
     assert not [remark for remark in check_line_record(read).remarks if remark.topic == "bodies"]
+
+
+def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRecord) -> None:
+    pad = record.tables.pad.model_copy(update={"height_mm": None})
+    bare = replace(record, tables=record.tables.model_copy(update={"pad": pad}))
+    (remark,) = (one for one in check_line_record(bare).remarks if one.topic == "bodies")
+    assert remark.level == "note"
+    assert remark.text.startswith("The pad is taken to be 8 mm high")
 
 
 def undescribed(record: LineRecord) -> LineRecord:
@@ -104,3 +119,28 @@ def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult,
     assert measured is not None
     bodies = bodies_stiffness_N_per_mm2(believed_study(record.tables))
     assert bodies == pytest.approx(1e3 * measured.value, rel=0.03)
+
+
+def test_a_stiffness_that_includes_the_bodies_leaves_the_rig_what_remains(record: LineRecord) -> None:
+    bodies = LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables))
+    alone = believed_study(stating(record, tangential_stiffness_N_per_mm=0.25 * bodies).tables)
+    assert alone.holder.tangential_stiffness_N_per_mm2 == pytest.approx(0.25 * bodies / LENGTH_mm)
+    both = stating(record, tangential_stiffness_N_per_mm=0.25 * bodies, stiffness_includes="bodies")
+    # In series: 1/0.25 = 1/(1/3) + 1.
+    rig = believed_study(both.tables).holder.tangential_stiffness_N_per_mm2
+    assert rig == pytest.approx(bodies / 3.0 / LENGTH_mm, rel=0.01)
+    with pytest.raises(RecordError, match=r"that includes the bodies, but these alone have"):
+        believed_study(stating(both, tangential_stiffness_N_per_mm=1.5 * bodies).tables)
+
+
+@pytest.mark.seconds
+def test_a_record_of_wires_carries_how_they_are_gripped(tmp_path: Path) -> None:
+    grips = {"wires.grip_angle_deg": 60.0, "wires.grip_length_mm": 0.8, "wires.grip_stiffness_N_per_mm3": 5e5}
+    for values in ({}, grips):
+        study = load_study(STEEL).variant("compliant").with_values(values)
+        record = record_of_result(replace(made_up("", 167.0), study=study.resolved()))
+        read = read_record(write_record(tmp_path / str(len(values)), record))
+        assert len(read.tables.wires.model_fields_set & {key.removeprefix("wires.") for key in grips}) == len(values)
+        believed = nominal_study(read).wires
+        for key in grips:
+            assert getattr(believed, key.removeprefix("wires.")) == getattr(study.wires, key.removeprefix("wires."))

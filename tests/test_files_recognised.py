@@ -93,3 +93,13 @@ def test_a_file_of_another_kind_is_named_with_the_command_that_takes_it(line: st
     ended = invoked(line)
     assert ended.exit_code == 2, ended.output
     assert sentence in ended.stderr.splitlines()[-1]
+
+
+@pytest.mark.seconds
+def test_a_comparison_takes_run_and_record_in_either_order() -> None:
+    ended = invoked("compare record run --output exchanged")
+    assert ended.exit_code == 0, ended.output
+    assert "record is a record and run a run: they are exchanged" in ended.stderr
+    assert invoked("compare run record --output given").exit_code == 0
+    tables = [Path(name, "differences.csv").read_bytes() for name in ("exchanged", "given")]
+    assert tables[0] == tables[1]

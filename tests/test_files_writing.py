@@ -10,9 +10,10 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, RunError
 from wirewear.base.writing import (
     folder_in_one_step,
+    usable_file,
     write_bytes,
     write_text,
     writing,
@@ -103,3 +104,41 @@ def test_a_folder_appears_whole_or_not_at_all(tmp_path: Path) -> None:
         (partial / "loops.csv").write_text("another")
     assert (target / "loops.csv").read_text() == "all of it"
     assert [folder.name for folder in tmp_path.iterdir()] == ["case_001"]
+
+
+def test_what_is_no_regular_file_stays_and_is_given_the_text(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe.json"
+    os.mkfifo(pipe)
+    with subprocess.Popen(["cat", str(pipe)], stdout=subprocess.PIPE, text=True) as reader:
+        write_text(usable_file(pipe), "written")
+        assert reader.communicate()[0] == "written"
+    assert pipe.is_fifo()
+    assert [one.name for one in tmp_path.iterdir()] == ["pipe.json"]
+
+
+@pytest.mark.parametrize("exists", [True, False])
+def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path, exists: bool) -> None:
+    (tmp_path / "elsewhere").mkdir()
+    target, first, second = tmp_path / "elsewhere" / "target.txt", tmp_path / "first.txt", tmp_path / "second.txt"
+    if exists:
+        target.write_text("old")
+    first.symlink_to("elsewhere/target.txt")
+    second.symlink_to(first)
+    write_text(usable_file(second), "new")
+    assert target.read_text() == "new"
+    assert first.is_symlink()
+    assert second.is_symlink()
+
+
+def test_links_in_a_circle_and_of_others_are_refused_in_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    circle, foreign = tmp_path / "circle.txt", tmp_path / "foreign.txt"
+    circle.symlink_to(circle)
+    foreign.symlink_to(tmp_path / "target.txt")
+    with pytest.raises(RunError, match=r"circle\.txt cannot be written: too many levels of symbolic links"):
+        usable_file(circle)
+    if os.geteuid() == 0:
+        os.lchown(foreign, 12345, 12345)
+        with pytest.raises(RunError, match=r"foreign\.txt cannot be written: it is a link of another user"):
+            usable_file(foreign)

@@ -1,6 +1,8 @@
 """Tests of few cycles: what N cycles wear, what their loops enclose, from no friction to much."""
 
 import json
+from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +18,7 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
+from wirewear.results.quality import flagged, health, limit_of
 from wirewear.views.run_wording import sentence
 
 pytestmark = pytest.mark.seconds
@@ -23,6 +26,11 @@ pytestmark = pytest.mark.seconds
 ALPHA_mm3_per_J = 3e-5
 AMPLITUDE_um = 40.0
 LINE_AMPLITUDE_um = 25.0
+
+
+@dataclass(frozen=True)
+class Judged:
+    quality: Mapping[str, float]
 
 
 def wires(cycles: int, friction: float = 0.62, rig: str = '"rigid"') -> str:
@@ -142,3 +150,13 @@ def test_a_rig_that_takes_the_whole_stroke_is_the_first_thing_that_a_run_says(as
     assert said.startswith(f"few cycles: {sentence}")
     assert "δa = 40 µm" in said
     assert sentence in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_command_and_its_json_flag_a_closure_by_the_limit_of_the_page() -> None:
+    name = "loop_area_against_friction_work"
+    limit = limit_of(name)
+    assert limit == 2e-3
+    assert health([Judged({name: 0.9 * limit})])[0].sound
+    assert not health([Judged({name: 1.1 * limit})])[0].sound
+    assert flagged(name, 1.1 * limit).endswith("more than 2.0e-03")
+    assert flagged(name, 0.9 * limit) == "1.8e-03"

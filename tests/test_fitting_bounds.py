@@ -5,15 +5,22 @@ import math
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from tests.diagnosis_cases import record, states
 from wirewear.base.errors import RecordError
+from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.effects import effect_named
+from wirewear.effects.parameter import limit_um
+from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.report import fit_json
-from wirewear.records import ExperimentRecord, MeasuredLoop
+from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
+from wirewear.views.diagnosis_values import estimates
 
 pytestmark = pytest.mark.seconds
 
@@ -100,3 +107,21 @@ def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_ev
     assert narrow.interval95[1] - 100.0 == pytest.approx(100.0 - narrow.interval95[0], rel=0.03)
     open_ = FittedParameter.of_repeats([1e-9], "N_per_mm", deviation=1e9)
     assert 0.0 < open_.interval95[0] < open_.interval95[1] < math.inf
+
+
+def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None:
+    kind = effect_named("tangential_compliance")
+    candidate = Candidate.of(kind, {})
+    (found,) = estimates(candidate, np.zeros(1), np.ones(1), dispersion=1e12).values()
+    assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
+    assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
+
+
+@pytest.mark.seconds
+def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
+    folder = write_record(tmp_path / "record", record(cycles=CYCLES[:1], repeats=1, evolution=False))
+    asked = ["fit", str(folder), "--output", str(tmp_path / "fitted"), "--check", "none"]
+    told = CliRunner().invoke(cli, asked)
+    assert told.exit_code == 0, told.output
+    for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
+        assert f"wirewear: {stage}\n" in told.stderr

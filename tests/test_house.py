@@ -254,7 +254,8 @@ BUDGETS = {
     "lines of geometry, solvers and wirewear": 64_880,
     "lines of wirewear": 53_230,
     "lines of studies": 19_500,
-    "lines of tests": 25_100,
+    # 700 of them are one test for each fault found from outside and for laws that no other test holds.
+    "lines of tests": 25_900,
     "files of geometry, solvers and wirewear": 464,
     "rooms of wirewear": 24,
     "arrows between rooms": 139,

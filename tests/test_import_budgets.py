@@ -3,6 +3,7 @@
 import io
 import struct
 import tracemalloc
+import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -14,6 +15,7 @@ from tests import strangers_maps
 from tests.frozen_states import frozen_states
 from tests.independent_records import independent_record
 from tests.worked_examples import TEXT, install_example
+from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.nominal import nominal_study
@@ -99,6 +101,21 @@ def test_a_matlab_file_that_would_fill_the_memory_is_refused_before_it_is_read(
     # As many bytes as the refusal itself looks at, and no more.
     assert tracemalloc.get_traced_memory()[1] < 20e6, what
     tracemalloc.stop()
+
+
+def zipped(path: Path, names: tuple[str, ...], size: int) -> Path:
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=1) as parts:
+        for name in names:
+            parts.writestr(name, bytes(size))
+    return path
+
+
+def test_a_zipped_map_and_a_spreadsheet_of_zeros_are_refused_before_they_are_unpacked(tmp_path: Path) -> None:
+    refusal = r"of \d+ kB states contents of .*: it is damaged, or made to fill the memory"
+    with pytest.raises(RecordError, match=refusal):
+        height_map(zipped(tmp_path / "map.x3p", ("main.xml", "bindata/data.bin"), 14_000_000))
+    with pytest.raises(RecordError, match=refusal):
+        read_delimited(zipped(tmp_path / "book.xlsx", ("xl/workbook.xml", "xl/a.xml", "xl/b.xml"), 36_000_000))
 
 
 @pytest.mark.seconds

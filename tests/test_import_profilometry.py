@@ -51,6 +51,26 @@ def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
     assert abs(short_side[place[1]]) < 12.0
 
 
+@pytest.mark.seconds
+@pytest.mark.parametrize("width", ["inf", "nan", "0.0"])
+def test_a_map_of_no_finite_size_is_refused_in_a_sentence(tmp_path: Path, cycle: Any, width: str) -> None:
+    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
+    netcdf_file = pytest.importorskip("scipy.io").netcdf_file
+    with netcdf_file(tmp_path / "map.nc", "w") as map_of_heights:
+        map_of_heights.createDimension("x", 40)
+        map_of_heights.createDimension("y", 30)
+        for name, size in (("x", float(width)), ("y", 200.0)):
+            axis = map_of_heights.createVariable(name, "f8", (name,))
+            axis[:] = 0.0
+            axis.length, axis.length_unit = size, "um"
+        heights = map_of_heights.createVariable("heights", "f8", ("x", "y"))
+        heights[:] = 0.0
+        heights.length_unit = "um"
+    scar = PROFILE.format(wire="moving", axis="x").replace("map.txt", "map.nc")
+    with pytest.raises(RecordError, match=r"map\.nc.*(finite size above zero|state its scale|cannot be read)"):
+        import_record(mapped(tmp_path, GERMAN + scar))
+
+
 def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_tells(tmp_path: Path, cycle: Any) -> None:
     """A matrix of numpy has neither size nor unit; steps along y are longer."""
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))

@@ -13,6 +13,7 @@ import wirewear as ww
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
 from wirewear.faces import cli
+from wirewear.faces.looking import told_apart
 from wirewear.pictures.smooth import smooth_loop
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
@@ -168,3 +169,35 @@ def test_a_smooth_loop_passes_through_its_samples_and_never_beyond(run: ww.Run) 
     assert np.ptp(q) == pytest.approx(np.ptp(loop.tangential_force_N))
     distance = np.hypot(x[:, None] - loop.displacement_um, q[:, None] - loop.tangential_force_N).min(axis=0)
     assert distance.max() < 1e-9
+
+
+def test_a_fidelity_that_there_is_not_is_answered_with_those_there_are() -> None:
+    with pytest.raises(ww.StudyError, match="no fidelity 'fast': choose one of quick, standard, fine"):
+        ww.run(ww.load(MINIMAL), fidelity="fast")
+
+
+def test_a_column_that_there_is_not_is_answered_with_those_like_it(run: ww.Run) -> None:
+    with pytest.raises(ww.ResultError, match=r"^evolution has no column 'slip': there is slip_amplitude_um$"):
+        run.evolution["slip"]
+    with pytest.raises(KeyError, match="there is cycle, displacement_amplitude_um, slip_amplitude_um"):
+        run.evolution["friction"]
+    assert "slip" not in run.evolution
+    assert run.evolution.get("slip") is None
+
+
+def test_runs_of_one_variant_beside_one_another_are_told_apart_by_what_differs(run: ww.Run) -> None:
+    study = ww.load(MINIMAL).resolved()
+    loads = [
+        dataclasses.replace(run, study=study | {"conditions": study["conditions"] | {"normal_load_N": at}})
+        for at in (2, 4)
+    ]
+    assert [one.label for one in told_apart(loads)] == ["compliant, normal load 2 N", "compliant, normal load 4 N"]
+    assert [one.label for one in told_apart([run, run])] == ["compliant", "compliant (2)"]
+    labels = loads[0].plot(beside=loads[1:]).legends[0].get_texts()
+    assert {text.get_text() for text in labels} > {"compliant, normal load 2 N: slip δ0"}
+
+
+def test_exported_columns_stand_in_their_natural_order(run: ww.Run, tmp_path: Path) -> None:
+    run.save(tmp_path / "result.h5")
+    columns = ww.read_result(tmp_path / "result.h5").to_polars().columns
+    assert tuple(columns[: len(EVOLUTION_COLUMNS)]) == EVOLUTION_COLUMNS

@@ -147,3 +147,12 @@ def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_p
     with Image.open(tmp_path / "cycle_0000100.gif") as animation:
         assert animation.format == "GIF"
         assert animation.n_frames == 2  # type: ignore[attr-defined]
+
+
+@pytest.mark.seconds
+def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
+    write_result(tmp_path / "result.h5", run_with_forces())
+    asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
+    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
+    assert outcome.exit_code == 0, outcome.output
+    assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in outcome.stderr

@@ -77,6 +77,17 @@ def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_withi
 HOOKED = np.loadtxt(Path(__file__).parent / "data" / "loops_of_low_friction.csv", delimiter=",", skiprows=1)
 
 
+def test_the_largest_ratio_in_partial_slip_is_the_loops_own_where_the_load_changes() -> None:
+    time = np.arange(200) / 200
+    force = 1.24 * 0.6 * np.sin(2.0 * np.pi * time)
+    displacement = force / 0.2 - 0.2 * np.cos(2.0 * np.pi * time)
+    load = 2.0 - 0.5 * np.cos(2.0 * np.pi * time)
+    figures = analyse_loop(displacement, force, load, time_s=time)
+    assert figures.regime == "partial slip"
+    assert figures.friction_max is not None
+    assert figures.friction_max.value == pytest.approx(float(np.max(np.abs(force) / load)), rel=1e-3)
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.005, 0.02])
 @pytest.mark.parametrize("friction", [0.02, 0.6, 1.5])
 def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: float) -> None:

@@ -90,6 +90,16 @@ def test_a_lag_is_told_whatever_of_spring_or_contact_takes_up_the_rise(lag: floa
     assert found.deviation < 0.8
 
 
+@pytest.mark.parametrize("noise", [0.0, 0.002])
+def test_a_viscous_ellipse_is_noted_and_has_no_figures_of_sliding(noise: float) -> None:
+    phase = 2.0 * np.pi * np.arange(256) / 256
+    displacement, force = disturbed(350.0 * np.sin(phase), 1.19 * np.cos(phase), 1, noise, 0.0)
+    figures = analyse_loop(displacement, force, 2.0)
+    assert any("ellipse" in note for note in figures.notes)
+    assert figures.friction_energy is None
+    assert figures.friction_geometry_independent is None
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 @pytest.mark.parametrize("drift", [-0.05, 0.05])
 @pytest.mark.parametrize("start", [0.1, 0.4])

@@ -75,3 +75,11 @@ def test_what_is_stated_of_a_test_in_another_unit_is_refused(line: str, says: st
     (tmp_path / "loops.csv").write_text("x,q\n1,2\n")
     assert says in refused("new", "--mapping", tmp_path / "loops.csv", *line.split())
     assert not (tmp_path / "mapping.toml").exists()
+
+
+@pytest.mark.parametrize("command", [["strength", "--yield-strength"], ["maps", "--fatigue-limit"]])
+def test_a_strength_in_gigapascals_is_refused(command: list[str], run: Path) -> None:
+    name, option = command
+    assert "it is 0.3, but must lie between 5 and 10000 megapascals: it looks like gigapascals, which would be 300" in (
+        refused(name, run, option, "0.3")
+    )

@@ -13,10 +13,13 @@ from matplotlib.image import imread
 from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import (
+    loops_by_run,
+    save,
     scar_sections,
     scars_from_above,
 )
 from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLOURS, VARIANT_COLOURS
+from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.pictures.style import cycle_colours, styled
@@ -89,6 +92,22 @@ def test_sections_show_the_worn_below_the_unworn_profile() -> None:
         assert np.all(profile <= circle)
 
 
+def test_sections_are_drawn_of_the_last_shared_cycle_and_of_one_whose_wear_is_well_seen_beside_it() -> None:
+    assert section_cycles([result(), result("rigid", milestones=(1, 100))])[-1] == 100
+    assert section_cycles([result(milestones=(1, 10)), result(milestones=(1,))]) == (1,)
+    run = result()
+    early, last = section_cycles([run])
+    assert last == 100_000
+    depths = {cycle: run.scar(cycle, "fixed").max_depth_um for cycle in run.scar_cycles()}
+    assert depths[early] >= 0.25 * depths[last]
+    assert all(depth < 0.25 * depths[last] for cycle, depth in depths.items() if cycle < early)
+
+
+def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
+    written = save(lambda: loops_by_run([result()]), tmp_path / "loops.svg").read_text(encoding="utf-8")
+    assert "tangential force Q [N]</text>" in written
+
+
 def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
     """Points in rows that slide by turns all of an increment and none have slid half of it."""
     run = result()
@@ -98,6 +117,18 @@ def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
     apart = 2.0 * float(np.median(np.diff(scar.transverse_um)))
     spread = [float(np.ptp(smooth_field(striped, "slip_distance_um", over)[2][200, 180:220])) for over in (0.0, apart)]
     assert spread[0] > 5.0 > 4.0 * spread[1]
+
+
+def test_a_point_that_is_hardly_worn_makes_no_notch_in_a_scar() -> None:
+    scar = bowl("fixed", 20.0, 100.0, 100.0)
+    middle = scar.transverse_um.size // 2
+    row = int(np.flatnonzero(scar.depth_um[:, middle] > 0.0)[-1]) + 1
+    touched = scar.depth_um.copy()
+    touched[row, middle] = 0.01
+    drawn = smooth_scar(dataclasses.replace(scar, depth_um=touched))
+    pole = drawn.depth_um[np.searchsorted(drawn.axial_um, scar.axial_um[row]) - 12]
+    beside = np.abs(drawn.transverse_um) < 1.5 * np.diff(scar.transverse_um)[middle]
+    assert pole[drawn.transverse_um.size // 2] >= 0.95 * pole[beside].max() > 0.0
 
 
 @pytest.mark.parametrize("angle", [0.0, 60.0, 90.0])

@@ -15,6 +15,7 @@ from tests.browser import Page, browser, needs_browser
 from tests.studies import minimal
 from tests.synthetic_results import result
 from wirewear.results import RunResult
+from wirewear.results.quality import health
 from wirewear.views.run_data import page_data
 from wirewear.views.run_maps import running_conditions
 from wirewear.views.run_page import run_page, write_page
@@ -75,6 +76,18 @@ def test_running_conditions_follow_mindlin_and_the_rig(runs: list[RunResult]) ->
     growth = np.log(rigid.contact_um[-1] / rigid.contact_um[0]) / np.log(100.0)
     assert growth == pytest.approx(2.0 / 3.0, rel=1e-6)
     assert running_conditions({"name": "a line contact"}) is None
+
+
+@pytest.mark.seconds
+def test_a_quality_beyond_its_limit_is_bold(runs: list[RunResult]) -> None:
+    bad = dataclasses.replace(runs[0], quality={"energy_against_loops": 0.3, "penetration": 1e-9, "of_its_own": 1.0})
+    rows = {row.meaning: row.sound for row in health([bad])}
+    assert rows == {
+        "penetration of one body into the other, relative to the approach": True,
+        "energy that wore against energy of the recorded loops, relative": False,
+        "of its own": True,
+    }
+    assert run_page([bad]).count('class="beyond"') == 1
 
 
 def test_texts_of_a_study_cannot_break_the_page(runs: list[RunResult]) -> None:

@@ -10,15 +10,23 @@ import pytest
 from click.testing import CliRunner
 
 from tests.synthetic_results import bowl, result
-from wirewear import RecordError, write_result
+from tests.test_planar_study import TABLES
+from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.diagnosis.diagnose import concluded
+from wirewear.diagnosis.model.candidates import nominal_line_setup
+from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.faces import cli
 from wirewear.fitting.wires import WiresTestFit
+from wirewear.planar import run_planar_study
+from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
+from wirewear.records.importing.line_importing import import_line_record
+from wirewear.records.line_comparing import compare_line
+from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.study import load_study
@@ -112,6 +120,43 @@ def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_
         import_record(tmp_path / "mapping.toml")
 
 
+@pytest.mark.seconds
+@pytest.mark.parametrize("angle_deg", [90.0, 60.0])
+def test_a_table_of_depths_in_its_wires_frame_is_read_into_that_of_the_test(tmp_path: Path, angle_deg: float) -> None:
+    """Records of the first two editions say nothing, and are read as they were."""
+    run = run_at(angle_deg)
+    folder = write_record(tmp_path / "record", record_of_result(run))
+    before = read_record(folder)
+    scar = run.scars[1]
+    a, t = np.meshgrid(np.arange(-150.0, 151.0, 5.0), np.arange(-120.0, 121.0, 5.0), indexing="ij")
+    depth = scar.depth_at(*scar.sliding_coordinates(a, t))
+    columns = {"repeat": np.ones(a.size, dtype=int), "x_um": a.ravel(), "y_um": t.ravel(), "depth_um": depth.ravel()}
+    frame_of(columns).write_csv(folder / "scar_fixed.csv")
+    toml = folder / "experiment.toml"
+    text = toml.read_text(encoding="utf-8").split("\n# The files as")[0]
+    toml.write_text(f'{text}\n[files.frames]\nscar_fixed = "wire"\n', encoding="utf-8")
+    after = read_record(folder)
+    for one, other in zip(before.scars, after.scars, strict=True):
+        assert one.volume_mm3 == pytest.approx(other.volume_mm3, rel=0.003)
+        own = run.scars[0 if other.wire == "moving" else 1]
+        assert np.nanmax(np.abs(other.depth_um - own.sampled(other.x_um, other.y_um))) < 0.2
+    toml.write_text(text + '\n[files.frames]\nscar_fixed = "holder"\n', encoding="utf-8")
+    with pytest.raises(RecordError, match=r'must be "test" \(x along the motion\) or "wire"'):
+        read_record(folder)
+
+
+@pytest.mark.seconds
+def test_a_plain_ellipse_is_never_called_too_round_and_a_wrong_frame_is_found_as_a_rotation() -> None:
+    simulated = bowl("moving", 6.0, 60.0, 45.0)
+    x = np.arange(-300.0, 301.0, 6.0)
+    noise = NOISE_um * np.random.default_rng(1).standard_normal((x.size, x.size))
+    scar = MeasuredScar(1, "moving", x, x, simulated.sampled(x, x) + noise)
+    for angle in (0.0, 30.0, 60.0):
+        found = register(scar.turned(angle), simulated)
+        assert not found.rotation_held
+        assert found.rotation_deg == pytest.approx(angle, abs=1.0)
+
+
 def test_quarters_of_a_turn_keep_every_point() -> None:
     depth = np.arange(12.0).reshape(4, 3)
     scar = MeasuredScar(1, "fixed", np.arange(4.0), np.arange(3.0), depth)
@@ -167,3 +212,32 @@ normal_spring_stiffness_N_per_mm = 1.0"""
         assert float(np.sqrt(np.nanmean((pair.simulated - pair.mean) ** 2))) < 3.0 * NOISE_um
     diagnosed = concluded(record, nominal_study(record), WearStates.of_run(run), reduce(record))
     assert diagnosed.diagnosis.verdict == "no_gap"
+
+
+@pytest.mark.slow
+def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
+    study = planar_study_from_tables(TABLES, "study.toml")
+    run = run_planar_study(study, fidelity="quick")
+    write_result(tmp_path / "run" / "result.h5", run)
+    noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
+    call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
+    assert CliRunner().invoke(cli, call).exit_code == 0
+    files = laid_askew(tmp_path)
+    call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
+    found = CliRunner().invoke(cli, call)
+    assert found.exit_code == 0, found.output
+    mapping = believed(
+        tmp_path / "mapping.toml",
+        """friction = 0.6
+pad_energy_wear_coefficient_mm3_per_J = 4e-5
+specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
+    )
+    mapping.write_text(mapping.read_text(encoding="utf-8").replace("= 210000.0", "= 200000.0"), encoding="utf-8")
+    record = import_line_record(mapping).record
+    comparison = compare_line(run, record)
+    assert set(comparison.left_um) == {"pad", "specimen"}
+    assert max(comparison.left_um.values()) < 3.0 * NOISE_um
+    assert all(abs(row.relative) < 0.01 for row in comparison.differences if ":" not in row.quantity)
+    setup = nominal_line_setup(study, 8.0, record.tables.conditions.drive)
+    states = LineStates.of_line(run, study.pad.profile, 8.0)
+    assert concluded(record, study, states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"

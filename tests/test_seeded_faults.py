@@ -12,6 +12,7 @@ from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar, checking
 from wirewear.records.checking import problems_told
 from wirewear.records.values import Array
+from wirewear.views.loops_sources import read_loops
 
 EXAMPLE = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
 
@@ -260,6 +261,10 @@ def test_without_an_evolution_the_other_repeats_tell_loops_that_are_exchanged(
     assert [sum("have each other's energy" in text for text in own) for own in told] == [0, 1]
 
 
+def test_a_sound_record_has_no_problem(sound: ExperimentRecord) -> None:
+    assert check_record(sound).problems == ()
+
+
 def test_a_normal_force_that_presses_negatively_is_read_turned_and_that_is_said(
     sound: ExperimentRecord, tmp_path: Path
 ) -> None:
@@ -268,6 +273,14 @@ def test_a_normal_force_that_presses_negatively_is_read_turned_and_that_is_said(
     for loop, own in zip(read.loops, sound.loops, strict=True):
         np.testing.assert_array_equal(loop.normal_force_N, own.normal_force_N)
     assert any("factor = -1" in remark.text for remark in check_record(read).remarks)
+
+
+def test_loops_of_a_record_in_another_unit_of_the_normal_force_are_refused(
+    sound: ExperimentRecord, tmp_path: Path
+) -> None:
+    folder = write_record(tmp_path / "record", channel(NORMAL, scaled(1e3))(sound))
+    with pytest.raises(RecordError, match="looks like millinewtons"):
+        read_loops(folder)
 
 
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0, 30.0])

@@ -181,3 +181,37 @@ def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, fo
         np.testing.assert_array_equal(table.columns["cycle"], [1, 2, 4])
         np.testing.assert_array_equal(table.columns["dissipated_energy_mJ"], [0.2607, 0.2620, 0.2640])
         np.testing.assert_array_equal(table.columns["max_tangential_force_N"], [1.24, 1.25, 1.26])
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("kind", LOGGED)
+def test_the_command_loops_reads_the_same_files(tmp_path: Path, kind: str) -> None:
+    (path,) = write(KINDS[kind](ENGLISH), tmp_path)
+    displacement, force = LOGGED[kind]
+    loops = read_loops(path, normal_load="2.0", displacement=displacement, force=force)
+    joined = [np.concatenate([loop.displacement_um for loop in loops])]
+    joined.append(np.concatenate([loop.tangential_force_N for loop in loops]))
+    area = 1e-3 * enclosed_area(*joined)
+    assert area == pytest.approx(4.0 * energy_mJ(), rel=0.01)
+
+
+def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
+    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
+    told = " ".join(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL).remarks)
+    assert "the wires are taken to cross at 90°" in told
+    crossed = guessed_mapping(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0} | STEEL)
+    assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
+    assert "90°" not in " ".join(crossed.remarks)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_displacement(
+    tmp_path: Path, sign: float
+) -> None:
+    """A spring: Q = K δ, with a lag that no logger resolves and noise."""
+    noise = 0.002 * np.random.default_rng(1).standard_normal(strangers.X.size)
+    force = sign * (0.01 * strangers.X) + noise
+    head = "Time (s),Displacement (um),Force (N)\n"
+    files = write(strangers.plain(head, (strangers.TIME, strangers.X, force), ENGLISH), tmp_path)
+    guess = guessed_mapping(files, {"diameter_mm": 0.45, "normal_load_N": 2.0} | STEEL)
+    assert guess.tables["loops"]["columns"]["tangential_force_N"].get("factor", 1.0) == sign

@@ -152,6 +152,15 @@ def test_a_holder_whose_keys_contradict_each_other_is_refused(holder: str, sente
         parse_study(f"{text}\n[holder]\n{holder}\n", "s.toml")
 
 
+def test_a_shorter_test_records_the_cycles_asked_for_as_far_as_it_goes_in_a_file_as_from_python() -> None:
+    text = MINIMAL + "[log]\nloop_cycles = [1, 3, 500, 700]\n"
+    short = parse_study(text.replace("cycles = 700", "cycles = 10"), "study.toml")
+    assert short.log.loop_cycles == (1, 3, 10)
+    assert parse_study(text, "study.toml").with_values({"conditions.cycles": 10}).tables == short.tables
+    variant = parse_study(text + "[variants.short.conditions]\ncycles = 10\n", "study.toml").variant("short")
+    assert variant.log.loop_cycles == (1, 3, 10)
+
+
 @pytest.mark.seconds
 @given(paths, junk)
 def test_any_value_in_any_place_is_accepted_or_told_in_one_sentence(keys: tuple[str, ...], value: object) -> None:

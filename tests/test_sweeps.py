@@ -16,7 +16,7 @@ from wirewear.base.errors import StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.page import write_table
-from wirewear.sweeps.pictures import front
+from wirewear.sweeps.pictures import _lines, front
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
 from wirewear.sweeps.sweep import FIGURES, SweepRow
@@ -200,3 +200,12 @@ def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
         far = files(tmp_path / "far", sweep, engine_of(scheduler=cluster.scheduler_address))
     assert own == far
     assert own["table.csv"].decode().count("complete") == 4
+
+
+def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them() -> None:
+    points = np.array([[x, z] for x in (1.0, 2.0, 3.0) for z in (0.0, 10.0)])
+    y = points[:, 0] + points[:, 1]
+    lines = _lines(points, 0, y)
+    assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
+    scattered = np.random.default_rng(0).random((40, 2))
+    assert len(_lines(scattered, 0, scattered[:, 0])) == 1
