@@ -1,8 +1,8 @@
 """Machine code kept on disk for later processes: found anew where it is damaged, done without where there is no place.
 
 It stands beside the source where its owner runs the program, and is read there by others too, who could as well have
-been given another source; else in the user's own cache folder. numba's own cache fails for good on a damaged file, and
-where it finds no place.
+been given another source; else in the user's own cache folder, apart for each copy of the program. numba's own cache
+fails for good on a damaged file, and where it finds no place.
 """
 
 from __future__ import annotations
@@ -97,7 +97,7 @@ class KeptCode(NullCache):
                 return
 
     def _name(self, sig: Any, codegen: Any) -> str:
-        asked = (str(sig), codegen.magic_tuple(), numba.__version__, platform.python_version())
+        asked = (str(self._source), str(sig), codegen.magic_tuple(), numba.__version__, platform.python_version())
         told = hashlib.sha256(repr(asked).encode()).hexdigest()[:16]
         return f"{self._source.stem}.{self._function}-{told}.code"
 

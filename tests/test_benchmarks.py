@@ -50,7 +50,7 @@ def answer(x):
 """
 
 
-def _answer(folder: Path, **values: float) -> tuple[float, int]:
+def _answer(folder: Path, kept: Path | None = None, **values: float) -> tuple[float, int]:
     """What the chain of modules answers in a process of its own, and how many functions that loaded from disk."""
     package = folder / "things"
     package.mkdir(exist_ok=True)
@@ -61,7 +61,7 @@ def _answer(folder: Path, **values: float) -> tuple[float, int]:
     script = "from things.last import answer; print(answer(1.0), sum(answer.stats.cache_hits.values()))"
     told = subprocess.run(
         [sys.executable, "-B", "-c", script],
-        env={**os.environ, "PYTHONPATH": here, "NUMBA_CACHE_DIR": str(folder / "kept")},
+        env={**os.environ, "PYTHONPATH": here, "NUMBA_CACHE_DIR": str(kept or folder / "kept")},
         capture_output=True,
         text=True,
         check=True,
@@ -106,6 +106,15 @@ def test_code_is_kept_for_its_owner_alone_and_anothers_is_not_loaded(tmp_path: P
 
 
 @pytest.mark.seconds
+@pytest.mark.slow
+def test_two_copies_of_the_program_share_a_folder_and_keep_their_own_code(tmp_path: Path) -> None:
+    values, first, second = {"factor": 10.0, "shift": 1.0}, tmp_path / "first", tmp_path / "second"
+    for copy, other in ((first, 10.0), (second, 20.0)):
+        copy.mkdir()
+        assert _answer(copy, tmp_path / "kept", **values | {"factor": other})[1] == 0
+    assert _answer(first, tmp_path / "kept", **values) == (20.0, 1)
+
+
 def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
     (tmp_path / "kept").write_text("a file, no folder")
     assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
