@@ -1,48 +1,21 @@
 """What a bare machine with the oldest promised Python can install, and what runs there without developers' packages."""
 
 import ast
-import subprocess
 import sys
 import tomllib
-from contextlib import suppress
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
-import pytest
 from packaging.requirements import Requirement
 
 from tests.test_house import imported_modules
 
 ROOT = Path(__file__).resolve().parent.parent
-CONSTRAINTS = ROOT / "constraints.txt"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
 
 #: What some packages bring along that are called otherwise when imported.
 DISTRIBUTION_OF = {"skfem": "scikit-fem"}
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
 BROUGHT_ALONG = {"PIL", "pydantic_core"}
-
-
-def pins() -> list[str]:
-    return CONSTRAINTS.read_text(encoding="utf-8").split()
-
-
-def is_installed(pin: str) -> bool:
-    name, wanted = pin.split("==")
-    with suppress(PackageNotFoundError):
-        return version(name) == wanted
-    return False
-
-
-def test_the_index_has_for_the_oldest_python_what_is_pinned_but_not_installed(tmp_path: Path) -> None:
-    command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-deps", "--ignore-installed", "--retries", "0"]
-    asked = ["--python-version", OLDEST_PYTHON, "--only-binary", ":all:", "--target", str(tmp_path)]
-    missing = [pin for pin in pins() if not is_installed(pin)]
-    told = subprocess.run([*command, *asked, *missing], capture_output=True, text=True, check=False)
-    if "(from versions: none)" in told.stderr:
-        pytest.skip("no package index answers")
-    assert not missing or told.returncode == 0, told.stderr[-2000:]
 
 
 def test_what_is_imported_when_the_product_is_loaded_is_what_it_depends_on() -> None:

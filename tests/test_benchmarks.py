@@ -5,17 +5,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-import numpy as np
 import pytest
-
-from studies.benchmarks.bench_condensation import splu_schur_complement
-from studies.benchmarks.bench_half_space import periodic_correction
-from studies.benchmarks.bench_scaling import fitted_exponent
-from tests.bodies import STEEL, brick, patch_on
-from wirewear.simulation.workbench import (
-    schur_complement,
-    stiffness_matrix,
-)
 
 _INNER = """
 from solvers.compiled import compiled
@@ -118,22 +108,3 @@ def test_two_copies_of_the_program_share_a_folder_and_keep_their_own_code(tmp_pa
 def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
     (tmp_path / "kept").write_text("a file, no folder")
     assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
-
-
-def test_the_exponent_of_a_power_law_is_found() -> None:
-    assert fitted_exponent([10.0, 20.0, 40.0], [1.0, 4.0, 16.0]) == pytest.approx(2.0)
-    with pytest.raises(ValueError, match="two sizes"):
-        fitted_exponent([10.0], [1.0])
-
-
-def test_images_matter_less_on_a_larger_domain() -> None:
-    assert periodic_correction(2.0, 1e5) == pytest.approx(0.5 * periodic_correction(1.0, 1e5))
-
-
-def test_splu_and_nested_substructures_give_the_same_schur_complement() -> None:
-    mesh = brick((6, 5, 4), (1.0, 0.9, 0.7), distortion=0.2)
-    kept = patch_on(mesh).nodes.ravel()
-    eliminated = np.setdiff1d(np.arange(len(mesh.points)), np.union1d(kept, mesh.surface_nodes("grip")))
-    matrix = stiffness_matrix(mesh, STEEL)
-    direct = splu_schur_complement(matrix, kept, eliminated, 3)
-    assert direct == pytest.approx(schur_complement(matrix, kept, eliminated, 3), abs=1e-12 * np.abs(direct).max())

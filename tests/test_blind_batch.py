@@ -47,14 +47,6 @@ def test_an_interrupted_batch_goes_on_and_ends_as_an_unbroken_one(tmp_path: Path
     assert not list((tmp_path / "broken").glob(".*"))
 
 
-def test_two_makers_of_one_batch_are_refused_by_name(tmp_path: Path) -> None:
-    def again(_done: int, _of: int) -> None:
-        with pytest.raises(RunError, match=r"another command is writing to .* \(blind make, process"):
-            make_batch(tmp_path / "batch", cases=2, seed=5, generator=PlainModel())
-
-    make_batch(tmp_path / "batch", cases=2, seed=5, generator=PlainModel(), progress=again)
-
-
 def test_a_record_damaged_between_its_making_and_the_seal_is_not_sealed(tmp_path: Path) -> None:
     folder = tmp_path / "batch"
 

@@ -23,7 +23,6 @@ from studies.benchmarks.hardships import Scene, tried, undisturbed
 from tests.test_simulate import coarse
 from wirewear import (
     ResultError,
-    WirewearError,
     read_result,
     run_study,
 )
@@ -152,23 +151,6 @@ def test_no_flipped_bit_of_any_kind_of_file_changes_an_answer_without_a_word() -
     counts = flipped_bits.run(flips=20, seed=6)
     assert {how for _, how in counts} <= {"refused", "left out", "told", "the same"}
     assert len({kind for kind, _ in counts}) == 24
-
-
-def test_a_changed_answer_and_a_traceback_are_found_out(tmp_path: Path) -> None:
-    (tmp_path / "a.txt").write_bytes(b"1")
-
-    def ended(read: flipped_bits.Kind, data: bytes) -> str:
-        return flipped_bits.how_it_ended(read, flipped_bits.spelled("1"), tmp_path, data)
-
-    plain = flipped_bits.Kind("a.txt", lambda at: (at / "a.txt").read_text())
-    assert [ended(plain, data) for data in (b"1", b"2", b"\xff")] == [
-        *("the same", "ANOTHER ANSWER", "TRACEBACK UnicodeDecodeError"),
-    ]
-
-    def refuse(_folder: Path) -> object:
-        raise WirewearError("no.\nno.")
-
-    assert ended(flipped_bits.Kind("a.txt", refuse), b"1") == "NO SENTENCE"
 
 
 @pytest.mark.slow

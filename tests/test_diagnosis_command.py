@@ -9,19 +9,16 @@ import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 
-from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.diagnosis_cases import diagnosed, record
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear.diagnosis import write_diagnosis
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.effects import all_measurements
 from wirewear.effects.tangential_compliance import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import write_record
 from wirewear.records.exporting import record_of_result
-from wirewear.records.values import MeasuredLoop, MeasuredScar
+from wirewear.records.values import MeasuredLoop
 from wirewear.views.diagnosis_shown import residuals
 from wirewear.views.diagnosis_wording import Diagnosed
 
@@ -35,20 +32,6 @@ SHORT = (
 )
 
 STIFFNESS_N_per_mm = 300.0
-
-
-def bowl_map(depth_um: float, length_um: float, width_um: float, repeat: int = 1) -> MeasuredScar:
-    """A paraboloid of half-axes length and width, off the middle of its map."""
-    x, y = np.arange(-150.0, 151.0, 2.0), np.arange(-100.0, 101.0, 2.0)
-    depth = depth_um * (1.0 - ((x[:, None] - 10.0) / length_um) ** 2 - ((y[None, :] + 6.0) / width_um) ** 2)
-    return MeasuredScar(repeat, "moving", x, y, np.maximum(depth, 0.0))
-
-
-@pytest.fixture(scope="module")
-def found() -> Diagnosed:
-    """A diagnosis of a rig with play, with maps of one wire."""
-    made = record({"free_play": {"gap_um": 4.0}}, repeats=2)
-    return diagnosed(replace(made, scars=(bowl_map(13.0, 120.0, 80.0), bowl_map(13.5, 120.0, 80.0, 2))))
 
 
 def bumped(loop: MeasuredLoop) -> MeasuredLoop:
@@ -82,25 +65,6 @@ def test_a_force_that_is_higher_at_a_place_stands_out_of_the_band_there_alone() 
     out = np.abs(forward["force_N"]) > 1.5 * forward["band_N"]
     places = forward["displacement_um"][out]
     assert 5.0 < places.min() < 20.0 < places.max() < 35.0
-
-
-@pytest.mark.slow
-@needs_browser
-@pytest.mark.parametrize("width", [1200, 390])
-def test_the_page_draws_what_is_left_and_the_scars_and_fits(found: Diagnosed, tmp_path: Path, width: int) -> None:
-    asked = {"what": all_measurements()[0].what, "why": "it shows more", "splits": ["none", "free_play"]}
-    write_diagnosis(replace(found, diagnosis=replace(found.diagnosis, next_measurement=asked)), tmp_path)
-    with browser() as page:
-        page.open(tmp_path / "report.html", width, 900, phone=width < 500)
-        page.settle()
-        assert page.problems == []
-        assert page.value("document.querySelectorAll('#left path.left').length") == 4
-        assert page.value("document.querySelectorAll('#section0 path.bowl').length") == 2
-        assert page.value("document.querySelector('#section1')") is None
-        assert "It costs about" in page.value("document.body.innerText")
-        assert page.value("document.documentElement.scrollWidth") == width
-        if width < 500:
-            assert page.value(TOO_WIDE) == []
 
 
 def run(*arguments: str | Path) -> Result:

@@ -11,12 +11,15 @@ from hypothesis import strategies as st
 from tests.diagnosis_cases import diagnosed, nominal, record
 from wirewear.base.course import Course
 from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Chain
 from wirewear.effects.roughness_compliance import RoughnessCompliance
 from wirewear.effects.third_body import ThirdBodyLayer
+from wirewear.views.diagnosis_values import Cause, Estimate
+from wirewear.views.diagnosis_wording import sentence_of
 
 RUNNING_IN = {"initial": 0.45, "final": 0.62, "cycles": 3000.0}
 
@@ -113,3 +116,15 @@ def test_running_in_by_another_law_is_named_with_its_ends() -> None:
     low, high = answer.causes[0].form["steepness"].interval95
     assert low < 0.6 < high < 1.0
     assert any("follows another law" in note for note in answer.notes)
+
+
+@pytest.mark.parametrize(
+    ("none", "begins"), [(0.4, "There may be a gap, though none is likeliest;"), (0.2, "There is a gap;")]
+)
+def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float, begins: str) -> None:
+    flattened = Cause("plasticity", 0.3, {"flattening_um": Estimate(0.45, (0.3, 0.7))})
+    causes = sorted((flattened, Cause("none", none, {})), key=lambda cause: -cause.probability)
+    shrink = Shrink(1.0, 1.0, 1.0, 0.0, (0.0, 0.0), 0.0, (9,), None, None)
+    said = sentence_of("ambiguous", causes, (), shrink, ())
+    assert said.startswith(begins)
+    assert "plasticity, flattening 0.45 µm" in said

@@ -1,16 +1,25 @@
 """Rough layers that spread the contact: closed forms of fresh wires, what scars remember, and what loops show."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
 
+from studies.blind.generators.instruments import LeakingCharge, Signals
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
+from tests.independent_records import independent_record
+from wirewear.diagnosis.infer.shapes import Branches
+from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking
+from wirewear.diagnosis.model.flattened_wires import FlattenedWires
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.layered_wires import LayeredWires
+from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array, Setup
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
+
+
 FIVE = {"layer_um": 5.0, "cycles": 10_000.0}
 
 
@@ -69,3 +78,151 @@ def test_a_layer_that_spreads_is_told_with_its_height() -> None:
     one = diagnosed(record({"roughness_compliance": FIVE}))
     probabilities = one.weighed.probabilities
     assert max(probabilities, key=lambda names: probabilities[names]) == ("roughness_compliance",)
+
+
+CYCLES_OF_FLATTENING = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 100_000.0])
+
+
+def wires_of_flattening() -> FlattenedWires:
+    return replace(states(), stroke_um=60.0).flattened()
+
+
+def course_of_flattening(flattening_um: float) -> LoopCourse:
+    flat = with_effect(nominal(), "plasticity", {"flattening_um": flattening_um})
+    return simulate(replace(states(), stroke_um=60.0), flat, CYCLES_OF_FLATTENING)
+
+
+def test_the_flats_have_the_volumes_of_their_closed_forms() -> None:
+    deepest, stroke = wires_of_flattening().flattenings[-1], 60.0 / 52.0
+    cap, groove = 0.5 * np.pi * deepest**2, 4.0 / 3.0 * stroke * deepest * np.sqrt(2.0 * deepest)
+    assert wires_of_flattening().table.volume[-1] == pytest.approx([groove + cap, cap], rel=0.03)
+
+
+def test_flattened_wires_have_no_hooks_at_first_steep_ends_later_and_none_in_mid_stroke() -> None:
+    volumes = np.array([0.0, 0.3, 20.0])
+    slope = wires_of_flattening().at(np.full(3, 0.17), volumes).slope
+    inner = wires_of_flattening().positions < 0.6
+    assert np.all(np.abs(slope[0]) < 0.02)
+    assert slope[1, -1] > 0.05
+    assert slope[1, -1] > 5.0 * np.abs(slope[1, inner]).max()
+    assert 0.0 < slope[2, -1] < 0.2 * slope[1, -1]
+
+
+def test_the_moving_scar_is_deeper_the_fixed_one_shallower_and_the_flats_count_in_both() -> None:
+    flat, sharp = course_of_flattening(2.0), course_of_flattening(0.0)
+    assert flat.scars[0, 1] > sharp.scars[0, 1] + 0.2
+    assert flat.scars[1, 1] < sharp.scars[1, 1] - 0.1
+    # πR h²/2 of the cap alone, and the groove of 4/3 · 2 · 60 µm · h sqrt(2 R h)/2 beside it.
+    gained = flat.scars[:, 0].sum() - sharp.scars[:, 0].sum() - (flat.volume_um3[-1] - sharp.volume_um3[-1])
+    assert gained == pytest.approx(np.pi * 225.0 * 4.0 + 80.0 * 2.0 * 30.0, rel=0.1)
+
+
+@pytest.mark.slow
+def test_a_flattening_is_told_from_wear_that_changes() -> None:
+    one = diagnosed(record({"plasticity": {"flattening_um": 2.0}}))
+    probabilities = one.weighed.probabilities
+    assert max(probabilities, key=lambda names: probabilities[names]) == ("plasticity",)
+    (cause,) = (cause for cause in one.diagnosis.causes if cause.effect == "plasticity")
+    low, high = cause.parameters["flattening_um"].interval95
+    assert low < 2.0 < high
+
+
+LEANING = {"angle_deg": 2.5}
+
+
+#: Of the first loop: displacement, tangential and normal force.
+Loop = tuple[Array, Array, Array]
+
+
+@cache
+def independent(*, leaning: bool) -> Loop:
+    loop = independent_record({"misalignment": LEANING} if leaning else None, repeats=1, drive="stroke").loops[0]
+    assert loop.normal_force_N is not None
+    return loop.displacement_um, loop.tangential_force_N, loop.normal_force_N
+
+
+@cache
+def foreseen(*, leaning: bool) -> Loop:
+    setup = nominal("stroke")
+    course = simulate(states(), with_effect(setup, "misalignment", LEANING) if leaning else setup, np.array([100.0]))
+    channels = course.displacement_um, course.tangential_force_N, course.normal_force_N
+    x, q, p = (channel[0].ravel() for channel in channels)
+    return x, q, p
+
+
+def ripple_N_per_um(plain: Loop, leaning: Loop) -> float:
+    """By which the load rises along the motion; the noise of both records is the same."""
+    return float(np.polyfit(leaning[0], leaning[2] - plain[2], 1)[0])
+
+
+def bend_um(loop: Loop) -> float:
+    """Displacement at ±1 N less twice that at none, mean over both branches while they stick."""
+    x, q = np.roll(loop[0], -int(np.argmin(loop[0]))), np.roll(loop[1], -int(np.argmin(loop[0])))
+    top, means = int(np.argmax(x)), np.zeros(3)
+    for branch in (slice(0, top), slice(top, None)):
+        near = np.abs(q[branch]) < 1.15
+        order = np.argsort(q[branch][near])
+        means += 0.5 * np.interp([-1.0, 0.0, 1.0], q[branch][near][order], x[branch][near][order])
+    return float(means[0] + means[2] - 2.0 * means[1])
+
+
+@pytest.mark.slow
+def test_a_wire_that_climbs_presses_the_loading_spring() -> None:
+    model, rig = (ripple_N_per_um(of(leaning=False), of(leaning=True)) for of in (foreseen, independent))
+    assert rig > 3e-5
+    assert model == pytest.approx(rig, rel=0.1)
+
+
+@pytest.mark.slow
+def test_the_holder_yields_to_the_force_along_the_motion_not_to_that_along_the_plane() -> None:
+    """Without it, branches of a misaligned contact look as if the reading leant with the square of the force."""
+    model, rig = (bend_um(of(leaning=True)) - bend_um(of(leaning=False)) for of in (foreseen, independent))
+    assert model == pytest.approx(rig, abs=0.1)
+
+
+def branches() -> Branches:
+    setup = nominal("sensor")
+    return Branches.of(simulate(states(), setup, np.array([1000.0])), setup.amplitude_um, setup.plateau_force_N)
+
+
+def in_time(b: Branches) -> tuple[Signals, Array]:
+    """A loop evenly in time, a cycle a second, and the phases (2m,) of its points."""
+    phases = phases_of(b.course.displacement_um, b.motion)[0].ravel()
+    time_s = np.arange(2048) / 2048.0
+
+    def even(values: Array) -> Array:
+        return np.asarray(np.interp(2.0 * np.pi * time_s, phases, values[0].ravel(), period=2.0 * np.pi))
+
+    course = b.course
+    force, load = even(course.tangential_force_N), even(course.normal_force_N)
+    return Signals(time_s, 1.0, even(course.displacement_um), force, load), phases
+
+
+def at_points(values: Array, phases: Array) -> Array:
+    return np.asarray(np.interp(phases, 2.0 * np.pi * np.arange(values.size) / values.size, values, period=2.0 * np.pi))
+
+
+@pytest.mark.parametrize("turn", [0.02, 0.1, 0.3])
+def test_a_charge_leaks_as_the_instrument_of_its_time_constant_does(turn: float) -> None:
+    b = branches()
+    signals, phases = in_time(b)
+    leaked = LeakingCharge(0.5 / (np.pi * turn)).read(signals, 1.0).tangential_force_N
+    # A measured loop's zero is unknown: the instrument loses the mean force, and so may the shape.
+    expected = at_points(leaked - leaked.mean(), phases)
+    found = leaking(turn)(b, turn).tangential_force_N.ravel()
+    mean = float(signals.tangential_force_N.mean())
+    assert found - mean == pytest.approx(expected, abs=0.01 * b.force_N)
+    assert np.abs(found - b.course.tangential_force_N.ravel()).max() > turn * b.force_N
+
+
+def test_a_joint_without_delay_gives_nothing_late_and_one_of_endless_delay_gives_nothing_at_all() -> None:
+    """What gives at once is the library's spring; what never gives leaves that spring with the opposite sign."""
+    b = branches()
+    still = b.course.displacement_um
+    assert giving_late(1e-6)(b, 0.1).displacement_um == pytest.approx(still, abs=1e-3)
+    never = giving_late(1e6)(b, 0.1).displacement_um
+    spring = still - 0.1 * b.amplitude_um / b.force_N * (
+        b.course.tangential_force_N - in_time(b)[0].tangential_force_N.mean()
+    )
+    centred = spring - 0.5 * (spring.max() + spring.min())
+    assert never == pytest.approx(centred, abs=0.01 * b.amplitude_um)

@@ -8,21 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
-from studies.effects.gallery import rows
 from tests.diagnosis_cases import nominal
-from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from tests.picture_pixels import shows
-from wirewear import ExperimentRecord, Sensor, SensorNoise, Study, StudyError, record_of_result, run_study
+from tests.effect_studies import COARSE, coarse
+from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_of_result, run_study
 from wirewear.diagnosis.diagnose import diagnose
 from wirewear.diagnosis.model.candidates import library, unforeseen
 from wirewear.effects import Age, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.results import read_loops
-from wirewear.sweeps.signature import draw_signature, signature_of, signature_study
+from wirewear.sweeps.signature import signature_study
 from wirewear.views.diagnosis_values import Diagnosis
-
-SHORT = COARSE.replace("cycles = 1", "cycles = 2").replace("increments_per_cycle = 40", "increments_per_cycle = 24")
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"
@@ -49,45 +43,9 @@ class Paint(Effect):
 '''
 
 
-WARMING = '''
-from dataclasses import dataclass, replace
-
-from wirewear.effects import Effect, Seam
-
-
-@dataclass(frozen=True)
-class Warming(Effect):
-    """A displacement sensor whose gain creeps up by a per cent a cycle."""
-
-    name = "warming"
-    seam = Seam.SENSOR
-    signature = "loops are stretched ever more"
-    confused_with = ("displacement_gain",)
-
-    def changed(self, described, age):
-        return replace(described, displacement_gain=described.displacement_gain * (1.0 + 0.01 * age.cycles))
-'''
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return tmp_path_factory.mktemp("effects")
-
-
-def short() -> Study:
-    return coarse(SHORT + WEARING)
-
-
-@pytest.mark.slow
-def test_a_signature_sets_a_run_with_the_effect_beside_a_nominal_one_and_is_drawn(folder: Path) -> None:
-    signature = signature_of(effect_named("tangential_compliance").sized("easy", short().stated), folder, study=short())
-    assert signature.cycles == (1, 2)
-    assert signature.changed.study["effects"] == [{"name": "tangential_compliance", "stiffness_N_per_mm": 150.0}]
-    assert max(signature.changes()["dissipated_energy_mJ"]) < -0.05
-    assert shows(draw_signature(signature, folder / "compliance.png"), *VARIANT_COLOURS[:3])
-    table = rows(signature)
-    assert table["effect"].to_list() == ["tangential_compliance", "tangential_compliance"]
-    np.testing.assert_allclose(table["dissipated_energy_change"], signature.changes()["dissipated_energy_mJ"])
 
 
 @pytest.fixture
@@ -186,19 +144,6 @@ def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp
     assert stiffness.value == pytest.approx(200.0, rel=0.03)
     assert stiffness.interval95[0] < 200.0 < stiffness.interval95[1]
     assert "loosening clamp" in found.sentence
-
-
-@pytest.mark.seconds
-def test_a_sensor_that_ages_reads_each_loop_at_its_age(installed: Any) -> None:
-    installed("warming = warming:Warming", warming=WARMING)
-    (warming,) = (kind() for name, kind in all_effects().items() if name == "warming")
-    text = COARSE.replace("cycles = 1\n", "cycles = 2\n")
-    true, read = result_with(text=text), result_with(warming, text=text)
-    pairs = zip(true.loops, read_loops(read), strict=True)
-    gains = [np.ptp(misread.displacement_um) / np.ptp(loop.displacement_um) for loop, misread in pairs]
-    assert gains == pytest.approx([1.01, 1.02])
-    exported = record_of_result(read).loops
-    assert [np.ptp(loop.displacement_um) / 40.0 for loop in exported] == pytest.approx([1.01, 1.02], rel=1e-3)
 
 
 def test_an_effect_that_the_fast_model_cannot_foresee_is_no_candidate_and_is_named(installed: Any) -> None:

@@ -1,7 +1,5 @@
 """The hexahedral mesh of a wire."""
 
-from collections.abc import Callable
-from dataclasses import replace
 from math import pi
 from pathlib import Path
 
@@ -9,8 +7,8 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import ContactPatch, Cylinder, GeometryError, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
-from tests.bodies import RADIUS_mm, brick, wire, wire_geometry
+from geometry import GeometryError, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from tests.bodies import RADIUS_mm, brick, wire
 
 FINE_mm = 0.010
 
@@ -75,22 +73,6 @@ def test_the_patch_describes_the_nodes_of_the_mesh(meshed: WireMesh) -> None:
     assert not patch.profile.slope(plane)[:, 0].any()
 
 
-@pytest.mark.parametrize(
-    ("change", "complaint"),
-    [
-        (lambda wire: replace(wire, diameter_mm=0.0), "diameter must be positive"),
-        (lambda wire: replace(wire, diameter_mm=0.09), "at most 0.42 diameters"),
-        (lambda wire: replace(wire, length_mm=0.085), "give a longer wire"),
-        (lambda wire: replace(wire, grip_half_angle_rad=3.0), "half-angle"),
-    ],
-)
-def test_impossible_sizes_are_refused_in_one_sentence(
-    change: Callable[[WireGeometry], WireGeometry], complaint: str
-) -> None:
-    with pytest.raises(GeometryError, match=complaint):
-        change(wire_geometry(FINE_mm, 0.02, 0.04))
-
-
 def test_a_distorted_mesh_is_refused_with_the_place_of_its_worst_element() -> None:
     mesh = brick((3, 3, 3), (0.3, 0.3, 0.3))
     points = mesh.points.copy()
@@ -118,21 +100,6 @@ def test_a_mirrored_mesh_keeps_its_orientation_and_joins_its_surfaces() -> None:
     assert len(whole.surfaces["top"]) == 2 * len(half.surfaces["top"])
     corner = whole.points[whole.surfaces["top"]]
     assert np.all(np.cross(corner[:, 1] - corner[:, 0], corner[:, 3] - corner[:, 0])[:, 2] > 0.0)
-
-
-@pytest.mark.parametrize(
-    ("axial", "transverse", "shape", "complaint"),
-    [
-        ([0.0, 1.0], [0.0, 0.1], (3, 2), "cannot hold nodes"),
-        ([0.0, 0.0], [0.0, 0.1], (2, 2), "must increase"),
-        ([0.0, 1.0], [0.0, 0.3], (2, 2), "does not fit"),
-    ],
-)
-def test_an_impossible_patch_is_refused(
-    axial: list[float], transverse: list[float], shape: tuple[int, int], complaint: str
-) -> None:
-    with pytest.raises(GeometryError, match=complaint):
-        ContactPatch(np.array(axial), np.array(transverse), np.zeros(shape, dtype=np.int64), Cylinder(0.25))
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".msh", ".inp"])

@@ -126,19 +126,6 @@ def test_an_import_against_the_layers_is_detected(tmp_path: Path, layer: str, li
     assert len(violations(tmp_path)) == 1
 
 
-def test_imports_along_the_layers_are_accepted(tmp_path: Path) -> None:
-    lines = {
-        "geometry": "import gmsh\nfrom . import mesh",
-        "solvers": "from geometry import mesh\nfrom .law import friction",
-        "wirewear": "import solvers.contact\nimport geometry",
-        "studies": "import wirewear\nimport matplotlib\nfrom studies.blind import make",
-    }
-    for layer, line in lines.items():
-        (tmp_path / layer).mkdir()
-        (tmp_path / layer / "module.py").write_text(line, encoding="utf-8")
-    assert violations(tmp_path) == []
-
-
 def room_of(module: str) -> str:
     """The declared room of a module of wirewear, dotted; KeyError for one that has none."""
     name = module.removeprefix("wirewear").removeprefix(".")
@@ -232,12 +219,6 @@ def test_an_import_from_above_and_the_circle_that_it_closes_are_found(tmp_path: 
     assert circles(graph) == [["wirewear.effects.part", "wirewear.study.part"]]
 
 
-def test_imports_downward_are_accepted(tmp_path: Path) -> None:
-    graph = tree(tmp_path, effects="import wirewear.reference", study="from wirewear.effects.part import Effect")
-    assert upward(graph) == []
-    assert circles(graph) == []
-
-
 def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
     with pytest.raises(KeyError, match=r"wirewear\.attic\.part stands in no room"):
         upward(tree(tmp_path, attic="import wirewear", effects="from wirewear.attic.part import it"))
@@ -255,7 +236,7 @@ BUDGETS = {
     "lines of wirewear": 53_230,
     "lines of studies": 19_500,
     # 700 of them are one test for each fault found from outside and for laws that no other test holds.
-    "lines of tests": 25_900,
+    "lines of tests": 24_000,
     "files of geometry, solvers and wirewear": 464,
     "rooms of wirewear": 24,
     "arrows between rooms": 139,

@@ -108,33 +108,6 @@ normal_force_N = {{ column = 3, unit = "V", factor = 4.0 }}
     assert last.time_s[0] == 0.0
 
 
-def test_evolution_and_scars_given_as_points_come_along(tmp_path: Path, cycle: Any) -> None:
-    (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
-    (tmp_path / "evolution.csv").write_text("N,Ed\n1,0.25\n10,0.26\n", encoding="utf-8")
-    points = [f"{x} {y} {max(0.01 - abs(x) - abs(y), 0)}" for x in (-0.01, 0, 0.01) for y in (-0.02, 0, 0.02)]
-    (tmp_path / "scar.dat").write_text("x y z\n" + "\n".join(points), encoding="utf-8")
-    more = """
-[evolution]
-files = "evolution.csv"
-[evolution.columns]
-cycle = "N"
-dissipated_energy_mJ = { column = "Ed", unit = "mJ" }
-[scars.moving]
-files = "scar.dat"
-delimiter = "whitespace"
-[scars.moving.columns]
-x_um = { column = "x", unit = "mm" }
-y_um = { column = "y", unit = "mm" }
-depth_um = { column = "z", unit = "mm" }
-"""
-    record = import_record(mapped(tmp_path, GERMAN + more))
-    np.testing.assert_array_equal(record.evolution[0].columns["dissipated_energy_mJ"], [0.25, 0.26])
-    assert np.isnan(record.evolution[0].columns["slip_amplitude_um"]).all()
-    (scar,) = record.scars
-    np.testing.assert_allclose(scar.x_um, [-10.0, 0.0, 10.0])
-    assert scar.depth_um.max() == pytest.approx(10.0)
-
-
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [

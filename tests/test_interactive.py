@@ -4,7 +4,6 @@ import dataclasses
 from pathlib import Path
 from typing import Any, cast
 
-import numpy as np
 import polars as pl
 import pytest
 from click.testing import CliRunner
@@ -14,7 +13,6 @@ from tests.studies import MINIMAL
 from tests.synthetic_results import result
 from wirewear.faces import cli
 from wirewear.faces.looking import told_apart
-from wirewear.pictures.smooth import smooth_loop
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
 pytestmark = pytest.mark.seconds
@@ -119,17 +117,6 @@ def test_tables_are_exported_for_other_programs(run: ww.Run, form: str, tmp_path
     )
 
 
-def test_a_surface_is_the_worn_wire(run: ww.Run) -> None:
-    surface = run.surface("fixed")
-    assert surface.bounds[5] > 0.0 > run.surface("moving").bounds[4]
-    scar = run.scar(100_000, "fixed")
-    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-    np.testing.assert_allclose(surface.x[..., 0], np.broadcast_to(x, scar.depth_um.shape), atol=1e-4)
-    np.testing.assert_allclose(surface.y[..., 0], np.broadcast_to(y, scar.depth_um.shape), atol=1e-4)
-    assert surface["depth_um"].reshape(scar.depth_um.shape, order="F") == pytest.approx(scar.depth_um)
-    assert float(run.surface("fixed", cycle=100)["depth_um"].max()) < float(surface["depth_um"].max())
-
-
 def test_a_record_compares_itself(run: ww.Run, tmp_path: Path) -> None:
     stated = ww.load(MINIMAL).with_values({"conditions.cycles": 100_000}).resolved()
     ww.write_record(tmp_path / "record", ww.record_of_result(dataclasses.replace(run, study=stated)))
@@ -159,16 +146,6 @@ def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: py
     assert cast("dict[str, Any]", record.fit(worn_volume_mm3=2.0, progress=False))["given"].volume_mm3 == 2.0
     assert cast("dict[str, Any]", record.diagnose(without=["third_body"]))["left_out"] == ["third_body"]
     assert asked == [record, record]
-
-
-def test_a_smooth_loop_passes_through_its_samples_and_never_beyond(run: ww.Run) -> None:
-    loop = run.loop(100_000)
-    x, q = smooth_loop(loop)
-    assert (x[0], q[0]) == (x[-1], q[-1])
-    assert np.ptp(x) == pytest.approx(np.ptp(loop.displacement_um))
-    assert np.ptp(q) == pytest.approx(np.ptp(loop.tangential_force_N))
-    distance = np.hypot(x[:, None] - loop.displacement_um, q[:, None] - loop.tangential_force_N).min(axis=0)
-    assert distance.max() < 1e-9
 
 
 def test_a_fidelity_that_there_is_not_is_answered_with_those_there_are() -> None:

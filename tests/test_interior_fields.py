@@ -7,16 +7,12 @@ import pytest
 import pyvista
 from click.testing import CliRunner
 from numpy.typing import NDArray
-from PIL import Image
 
 from tests.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
-from tests.picture_pixels import PANELS, shows
 from wirewear.faces import cli
 from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
 from wirewear.interior.grids import Section, fanned, section
-from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.pictures.colours import INK, PRESSURE_COLOURS
 from wirewear.results import write_result
 
 FIELD = "von_mises_MPa"
@@ -124,29 +120,6 @@ def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: 
     grid = body_grid(state)
     mean = cloud.point_data["von_mises_MPa"].reshape(-1, 8).mean(axis=1)
     np.testing.assert_allclose(mean, grid.cell_data["von_mises_MPa"], rtol=1e-9)
-
-
-@pytest.mark.slow
-def test_the_command_writes_what_paraview_reads_and_draws_it(stored: Path, tmp_path: Path) -> None:
-    places = ["--at", "mid-forward", "--at", "end-forward"]
-    asked = ["--cycle", "100", *places, "--integration-points", "--animate", "--output", str(tmp_path)]
-    outcome = CliRunner().invoke(cli, ["fields", str(stored), *asked], catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
-    series = pyvista.PVDReader(tmp_path / "cycle_0000100.pvd")
-    blocks = series.read()
-    assert series.time_values == pytest.approx([0.75, 1.0])
-    assert len(blocks) == 2
-    for block in blocks:
-        quality = block.cell_quality("scaled_jacobian")
-        assert quality.cell_data["scaled_jacobian"].min() >= 0.2
-        assert (block.celltypes == pyvista.CellType.HEXAHEDRON).all()
-        assert block.point_data["stress_MPa"].shape == (block.n_points, 6)
-    assert shows(tmp_path / "section_0000100_005.png", *STRESS_COLOURS([0.35, 0.65, 0.95]), part=PANELS)
-    assert shows(tmp_path / "cut_0000100_005.png", "#50545a", part=PANELS)
-    assert shows(tmp_path / "tractions_0000100_005.png", PRESSURE_COLOURS(0.98), INK, part=PANELS)
-    with Image.open(tmp_path / "cycle_0000100.gif") as animation:
-        assert animation.format == "GIF"
-        assert animation.n_frames == 2  # type: ignore[attr-defined]
 
 
 @pytest.mark.seconds

@@ -6,23 +6,20 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry import Cylinder, EvenProfile
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.base.reading import toml_text
-from wirewear.faces import cli
 from wirewear.faces.study_script import wide_console
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import PlanarPlan, plan
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.run import LINES, refined_study
+from wirewear.planar.run import LINES
 from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
-from wirewear.results import RunResult, read_result
-from wirewear.simulation.convergence import BASE, JUMPS, MESH, POSITIONS, converge, convergence_table
+from wirewear.results import RunResult
+from wirewear.simulation.convergence import converge, convergence_table
 
 FLAT = {
     "face_half_width_mm": 0.6,
@@ -46,23 +43,6 @@ def study_of(**changes: Any) -> PlanarStudy:
 
 def spacings(planned: PlanarPlan) -> tuple[float, float, float]:
     return planned.pad.along.fine_mm, planned.pad.far_mm, planned.specimen.along.fine_mm
-
-
-def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
-    study = refined_study(study_of(), "quick")
-    plans = {name: plan(study.variant(name), "quick") for name in study.variant_names}
-    base = plans.pop(BASE)
-    assert tuple(plans) == (*MESH.runs, *POSITIONS.runs, *JUMPS.runs)
-    for factor, name in zip(MESH.factors, MESH.runs, strict=True):
-        assert spacings(plans[name]) == pytest.approx([size / factor for size in spacings(base)])
-    for factor, name in zip(POSITIONS.factors, POSITIONS.runs, strict=True):
-        assert plans[name].increments_per_cycle == factor * base.increments_per_cycle
-    for factor, name in zip(JUMPS.factors, JUMPS.runs, strict=True):
-        assert plans[name].jump_tolerance == pytest.approx(base.jump_tolerance / factor**2)
-    for name, planned in plans.items():
-        assert (planned.pad == base.pad) == (name not in MESH.runs)
-        assert (planned.increments_per_cycle == base.increments_per_cycle) == (name not in POSITIONS.runs)
-        assert (planned.jump_tolerance == base.jump_tolerance) == (name not in JUMPS.runs)
 
 
 @pytest.mark.slow
@@ -165,31 +145,6 @@ def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult)
     # The loading spring gives as the bodies wear.
     depths = sum(worn_flat.evolution[f"max_depth_{body}_um"][-1] for body in ("pad", "specimen"))
     assert 100.0 - 2e-3 * depths < worn_flat.evolution["normal_force_N"][-1] < 100.0
-
-
-@pytest.mark.slow
-def test_variants_run_side_by_side_into_folders_of_their_own_and_resume(tmp_path: Path) -> None:
-    changed = tables(conditions={"cycles": 20}, log={"loop_cycles": [1, 20]})
-    changed["variants"] = {
-        "rigid": {"holder": {"tangential_stiffness_N_per_mm2": "rigid"}},
-        "soft": {"holder": {"tangential_stiffness_N_per_mm2": 5e3}},
-    }
-    file, out = tmp_path / "study.toml", tmp_path / "out"
-    file.write_text(toml_text(changed), encoding="utf-8")
-    line = ["run", str(file), "--fidelity", "quick", "--output", str(out)]
-    ended = CliRunner().invoke(cli, [*line, "--jobs", "2"])
-    assert ended.exit_code == 0, ended.output
-    assert (out / "variants.png").stat().st_size > 10_000
-    rigid, soft = (read_result(out / name) for name in ("rigid", "soft"))
-    assert (rigid.variant, soft.full_name) == ("rigid", "cylinder on flat, soft")
-    lost = rigid.evolution["slip_amplitude_um"][0] - soft.evolution["slip_amplitude_um"][0]
-    assert lost == pytest.approx(1e3 * 0.6 * 30.0 / 5e3, rel=0.02)
-    before = (out / "soft" / "result.h5").read_bytes()
-    again = CliRunner().invoke(cli, [*line, "--resume"])
-    assert again.exit_code == 0, again.output
-    assert (out / "soft" / "result.h5").read_bytes() == before
-    with pytest.raises(StudyError, match="has no variant 'stiff': its variants are rigid, soft"):
-        planar_study_from_tables(changed, "study.toml").variant("stiff")
 
 
 def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:

@@ -11,13 +11,12 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
 
 from tests import synthetic_results
 from tests.frozen_states import frozen_states
-from tests.logger_files import write_english, write_german
+from tests.logger_files import write_german
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, read_record
@@ -53,30 +52,6 @@ def imported(write: Callable[[ExperimentRecord, Path], list[Path]]) -> Experimen
         result = CliRunner().invoke(cli, command)
         assert result.exit_code == 0, result.output
     return read_record(Path("record"))
-
-
-@pytest.mark.slow
-def test_loggers_of_both_languages_lead_to_one_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    records = []
-    for write in (write_german, write_english):
-        (tmp_path / write.__name__).mkdir()
-        monkeypatch.chdir(tmp_path / write.__name__)
-        records.append(imported(write))
-    german, english = records
-    # What is not in the files is guessed from them, from one file or from all.
-    one, other = (record.tables.conditions for record in records)
-    assert (one.cycles, one.drive) == (other.cycles, other.drive)
-    for name in ("normal_load_N", "displacement_amplitude_um", "frequency_Hz"):
-        assert getattr(one, name) == pytest.approx(getattr(other, name), rel=0.01)
-    assert german.tables.wires == english.tables.wires
-    assert len(german.loops) == len(english.loops) > 0
-    assert len(german.scars) == len(english.scars) > 0
-    for loop, again in zip(german.loops, english.loops, strict=True):
-        assert (loop.repeat, loop.cycle) == (again.repeat, again.cycle)
-        np.testing.assert_allclose(loop.displacement_um, again.displacement_um, atol=1e-5)
-        np.testing.assert_allclose(loop.tangential_force_N, again.tangential_force_N, atol=1e-6)
-    for scar, same in zip(german.scars, english.scars, strict=True):
-        assert scar.volume_mm3 == pytest.approx(same.volume_mm3, rel=1e-6)
 
 
 @pytest.mark.slow

@@ -7,7 +7,10 @@ import pytest
 
 from tests.closed_form_loops import Disturbance, MasingLoop
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
-from wirewear.loops import LoopFigures, analyse_loop
+from wirewear.loops import LoopFigures, analyse_loop, position_resolved_friction
+from wirewear.loops.branches import Branch, split_branches
+from wirewear.loops.cleaning import clean_loop
+from wirewear.loops.reversals import upright
 
 AMPLITUDE_um, SLIDING_N = 2000.0, 2.08
 
@@ -94,3 +97,101 @@ def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: fl
     _, displacement, force = SyntheticLoop(Recipe(friction, rig_stiffness=1e9, contact_stiffness=1e6)).sampled(120, 0.1)
     for seed in range(10):
         assert_bounded(analyse_loop(*disturbed(displacement, force, seed, noise, 0.0), 2.0))
+
+
+RECIPE = Recipe(end_slope_rad=0.2, hook_power=2.0)
+
+
+LOOP = SyntheticLoop(RECIPE)
+
+
+# sliding takes up Q/K_s in the rig and 1.5 Q/K_c in the contact
+SLIDING_STIFFNESS = 1e-3 / (1.0 / RECIPE.rig_stiffness + 1.5 / RECIPE.contact_stiffness)
+
+
+@pytest.mark.parametrize(("noise", "within"), [(0.0, 0.005), (0.005, 0.02)])
+def test_friction_is_uniform_and_the_slope_is_the_scars(noise: float, within: float) -> None:
+    time, displacement, force = LOOP.sampled(400)
+    displacement, force = disturbed(displacement, force, 2, noise, 0.0, 1.24)
+    resolved = position_resolved_friction(
+        displacement, force, 2.0, time_s=time, system_stiffness_N_per_um=SLIDING_STIFFNESS
+    )
+    x = resolved.slip_position_um
+    inner = np.abs(x) < 0.8 * np.abs(x).max()
+    np.testing.assert_allclose(resolved.friction[inner], 0.62, rtol=2.0 * within)
+    reach = LOOP.own_amplitude_um - LOOP.slides_within_um
+    expected = 0.2 * np.sign(x) * (x / reach) ** 2
+    np.testing.assert_allclose(resolved.slope_angle_rad[inner], expected[inner], atol=within)
+
+
+def test_friction_that_varies_along_the_slip_is_seen_where_it_varies() -> None:
+    _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=1e6)).sampled(400)
+    patchy = force * (1.0 + 0.2 * np.exp(-(((displacement - 20.0) / 8.0) ** 2)))
+    resolved = position_resolved_friction(displacement, patchy, 2.0)
+    assert resolved.slip_position_um[np.argmax(resolved.friction)] == pytest.approx(20.0, abs=2.0)
+    assert resolved.friction.max() == pytest.approx(1.2 * 0.62, rel=0.01)
+
+
+Array = np.ndarray
+
+
+#: Readings that lean against the force: up to eight times what this rig yields, 12 % of its stroke; µm/N and µm/N².
+LEANS = ((-0.6, 0.0), (-1.5, 0.4), (-3.2, -0.5), (-5.0, 0.0), (-5.0, 1.5))
+
+
+STIFF = Recipe(rig_stiffness=5e4)
+
+
+def leaning(displacement: Array, force: Array, linear: float, quadratic: float) -> Array:
+    return np.asarray(displacement + linear * force + quadratic * force**2)
+
+
+def parted(displacement: Array, force: Array, time: Array | None = None) -> tuple[Branch, Branch]:
+    return split_branches(upright(clean_loop(displacement, force, time_s=time)))
+
+
+def fallen(branch: Branch) -> int:
+    """Samples of a branch whose force has not yet come, or is already gone again: those of the other one."""
+    half = 0.5 * float(branch.force_N.max())
+    return int(np.count_nonzero(branch.force_N[3 * len(branch.samples) // 4 :] < half))
+
+
+@pytest.mark.parametrize(("linear", "quadratic"), LEANS)
+@pytest.mark.parametrize("phase", [0.0, 0.13, 0.61])
+@pytest.mark.parametrize("samples", [48, 200])
+def test_branches_are_the_same_whatever_function_of_the_force_is_added(
+    linear: float, quadratic: float, phase: float, samples: int
+) -> None:
+    time, displacement, force = SyntheticLoop(STIFF).sampled(samples, phase)
+    alone = parted(displacement, force, time)
+    for one, other in zip(alone, parted(leaning(displacement, force, linear, quadratic), force, time), strict=True):
+        # A sample or two beside a reversal may go with either: those by which an upright flank is left.
+        assert len(set(one.samples.tolist()) ^ set(other.samples.tolist())) <= 4
+
+
+@pytest.mark.parametrize(("linear", "quadratic"), LEANS)
+def test_noise_leaves_the_branches_of_a_leaning_reading_where_they_are(linear: float, quadratic: float) -> None:
+    time, displacement, force = SyntheticLoop(STIFF).sampled(200, 0.3)
+    for seed in range(5):
+        noisy = disturbed(leaning(displacement, force, linear, quadratic), force, seed, noise=0.004, outlier_share=0.0)
+        for branch in parted(*noisy, time):
+            assert fallen(branch) == 0
+            assert float(branch.force_N[0]) < -0.4 * float(branch.force_N.max())
+
+
+@pytest.mark.parametrize(("linear", "quadratic"), LEANS)
+def test_figures_that_the_lean_leaves_alone_are_measured_and_no_stiffness_is(linear: float, quadratic: float) -> None:
+    """∮Q df(Q) = 0, and a loop's width at a force is shifted as a whole."""
+    time, displacement, force = SyntheticLoop(STIFF).sampled(200, 0.3)
+    alone = analyse_loop(displacement, force, 2.0, time_s=time)
+    read = leaning(displacement, force, linear, quadratic)
+    found = analyse_loop(read, force, 2.0, time_s=time)
+    assert found.dissipated_energy_mJ.value == pytest.approx(alone.dissipated_energy_mJ.value, rel=0.005)
+    assert found.slip_amplitude_um.value == pytest.approx(alone.slip_amplitude_um.value, rel=0.005)
+    assert found.displacement_amplitude_um.value == pytest.approx(0.5 * np.ptp(read), rel=0.001)
+    assert found.friction_max is not None
+    assert found.friction_max.value == pytest.approx(0.62, rel=0.02)
+    assert found.regime == "gross slip"
+    if linear < -1.0:
+        assert found.measured_stiffness_N_per_um is None
+        assert any("runs on while the force already falls" in note for note in found.notes)

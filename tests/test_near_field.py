@@ -4,16 +4,30 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometry import Elastic
+from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_planar
 from solvers.facing import facing
+from solvers.interior import Interior
+from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.near_field import Bricks, half_space_response, missing_displacement, reach
 from solvers.placement import PlacedBody, place
+from solvers.strain import integration_points
+from solvers.subgrid_traction import SubgridTraction
+from solvers.surface_stress import LoadedSurface, SurfaceStress, half_space_stress
 from solvers.transfer import hat_products
 from tests import bodies
+from tests.bodies import STEEL
+from wirewear import reference
+from wirewear.verification import FULL, QUICK
+from wirewear.verification.line_surface import line_surface_rows
+from wirewear.verification.rows import Level
+from wirewear.verification.surface import surface_rows
 
 Array = NDArray[np.float64]
 
+
 FINE_mm = 0.004
+
+
 CROSSED = ((0.0, 1.0), (1.0, 0.0))
 
 
@@ -125,3 +139,148 @@ def test_the_corrected_compliance_is_symmetric_and_positive_definite() -> None:
             compliance = facing(one, other).compliance
             np.testing.assert_allclose(compliance, compliance.T, atol=1e-14)
             assert np.linalg.eigvalsh(compliance)[0] > 0.0
+
+
+NU, FRICTION = 0.3, 0.62
+
+
+def hertz(per_radius: float, centre: tuple[float, float]) -> Array:
+    """Nodal tractions of a contact that slides towards +x, of unit radius and pressure; its own traction along −x."""
+    lines = np.arange(-2.5, 2.5 + 1e-9, 1.0 / per_radius)
+    x, y = np.meshgrid(lines - centre[0], lines - centre[1], indexing="ij")
+    pressure = np.sqrt(np.maximum(1.0 - x**2 - y**2, 0.0))
+    return np.stack([-FRICTION * pressure, 0.0 * pressure, -pressure], axis=-1)
+
+
+@pytest.mark.first_case
+@pytest.mark.seconds
+@pytest.mark.parametrize("centre", [(0.0, 0.0), (0.11, 0.05)])
+@pytest.mark.parametrize("per_radius", [4.0, 24.0])
+def test_between_nodes_hertzs_pressure_ends_on_its_circle(per_radius: float, centre: tuple[float, float]) -> None:
+    between = SubgridTraction.of_nodes(hertz(per_radius, centre))
+    places = between.edge() / per_radius - 2.5 - centre
+    assert len(places) > 20
+    np.testing.assert_allclose(np.hypot(*places.T), 1.0, atol=0.08 / per_radius)
+    middle = int(2.5 * per_radius)
+    np.testing.assert_allclose(between.ratio[middle, middle], [-FRICTION, 0.0, -1.0])
+
+
+def flat(size_mm: float = 1.0, elements: int = 16, depth: int = 10) -> SurfaceStress:
+    step = size_mm / elements
+    mesh = bodies.brick((elements, elements, depth), (size_mm, size_mm, depth * step))
+    mesh = HexMesh(mesh.points, mesh.cells, {**mesh.surfaces, "contact": mesh.surfaces["top"]})
+    return SurfaceStress(mesh, bodies.patch_on(mesh), bodies.STEEL, (step, 1.0))
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("x", [-1.0, -0.6, 0.0, 0.8, 1.3])
+def test_rays_sum_hertzs_tractions_to_hamiltons_stress(x: float) -> None:
+    between = SubgridTraction.of_nodes(hertz(4.0, (0.0, 0.0)))
+    # A node stands at the edge, just inside of which the stress is to be taken.
+    at = np.sign(x) * (between.edge() / 4.0 - 2.5)[:, 0].max() if abs(x) == 1.0 else x
+    place = np.array([[4.0 * (at + 2.5), 10.0]])
+    found = half_space_stress(place, np.ones(2), between.square, between.ratio, True, NU)[0]
+    # The body lies below, its normal points out: the closed form's z axis points in.
+    exact = reference.sliding_stress(
+        x, 0.0, 0.0, contact_radius_mm=1.0, peak_pressure_MPa=1.0, peak_shear_MPa=-FRICTION, poissons_ratio=NU
+    )
+    np.testing.assert_allclose(found[:4], exact[:4], atol=0.04)
+
+
+@pytest.mark.seconds
+def test_a_contact_that_leaves_the_elements_alike_is_not_corrected_there_and_its_mirror_image_neither() -> None:
+    surface = flat(5.0, 20)
+    grid = surface.patch.grid()
+    traction = hertz(4.0, (0.0, 1.9))
+    there, back = (LoadedSurface(surface, one).correction(grid) for one in (traction, traction[:, ::-1]))
+    shape = surface.patch.shape
+    # Seen from the other side, shears with y turn round.
+    turned = back.reshape(*shape, 6)[:, ::-1].reshape(-1, 6) * [1.0, 1.0, 1.0, -1.0, -1.0, 1.0]
+    np.testing.assert_allclose(there, turned, atol=1e-9)
+    assert not there[(grid[:, 1] > 1.75) & (np.abs(grid[:, 0]) < 0.5)].any()
+    assert np.abs(there[grid[:, 1] < 1.2]).max() > 0.05
+
+
+@pytest.mark.slow
+def test_the_tension_behind_sliding_and_slipping_wires_is_hamiltons_and_cattaneos() -> None:
+    rows = surface_rows(QUICK)
+    assert len(rows) == 4
+    assert [row for row in rows if not row.passed] == []
+
+
+def hertz_of_stress(per_half_width: float, centre: float = 0.0) -> tuple[Array, Array]:
+    """Nodes and their tractions of a line contact that slides towards +x, of unit half-width and pressure."""
+    x = np.arange(-2.5, 2.5 + 1e-9, 1.0 / per_half_width)
+    pressure = np.sqrt(np.maximum(1.0 - (x - centre) ** 2, 0.0))
+    return x, np.stack([-FRICTION * pressure, 0.0 * pressure, -pressure], axis=-1)
+
+
+def flat_of_stress(half_width_mm: float, fine_mm: float) -> LineSurfaceStress:
+    lines = GradedAxis(fine_mm, half_width_mm, fine_mm, half_width_mm)
+    return LineSurfaceStress.of(build_planar(PlanarGeometry(Flat(), 20.0, 20.0, lines)), STEEL)
+
+
+@pytest.mark.parametrize("per_half_width", [6.0, 12.0, 40.0])
+@pytest.mark.parametrize("centre", [0.0, 0.03])
+def test_between_nodes_hertzs_pressure_ends_at_its_edges_however_fine_the_mesh(
+    per_half_width: float, centre: float
+) -> None:
+    x, traction = hertz_of_stress(per_half_width, centre)
+    edges = np.interp(SubgridTraction.of_nodes(traction[:, None]).edge()[:, 0], np.arange(float(len(x))), x)
+    np.testing.assert_allclose(np.sort(edges) - centre, [-1.0, 1.0], atol=0.05 / per_half_width)
+
+
+def test_one_line_stands_for_tractions_alike_across_it() -> None:
+    _, traction = hertz_of_stress(8.0)
+    line = SubgridTraction.of_nodes(traction[:, None])
+    wide = SubgridTraction.of_nodes(np.repeat(traction[:, None], 61, axis=1))
+    np.testing.assert_allclose(line.square[:, 0], wide.square[:, 30], atol=1e-9)
+    np.testing.assert_allclose(line.ratio[:, 0], wide.ratio[:, 30], atol=1e-9)
+
+
+def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
+    """A traction at one node: the mesh's stress near it is the half-plane's plus the lattice's error."""
+    surface = flat_of_stress(0.5, 0.02)
+    nodes = surface.patch.nodes.ravel()
+    middle = len(nodes) // 2
+    points = integration_points(surface.mesh)
+    held = Interior(surface.mesh, STEEL, surface.mesh.surface_nodes("grip"))
+    for component in (0, 2):
+        forces = np.zeros((1, len(nodes), 3))
+        forces[0, middle - 1 : middle + 2, component] = np.array([1.0, 4.0, 1.0]) / 6.0 * surface.spacing_mm
+        moved = held.displacements(nodes, forces)[0]
+        found = points.at_nodes(points.stresses(STEEL, moved))[nodes]
+        expected = surface.stencil[len(nodes) - 1 - middle : 2 * len(nodes) - 1 - middle, :, component]
+        near = slice(middle - 8, middle + 9)
+        # The last rows of elements beneath are those of a mesh that grows, not of an endless one.
+        np.testing.assert_allclose(found[near], expected[near], atol=0.01)
+        assert np.abs(found[near]).max() > 0.2
+
+
+@pytest.mark.seconds
+def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
+    x, traction = hertz_of_stress(12.0)
+    mesh = flat_of_stress(2.5, 1.0 / 12.0)
+    loaded = LoadedLine(mesh, traction)
+    edge = float(loaded.between.edge()[:, 0].min())
+    places = np.append([edge], 30.0 + 12.0 * np.array([-0.5, 0.0, 0.7, 1.3]))
+    found = np.array([loaded._exact(place) for place in places])
+    exact = reference.line_stress(
+        np.interp(places, np.arange(float(len(x))), x).clip(-1.0),
+        np.zeros(len(places)),
+        half_width_mm=1.0,
+        peak_pressure_MPa=1.0,
+        peak_shear_MPa=-FRICTION,
+        poissons_ratio=NU,
+    )
+    # The body lies below, its normal points out: the closed form's z axis points in.
+    np.testing.assert_allclose(found[:, :4], exact[:, :4], atol=0.03)
+    np.testing.assert_allclose(found[:, 5], -exact[:, 5], atol=0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("level", [QUICK, FULL])
+def test_the_tension_behind_a_sliding_and_a_slipping_cylinder_is_mcewens_and_cattaneos(level: Level) -> None:
+    rows = line_surface_rows(level)
+    assert len(rows) == 4
+    assert [row for row in rows if not row.passed] == []

@@ -18,7 +18,6 @@ from geometry import (
     PlanarGeometry,
     PlanarMesh,
     Profile,
-    QuadMesh,
     RoundedFlat,
     build_planar,
 )
@@ -205,27 +204,6 @@ def test_a_line_patch_stands_for_a_strip_of_unit_thickness() -> None:
     _, weights, inside = patch.locate(np.array([[1.1, 0.0], [-1.2, 0.0]]))
     assert not inside.any()
     assert not weights.any()
-
-
-@pytest.mark.parametrize(
-    ("make", "complaint"),
-    [
-        (lambda: body(Cylinder(1.0, curved_along=True)), "does not fit on a cylinder"),
-        (lambda: body(RoundedFlat(0.3, 1.0)), "edges rounded"),
-        (lambda: body(Flat(), half_width_mm=0.3), "does not fit on a body"),
-        (lambda: body(Flat(), height_mm=0.01), "holds no element"),
-        (lambda: body(Cylinder(1.6, curved_along=True), height_mm=1.0), "ends beside its own contact surface"),
-        (lambda: PlanarGeometry(Flat(), 1.5, 2.0, ALONG, far_mm=0.0), "far elements"),
-        (lambda: RoundedFlat(0.3, 0.0), "positive edge radius"),
-        (lambda: QuadMesh(np.zeros((4, 3)), np.zeros((1, 4), dtype=np.int64), {}), r"shape \(n, 2\)"),
-        (lambda: QuadMesh(np.zeros((4, 2)), np.zeros((1, 3), dtype=np.int64), {}), r"shape \(m, 4\)"),
-        (lambda: body(Flat()).mesh.surface_nodes("lid"), "no surface 'lid'"),
-    ],
-)
-def test_an_impossible_planar_body_is_refused(make: object, complaint: str) -> None:
-    assert callable(make)
-    with pytest.raises(GeometryError, match=complaint):
-        make()
 
 
 def test_a_grip_holds_the_stated_part_of_the_back_and_gives_way_as_stated() -> None:

@@ -4,21 +4,16 @@ from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
-import h5py
 import numpy as np
-import polars as pl
 import pytest
-from click.testing import CliRunner
 
 from wirewear import reference
-from wirewear.base.errors import RunError, StudyError
-from wirewear.faces import cli
+from wirewear.base.errors import StudyError
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import RunResult, read_result
+from wirewear.results import RunResult
 from wirewear.simulation import NoObserver
-from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
@@ -95,25 +90,6 @@ def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> 
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
 
 
-@pytest.mark.slow
-def test_the_command_leaves_tables_result_and_pictures(tmp_path: Path) -> None:
-    file = tmp_path / "study.toml"
-    text = STUDY.read_text(encoding="utf-8").replace("cycles = 10000", "cycles = 20")
-    file.write_text(text.replace("[1, 100, 1000, 3000, 10000]", "[1, 20]"), encoding="utf-8")
-    out = tmp_path / "out"
-    result = CliRunner().invoke(cli, ["run", str(file), "--fidelity", "quick", "--output", str(out)])
-    assert result.exit_code == 0, result.output
-    assert "titanium cylinder on flat" in result.stdout
-    names = {"result.h5", "report.html", "profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
-    assert {path.name for path in out.iterdir()} == names
-    profiles = pl.read_csv(out / "profiles.csv")
-    with h5py.File(out / "result.h5") as stored:
-        deepest = max(float(group["depth_um"][()].max()) for group in stored["scars"].values())
-    assert profiles["depth_um"].max() == pytest.approx(deepest)
-    assert pl.read_csv(out / "evolution.csv")["cycle"].to_list() == [1.0, 20.0]
-    assert set(profiles["body"].unique()) == {"pad", "specimen"}
-
-
 class Killer(NoObserver):
     """Interrupts in the middle of a cycle, some increments after a number of logged loops."""
 
@@ -127,30 +103,3 @@ class Killer(NoObserver):
     def logged(self, result: RunResult) -> None:
         assert result.status == "running"
         self.logged_loops += 1
-
-
-@pytest.mark.slow
-def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
-    short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
-    unbroken = run_planar_study(short, fidelity="quick")
-    with pytest.raises(KeyboardInterrupt):
-        run_planar_study(short, fidelity="quick", output=tmp_path, observer=Killer(1))
-    assert read_result(tmp_path / "result.h5").status == "running"
-    resumed = run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
-    assert resumed.status == "complete"
-    assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
-    assert resumed.quality == unbroken.quality
-    for name, column in unbroken.evolution.items():
-        np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
-    for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):
-        np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
-    for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
-        np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
-    complete = (tmp_path / "result.h5").read_bytes()
-    # As if it had been killed while it drew.
-    (tmp_path / "loops.png").unlink()
-    run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
-    assert (tmp_path / "result.h5").read_bytes() == complete
-    assert (tmp_path / "loops.png").exists()
-    with pytest.raises(RunError, match="another study"):
-        run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)

@@ -1,6 +1,5 @@
 """Values of results: what they accept, and what scars and runs answer."""
 
-import dataclasses
 import math
 from pathlib import Path
 from typing import Any
@@ -68,19 +67,6 @@ def study_file(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_run_can_log_the_cycles_of_the_record_that_it_will_be_compared_with(
-    study_file: Path, asked: dict[str, Any]
-) -> None:
-    study_file.write_text(MINIMAL + VARIANTS, encoding="utf-8")
-    result = wirewear("run", study_file, "--cycles-of", EXAMPLE)
-    assert result.exit_code == 0, result.output
-    last = asked["study"].conditions.cycles
-    for study in (asked["study"], asked["study"].variant("rigid")):
-        assert study.tables.log.loop_cycles == tuple(
-            sorted({c for c in (100, 1000, 10000, 100000) if c <= last} | {last})
-        )
-
-
 def test_worn_volume_is_the_integral_of_the_depth() -> None:
     """A paraboloid bowl of half-axes L, B and depth h holds πLBh/2, here to 0.1 % on 241 × 201 lines."""
     scar = bowl("moving", depth_um=12.0, half_length_um=110.0, half_width_um=70.0, lines=(241, 201))
@@ -109,25 +95,6 @@ def test_section_along_motion_crosses_the_scar_at_its_middle(angle: float, half_
     np.testing.assert_allclose(depth, 9.0 * np.maximum(1.0 - (x / half_um) ** 2, 0.0), atol=1e-9)
     assert x[0] == pytest.approx(-1.5 * half_um)
     assert x[-1] == pytest.approx(1.5 * half_um)
-
-
-@pytest.mark.parametrize(
-    ("change", "sentence"),
-    [
-        ({"body": "upper"}, "wire must be one of moving, fixed, not 'upper'"),
-        ({"diameter_mm": 0.0}, "diameter_mm must be positive"),
-        ({"depth_um": -np.ones((61, 41))}, "depth_um must not be negative, but -1 is"),
-        ({"depth_um": np.ones((61, 40))}, r"shape of the grid \(61, 41\), not \(61, 40\)"),
-        ({"pressure_MPa": np.full((61, 41), np.nan)}, "pressure_MPa must be finite everywhere"),
-        ({"axial_um": np.zeros(61)}, "axial_um must increase strictly"),
-        ({"transverse_um": [0.0]}, "transverse_um must have at least two grid lines"),
-        ({"transverse_um": ["a", "b"]}, "transverse_um must hold real numbers"),
-    ],
-)
-def test_a_scar_that_cannot_be_is_refused(change: dict[str, object], sentence: str) -> None:
-    """Each mistake is named in one sentence."""
-    with pytest.raises(ResultError, match=sentence):
-        dataclasses.replace(bowl("moving", 5.0, 40.0, 20.0), **change)  # type: ignore[arg-type]
 
 
 def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import signal
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +20,6 @@ from solvers import (
     mirror_error,
     symmetry_of,
 )
-from studies.benchmarks.measured_process import Usage, run_measured
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.definitions import of_own_definitions
@@ -68,15 +66,6 @@ def test_a_column_of_another_definition_is_left_out_alone_with_a_note(
         for other in set(part.columns) - {name}:
             np.testing.assert_array_equal(part.columns[other], before.columns[other])
     assert any(name in remark.text and "defined otherwise" in remark.text for remark in check_record(odd).remarks)
-
-
-def test_a_process_is_stopped_when_its_time_is_over(tmp_path: Path) -> None:
-    seen = list[Usage]()
-    cost = run_measured(["sleep", "3600"], tmp_path, tmp_path / "log", most_s=0.3, watch=seen.append)
-    assert cost.stopped
-    assert cost.status == -signal.SIGKILL
-    assert 0.3 < cost.wall_s < 3600.0
-    assert seen
 
 
 @pytest.fixture(scope="module")

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from tests.effect_studies import COARSE, WEARING
-from wirewear.base.cluster import engine_of
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
@@ -186,20 +185,6 @@ def test_the_front_holds_the_runs_that_no_other_beats() -> None:
 
 
 # Whole
-
-
-@pytest.mark.slow
-def test_processes_and_a_cluster_make_the_same_table_to_the_last_bit(
-    sweep_file: Callable[[str], Path], tmp_path: Path
-) -> None:
-    from distributed import LocalCluster
-
-    sweep = load_sweep(sweep_file(HYPERCUBE.replace("12", "4") + STIFFNESS + FRICTION))
-    own = files(tmp_path / "own", sweep, engine_of(2))
-    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None, silence_logs=50) as cluster:
-        far = files(tmp_path / "far", sweep, engine_of(scheduler=cluster.scheduler_address))
-    assert own == far
-    assert own["table.csv"].decode().count("complete") == 4
 
 
 def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them() -> None:
