@@ -234,7 +234,8 @@ BUDGETS = {
     # With the spring that a fit finds, 80 lines.
     "lines of geometry, solvers and wirewear": 64_880,
     "lines of wirewear": 53_230,
-    "lines of studies": 19_500,
+    # 1650 of them are the simulators by others of the blind check (T3): four, their rig, instruments and sizes.
+    "lines of studies": 21_150,
     # 700 of them are one test for each fault found from outside and for laws that no other test holds.
     "lines of tests": 24_000,
     "files of geometry, solvers and wirewear": 464,

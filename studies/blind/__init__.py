@@ -1,6 +1,6 @@
 """The blind check: records whose effect is withheld, and the scoring of diagnoses made of them."""
 
-from studies.blind.generators.generator import LIBRARY_EFFECTS, LINE_TIERS, TIERS, Generator, MadeRecord
+from studies.blind.generators.generator import LIBRARY_EFFECTS, LINE_TIERS, OTHERS, TIERS, Generator, MadeRecord
 from studies.blind.generators.tiers import generator_of
 from studies.blind.make import default_key_path, make_batch
 from studies.blind.scoring import Judgement, Score, Truth, score_batch, score_table, verified
@@ -8,6 +8,7 @@ from studies.blind.scoring import Judgement, Score, Truth, score_batch, score_ta
 __all__ = [
     "LIBRARY_EFFECTS",
     "LINE_TIERS",
+    "OTHERS",
     "TIERS",
     "Generator",
     "Judgement",

@@ -22,6 +22,7 @@ from rich.progress import MofNCompleteColumn, Progress
 from studies.blind import (
     LIBRARY_EFFECTS,
     LINE_TIERS,
+    OTHERS,
     TIERS,
     default_key_path,
     generator_of,
@@ -81,8 +82,8 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
-@click.option("--tier", type=click.Choice((*TIERS, *LINE_TIERS)), default="T2", show_default=True)
-@click.option("--law", help="Friction law of T2; without it dahl, the one for development.")
+@click.option("--tier", type=click.Choice((*TIERS, *LINE_TIERS, OTHERS)), default="T2", show_default=True)
+@click.option("--law", help="Friction law of T2; scoring: those simulators of T3. Without it those for development.")
 @outside_option
 @click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
 @stated_scatter_option

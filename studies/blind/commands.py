@@ -22,9 +22,10 @@ exam.goes_on = dict.fromkeys(("make", "diagnose"), "the same command goes on wit
 @click.argument("output", metavar="OUT_DIR", type=OutputFolder())
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records to make.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
-@click.option("--tier", type=click.Choice(("T0", "T1", "T2", "L1")), default="T2", show_default=True,
-              help="L1: line contacts.")  # fmt: skip
-@click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc.  [default: dahl]")
+@click.option("--tier", type=click.Choice(("T0", "T1", "T2", "T3", "L1")), default="T2", show_default=True,
+              help="T3: simulators by others; L1: line contacts.")  # fmt: skip
+@click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc; simulators of T3: "
+              "development or scoring.  [default: dahl, development]")  # fmt: skip
 @outside_option
 @click.option(
     "--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests among them."

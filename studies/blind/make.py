@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 
 from studies.blind.errors import BlindError
-from studies.blind.generators.cases import NOMINALS, Case, TrueEffect, planned_cases
+from studies.blind.generators.cases import KINDS, KINDS_OF_OTHERS, NOMINALS, Case, TrueEffect, planned_cases
 from studies.blind.generators.files import record_hash, write_traceless
-from studies.blind.generators.generator import Generator, MadeRecord
+from studies.blind.generators.generator import OTHERS, Generator, MadeRecord
 from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.sealing import fingerprint, new_key_file, opened, read_key_file, salted, sealed
 from wirewear.base.budget import free_disk, size_text
@@ -93,7 +93,15 @@ def make_batch(
         return folder / MANIFEST
     with occupied(workshop, "blind make"):
         key = _key_of_begun(workshop / "batch.enc", key_path, arguments, folder)
-        planned = planned_cases(cases, seed, generator.library, generator.outside, tests, generator.nominals)
+        planned = planned_cases(
+            cases,
+            seed,
+            generator.library,
+            generator.outside,
+            tests,
+            generator.nominals,
+            shares=KINDS_OF_OTHERS if generator.tier == OTHERS else KINDS,
+        )
         for done, _ in enumerate(_made(planned, folder, generator, key, engine or LocalProcesses(jobs))):
             if progress is not None:
                 progress(done + 1, cases)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,8 @@ from studies.blind.generators.sizes import drawn_parameters
 
 #: Share of the cases of each kind; "left_out" are singles whose effect the diagnosis is told to do without.
 KINDS = {"none": 0.2, "single": 0.47, "pair": 0.1, "outside": 0.13, "left_out": 0.1}
+#: Of simulators by others.
+KINDS_OF_OTHERS = {"none": 0.2, "single": 0.45, "pair": 0.15, "outside": 0.15, "left_out": 0.05}
 #: Of the other cases, this share leaves out an effect that is not there, so that leaving out says nothing.
 DECOYS = 0.25
 #: Effects that no record of wires tells apart, as one class.
@@ -59,11 +61,12 @@ def planned_cases(
     tests: int = NOMINALS,
     nominals_of: Callable[[int, np.random.Generator], Sequence[Nominal]] = drawn_nominals,
     reference_share: float = REFERENCE_SHARE,
+    shares: Mapping[str, float] = KINDS,
 ) -> tuple[Case, ...]:
     """The cases of a batch in an order that says nothing; the same for the same arguments.
 
     `tests` is the number of different nominal tests, the article's among them; `nominals_of` draws them. The article's
-    has `reference_share` of the cases at least.
+    has `reference_share` of the cases at least. `shares` are those of the kinds.
 
     Effects take turns, so that each comes as often as any other of its kind, easy and hard alike. Nominal test,
     nuisances and seed of a case depend on the batch's seed and the case's place alone.
@@ -71,7 +74,7 @@ def planned_cases(
     conditions, plan, *children = np.random.SeedSequence(seed).spawn(number + 2)
     nominals = nominals_of(tests, np.random.default_rng(conditions))
     random = np.random.default_rng(plan)
-    kinds = _kinds(number, bool(outside))
+    kinds = _kinds(number, bool(outside), shares)
     turns = {kind: _turns(outside if kind == "outside" else library, random) for kind in KINDS}
     drawn = []
     for place, kind in enumerate(kinds):
@@ -103,9 +106,10 @@ def planned_cases(
     return tuple(cases)
 
 
-def _kinds(number: int, has_outside: bool) -> list[str]:
+def _kinds(number: int, has_outside: bool, of_kinds: Mapping[str, float]) -> list[str]:
     """Kinds of the cases in their shares, the remainder singles."""
-    shares = {kind: share for kind, share in KINDS.items() if kind != "single" and (has_outside or kind != "outside")}
+    drawn = {kind: share for kind, share in of_kinds.items() if has_outside or kind != "outside"}
+    shares = {kind: share for kind, share in drawn.items() if kind != "single"}
     counts = {kind: round(share * number) for kind, share in shares.items()}
     kinds = [kind for kind, count in counts.items() for _ in range(count)]
     return kinds + ["single"] * (number - len(kinds))

@@ -40,6 +40,9 @@ TIERS = ("T0", "T1", "T2")
 #: Those of line contacts.
 LINE_TIERS = ("L1",)
 
+#: Simulators by others, of wires and of line contacts.
+OTHERS = "T3"
+
 
 @dataclass(frozen=True, eq=False)
 class MadeRecord:
@@ -63,7 +66,7 @@ class Generator(Protocol):
 
     @property
     def tier(self) -> str:
-        """T0, T1, T2 or L1."""
+        """T0, T1, T2, T3 or L1."""
         ...
 
     @property

@@ -11,11 +11,15 @@ import numpy as np
 from studies.blind.generators.draw import SEVERITY, Draw
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.others.causes import sizes as other_sizes
+from studies.blind.generators.others.tests_drawn import LineTest, WireTest
 from studies.blind.generators.withheld_sizes import RESERVED, WITHHELD
 
 
 def drawn_parameters(effect: str, ease: str, nominal: Nominal, random: np.random.Generator) -> dict[str, float]:
-    """Parameters of an effect, five significant digits each."""
+    """Parameters of an effect, five significant digits each; tests by others have sizes of their own."""
+    if isinstance(nominal, WireTest | LineTest):
+        return other_sizes(effect, ease, nominal, random)
     draw = Draw(random.uniform(*SEVERITY[ease]), nominal, random)
     return {name: float(f"{value:.5g}") for name, value in DRAWS[effect](draw).items()}
 

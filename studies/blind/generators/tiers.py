@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from studies.blind.errors import BlindError
-from studies.blind.generators.generator import LINE_TIERS, TIERS, Generator
+from studies.blind.generators.generator import LINE_TIERS, OTHERS, TIERS, Generator
 
 #: The friction law of T2 where none is asked for: the one for development.
 DEFAULT_LAW = "dahl"
@@ -13,6 +13,8 @@ def generator_of(
     tier: str, *, law: str | None = None, outside: str = "first", stated_scatter: float = 0.0
 ) -> Generator:
     """The forward model of a tier; `law` is the friction law of T2, `DEFAULT_LAW` unless given.
+
+    Of T3 it names the simulators: those for development unless given, or those for scoring alone.
 
     `outside` names the causes of no library that are drawn: those of the first batches, the half for development, the
     half that was sealed until a diagnosis was frozen, or one of three sets written without a look at any. T2 knows all,
@@ -25,8 +27,8 @@ def generator_of(
     if stated_scatter > 0.0:
         from studies.blind.generators.owners import OwnersWhoKnow
 
-        if tier in LINE_TIERS:
-            raise BlindError(f"records of the tier {tier} state no scatter: leave it out, or take T2.")
+        if tier in (*LINE_TIERS, OTHERS):
+            raise BlindError(f"records of the tier {tier} state no scatter at will: leave it out, or take T2.")
         return OwnersWhoKnow(generator_of(tier, law=law, outside=outside), stated_scatter)
     if tier == "T2":
         from studies.blind.generators.independent.friction import LAWS
@@ -39,6 +41,9 @@ def generator_of(
         if outside not in OUTSIDE_SETS:
             raise BlindError(f"there is no set {outside!r} of causes: choose one of {', '.join(OUTSIDE_SETS)}.")
         return IndependentModel(law, outside=tuple(OUTSIDE_SETS[outside]))
+    if tier == OTHERS:
+        _require_set(tier, outside, ("first",))
+        return _others(law or "development")
     if tier in TIERS and law is not None:
         raise BlindError(f"the tier {tier} slides by Coulomb's law: leave out the friction law {law!r}, or take T2.")
     if tier in LINE_TIERS:
@@ -53,6 +58,15 @@ def generator_of(
         _require_set(tier, outside, tuple(OF_RUNS))
         return FiniteElementModel(tier, outside=OF_RUNS[outside])
     raise BlindError(f"there is no generator for the tier {tier!r}: choose one of {', '.join(TIERS)}.")
+
+
+def _others(chosen: str) -> Generator:
+    from studies.blind.generators.others.model import OtherSimulators
+    from studies.blind.generators.others.tests_drawn import SIMULATORS
+
+    if chosen not in SIMULATORS:
+        raise BlindError(f"there are no simulators {chosen!r}: choose {' or '.join(SIMULATORS)}.")
+    return OtherSimulators(chosen)
 
 
 def _require_set(tier: str, outside: str, known: tuple[str, ...]) -> None:

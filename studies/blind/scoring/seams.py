@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from studies.blind.generators.others.causes import SEAMS as OF_OTHERS
+
 #: Causes by the names of their seams; what a force cell bears beside the contact counts as the sensor's.
 _AT: Mapping[str, tuple[str, ...]] = {
     "sensor": (
@@ -87,4 +89,4 @@ _AT: Mapping[str, tuple[str, ...]] = {
 }
 
 #: The seam of every cause of no library, by its name.
-OUTSIDE_SEAMS: Mapping[str, str] = {name: seam for seam, names in _AT.items() for name in names}
+OUTSIDE_SEAMS: Mapping[str, str] = {name: seam for seam, names in _AT.items() for name in names} | OF_OTHERS

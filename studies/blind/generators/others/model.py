@@ -1,0 +1,337 @@
+"""Tier T3: records of tests by others, each simulated by the simulator of its test."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from math import cos, radians, sin
+from typing import Any
+
+import numpy as np
+
+from studies.blind.generators.cases import Case
+from studies.blind.generators.files import conditions_table, record_tables
+from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
+from studies.blind.generators.others import logger as logs
+from studies.blind.generators.others.causes import SEAMS
+from studies.blind.generators.others.foundation import FoundationWires
+from studies.blind.generators.others.half_space import HalfSpaceWires
+from studies.blind.generators.others.layers import ElasticLayer, LinePair
+from studies.blind.generators.others.logger import Channels, Logger, drawn_logger
+from studies.blind.generators.others.pair import Array, Pair
+from studies.blind.generators.others.rig import periodic_loop, readings
+from studies.blind.generators.others.strips import StripWires
+from studies.blind.generators.others.tests_drawn import (
+    SIMULATORS,
+    LineTest,
+    Test,
+    WireTest,
+    drawn_tests,
+    expected_pressure_MPa,
+)
+from studies.blind.generators.others.world import World
+from wirewear.base.errors import RunError
+from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables
+from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.line_values import LineRecord, MeasuredProfile
+
+Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
+
+#: Cells of a scar's half-length, and how much longer the grid is than the scar that is expected.
+CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80}, 1.35
+#: Cycles grow so much from jump to jump; the first jump has this share of the first snapshot's.
+GROWTH, FIRST = {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15}, 0.1
+#: Exponents of friction by speed and by pressure that strips have.
+SPEED_EXPONENT, PRESSURE_EXPONENT = 0.004, -0.004
+#: Effects that a simulator cannot make.
+CANNOT = {"strips": ("crossing_angle_error",), "layers": ("crossing_angle_error", "plasticity")}
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """What a test's instruments gave without noise, by cycle, and the scars: lines along, across, depths [mm]."""
+
+    channels: Mapping[int, Channels]
+    scars: Sequence[tuple[Array, Array, Array]]
+
+
+@dataclass(frozen=True)
+class OtherSimulators:
+    """The simulators of a set: those that may be looked at, or those for scoring alone."""
+
+    chosen: str = "development"
+
+    @property
+    def tier(self) -> str:
+        """T3."""
+        return "T3"
+
+    @property
+    def description(self) -> str:
+        """Which simulators."""
+        return f"simulators by others ({self.chosen}): {', '.join(dict.fromkeys(SIMULATORS[self.chosen]))}"
+
+    @property
+    def library(self) -> Sequence[str]:
+        """Effects that all of them can make."""
+        missing = {effect for simulator in SIMULATORS[self.chosen] for effect in CANNOT.get(simulator, ())}
+        return tuple(effect for effect in LIBRARY_EFFECTS if effect not in missing)
+
+    @property
+    def outside(self) -> Sequence[str]:
+        """Causes of no library."""
+        return tuple(SEAMS)
+
+    def nominals(self, number: int, random: np.random.Generator) -> Sequence[Test]:
+        """So many tests, drawn."""
+        return drawn_tests(number, SIMULATORS[self.chosen], random)
+
+    def make(self, case: Case) -> MadeRecord:
+        """The record of a case.
+
+        Raises:
+            RunError: a contact does not slide.
+        """
+        test, random = case.nominal, np.random.default_rng((case.seed, 3))
+        if not isinstance(test, WireTest | LineTest):
+            raise RunError("tests of the tier T3 are drawn by its own simulators.")
+        logger = drawn_logger(test, random)
+        true = replace(world_of(test), drive=logger.drive)
+        changed = true
+        for effect in case.effects:
+            changed = changed.with_effect(effect.effect, effect.parameters)
+        specimens = np.random.default_rng((case.seed, 4))
+        loops, rows, scars = [], [], []
+        for repeat in range(1, logger.repeats + 1):
+            draw = logger.specimen(specimens)
+            world = replace(
+                true,
+                friction=true.friction * draw.friction,
+                load_N=true.load_N * draw.load,
+                wear_mm3_per_J=true.wear_mm3_per_J * draw.wear,
+            )
+            for effect in case.effects:
+                world = world.with_effect(effect.effect, effect.parameters)
+            course = simulated(test, world, logger.evolution_cycles)
+            zeros = (draw.displacement_zero_um, draw.force_zero_N, 0.0)
+            read = {cycle: (one[0] + zeros[0], one[1] + zeros[1], one[2]) for cycle, one in course.channels.items()}
+            kept = logger.loop_cycles[repeat - 1]
+            loops += [logs.logged_loop(logger, test, (repeat, cycle), read[cycle], random) for cycle in kept]
+            if logger.has_evolution:
+                rows.append(logs.logged_evolution(logger, repeat, read, random))
+            if logger.has_scars:
+                scars.extend(logs.logged_scars(logger, test, repeat, course.scars, random))
+        record: ExperimentRecord | LineRecord
+        tables, maps = tables_of(case, test, logger), [one for one in scars if isinstance(one, MeasuredScar)]
+        if isinstance(tables, LineRecordTables):
+            profiles = [one for one in scars if isinstance(one, MeasuredProfile)]
+            record = LineRecord(tables, tuple(loops), tuple(rows), tuple(profiles))
+        else:
+            record = ExperimentRecord(tables, tuple(loops), tuple(rows), tuple(maps))
+        gap = differences(test, true, changed, logger) if case.effects else {}
+        return MadeRecord(record, logger, gap)
+
+
+def world_of(test: Test) -> World:
+    """A test as its owner believes it to be."""
+    line = isinstance(test, LineTest)
+    wear = test.pad_wear_mm3_per_J + test.specimen_wear_mm3_per_J if line else test.wear_mm3_per_J
+    strips = test.simulator == "strips"
+    return World(
+        friction=test.friction,
+        load_N=test.load_N,
+        wear_mm3_per_J=wear,
+        amplitude_mm=1e-3 * test.amplitude_um,
+        frequency_Hz=test.frequency_Hz,
+        cycles=test.cycles,
+        drive="stroke",
+        compliance_mm_per_N=0.0 if test.stiffness_N_per_mm is None else 1.0 / test.stiffness_N_per_mm,
+        spring_N_per_mm=0.0 if line else test.spring_N_per_mm,
+        moving_share=test.specimen_wear_mm3_per_J / wear if line else 0.5,
+        speed_exponent=SPEED_EXPONENT if strips else 0.0,
+        pressure_exponent=PRESSURE_EXPONENT if strips else 0.0,
+        expected_MPa=expected_pressure_MPa(test),
+        stated_friction=test.friction,
+        stated_load_N=test.load_N,
+    )
+
+
+def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
+    """The bodies of a test before any wear."""
+    reach = 1.15e-3 * test.amplitude_um
+    cells = CELLS[test.simulator]
+    if isinstance(test, LineTest):
+        half = WIDER * test.expected_scar_mm
+        x = half / cells * np.arange(-cells, cells + 1.0)
+        bodies = tuple(
+            ElasticLayer(*constants, height)
+            for constants, height in zip((test.pad_MPa, test.specimen_MPa), test.heights_mm, strict=True)
+        )
+        shape = _circle(x, test.radius_mm)[:, None]
+        return LinePair(shape, (half / cells, test.length_mm), reach, (bodies[0], bodies[1]))
+    half = WIDER * max(test.expected_scar_mm, 1.6 * test.hertz_mm) * elongation(test)
+    step = half / cells
+    x = step * np.arange(-cells, cells + 1.0)
+    radius = 0.5 * test.diameter_mm
+    if test.simulator == "strips":
+        return StripWires((x**2 / (2.0 * radius))[:, None], (step, 2.0 * half), reach, test.modulus_MPa, test.easier)
+    angle = radians(test.crossing_angle_deg + angle_error_deg)
+    shape = _circle(x[:, None] * sin(angle) - x * cos(angle), radius) + _circle(x, radius)
+    kind = HalfSpaceWires if test.simulator == "half_space" else FoundationWires
+    return kind(shape, (step, step), reach, test.modulus_MPa, test.easier)
+
+
+def elongation(test: WireTest) -> float:
+    """How much longer the scar of oblique wires is than that of wires at a right angle."""
+    return float((1.0 - abs(cos(radians(test.crossing_angle_deg)))) ** -0.5)
+
+
+def _circle(x: Array, radius: float) -> Array:
+    return np.asarray(radius - np.sqrt(np.maximum(radius**2 - x**2, 0.0)))
+
+
+def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
+    """A test from its first cycle to its last: jumps that grow with the cycles, loops at snapshots.
+
+    Raises:
+        RunError: the contact does not slide.
+    """
+    pair = contact_of(test, world.angle_error_deg)
+    half_slip = 0.9 * world.amplitude_mm
+    if world.flattening_mm > 0.0:
+        pair.flatten(world.flattening_mm, half_slip)
+    now, load, first_approach = 0.0, world.load_N, None
+    touch, channels = None, {}
+    for following in _schedule(snapshots, GROWTH[test.simulator]):
+        layer = world.layer_at(now)
+        if touch is None or now in snapshots:
+            pair.settle(load, layer)
+            touch = pair.touch(load, half_slip, layer)
+            first_approach = touch.approach_mm if first_approach is None else first_approach
+            load = world.load_at(now, touch.approach_mm - first_approach)
+        loop = periodic_loop(world, now, load, touch, pair)
+        half_slip = loop.half_slip_mm
+        if now in snapshots:
+            channels[int(now)] = readings(world, now, loop)
+        if following > now:
+            volume = 1e-3 * world.wear_at(now, following) * loop.work_mJ * (following - now)
+            load = world.load_at(0.5 * (now + following), touch.approach_mm - (first_approach or 0.0))
+            pair.sweep(load, half_slip, volume / load, world.moving_share, layer)
+        now = following
+    return Course(channels, scars_of(pair))
+
+
+def scars_of(pair: Pair) -> tuple[tuple[Array, Array, Array], ...]:
+    """Both scars with their lines along and across [mm]."""
+    found = []
+    for depth in pair.scars_mm:
+        size = depth.shape[0]
+        across = (np.arange(depth.shape[1]) - depth.shape[1] // 2) * pair.dy
+        if isinstance(pair, StripWires):
+            across = pair.across_mm
+        found.append((pair.dx * (np.arange(size) - size // 2), across, depth))
+    return tuple(found)
+
+
+def _schedule(snapshots: Sequence[int], growth: float) -> list[float]:
+    """Ends of all jumps, snapshots among them; the last comes twice, so that its loop is taken."""
+    at, ends = FIRST * snapshots[0], [0.0]
+    while at < snapshots[-1]:
+        ends.append(at)
+        at *= growth
+    ends = sorted({*ends[1:], *map(float, snapshots)})
+    return [*ends, ends[-1]]
+
+
+@lru_cache(maxsize=64)
+def _plain(test: Test, world: World, snapshots: tuple[int, ...]) -> Course:
+    return simulated(test, world, snapshots)
+
+
+def observed(test: Test, course: Course, logger: Logger, true: World) -> dict[str, tuple[float, float]]:
+    """Figures of a course by name, of three loops and of the scars, each with its scatter from test to test."""
+    scatter, limit = logger.scatter, test.friction * test.load_N
+    force = float(np.hypot(scatter.friction, scatter.load))
+    # No scale of a displacement is known better than a thousandth of the stroke.
+    read_um = np.hypot(logger.displacement_noise_um / np.sqrt(logger.samples), 1e-3 * test.amplitude_um)
+    place_um = float(
+        np.hypot(force * (1e3 * limit * true.compliance_mm_per_N + 0.03 * test.amplitude_um), 3.0 * read_um)
+    )
+    zero_N = float(np.hypot(0.2 * logger.force_noise_N, 2e-3 * limit))
+    found: dict[str, tuple[float, float]] = {}
+    cycles = list(course.channels)
+    for name, cycle in zip(("first", "middle", "last"), (cycles[0], cycles[len(cycles) // 2], cycles[-1]), strict=True):
+        place, read, normal = course.channels[cycle]
+        own, pull = logs.figures((place, read, normal)), read - read.mean()
+        off = (place - place.mean()) / np.ptp(place)
+        energy = own["dissipated_energy_mJ"]
+        found |= {
+            f"amplitude {name}": (own["displacement_amplitude_um"], place_um),
+            f"slip {name}": (own["slip_amplitude_um"], place_um),
+            f"largest force {name}": (own["max_tangential_force_N"], force * limit),
+            f"energy {name}": (energy, energy * float(np.hypot(force, place_um / test.amplitude_um))),
+            f"mean force {name}": (float(read.mean()), zero_N),
+            f"plateau {name}": (float(np.abs(pull)[np.abs(off) < 0.1].mean()), force * limit),
+            f"ends {name}": (float(np.abs(pull)[np.abs(off) > 0.4].mean()), force * limit),
+            f"upper end {name}": (float(pull[off > 0.4].mean()), force * limit),
+        }
+        if logger.has_normal_force:
+            found[f"load {name}"] = float(normal.mean()), scatter.load * test.load_N
+            found[f"ripple {name}"] = (
+                0.5 * float(np.ptp(normal)),
+                float(np.hypot(logger.force_noise_N, 2e-3 * test.load_N)),
+            )
+    if logger.has_scars:
+        wear = float(np.hypot(scatter.wear, force))
+        for body, (_, _, depth) in zip(("near", "far"), course.scars, strict=True):
+            found[f"volume of the {body} body"] = float(depth.sum()), wear * float(depth.sum())
+            found[f"depth of the {body} body"] = float(depth.max()), 0.7 * wear * float(depth.max())
+    return found
+
+
+def differences(test: Test, true: World, changed: World, logger: Logger) -> dict[str, float]:
+    """What an effect changes of the figures over their scatter between tests, noise included."""
+    without = observed(test, _plain(test, true, logger.evolution_cycles), logger, true)
+    with_it = observed(test, simulated(test, changed, logger.evolution_cycles), logger, true)
+    return {name: round(abs(with_it[name][0] - value) / size, 3) for name, (value, size) in without.items()}
+
+
+def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineRecordTables:
+    """The tables of experiment.toml."""
+    known = logger.scatter
+    scatter = {
+        "friction": round(known.friction, 4),
+        "normal_load": round(known.load, 4),
+        "wear": round(known.wear, 3),
+    }
+    more: dict[str, Any] = {"scatter": scatter} if logger.states_scatter else {}
+    if isinstance(test, WireTest):
+        plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
+        plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
+        return RecordTables.model_validate({**plain, **more})
+    stated: dict[str, Any] = {
+        "friction": test.friction,
+        "pad_energy_wear_coefficient_mm3_per_J": test.pad_wear_mm3_per_J,
+        "specimen_energy_wear_coefficient_mm3_per_J": test.specimen_wear_mm3_per_J,
+    }
+    if test.stiffness_N_per_mm is not None:
+        stated["tangential_stiffness_N_per_mm"] = test.stiffness_N_per_mm
+    bodies = [
+        {"youngs_modulus_MPa": young, "poissons_ratio": ratio, "height_mm": height, "half_width_mm": half}
+        for (young, ratio), height, half in zip(
+            (test.pad_MPa, test.specimen_MPa), test.heights_mm, test.half_widths_mm, strict=True
+        )
+    ]
+    said = {
+        "format": 1,
+        "name": case.name,
+        "contact": {"kind": "cylinder-on-flat", "length_mm": test.length_mm},
+        "pad": {**bodies[0], "radius_mm": test.radius_mm},
+        "specimen": bodies[1],
+        "conditions": {**conditions_table(test), "drive": logger.drive},
+        "stated": stated,
+        "noise": logger.stated_noise,
+        "files": {"loops": "loops.csv"},
+    }
+    return LineRecordTables.model_validate({**said, **more})

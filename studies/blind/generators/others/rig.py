@@ -1,0 +1,142 @@
+"""A rig of springs in series: the stroke that a drive holds, the loop that comes of it, and what instruments read."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import tan
+from typing import Protocol
+
+import numpy as np
+
+from studies.blind.generators.others.pair import Array, Touch
+from studies.blind.generators.others.world import World
+from wirewear.base.errors import RunError
+
+#: Points of a stroke, closer to its beginning, and of a loop over time.
+POINTS, TIMES = 480, 1024
+#: A drive holds its amplitude so well; a play is crossed within this share of the friction's limit.
+HELD, CROSSED = 1e-7, 1e-3
+#: Contacts that slip less than this share of the stroke are no tests of sliding.
+LEAST_SLIP = 0.35
+
+
+class Sliding(Protocol):
+    """How a contact sticks and slips."""
+
+    def lag_mm(self, friction: float, load_N: float) -> float:
+        """Elastic displacement of a contact that slips everywhere."""
+        ...
+
+    def stroke(self, way_mm: Array, half_mm: float, friction: float, load_N: float) -> Array:
+        """Friction over its limit along a stroke that begins at a reversal."""
+        ...
+
+
+@dataclass(frozen=True, eq=False)
+class Loop:
+    """A cycle at even times (n,): true motion against ground, what the drive holds, and forces; slip and its work."""
+
+    place_mm: Array
+    tangential_N: Array
+    normal_N: Array
+    half_slip_mm: float
+    work_mJ: float
+
+
+def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, sliding: Sliding) -> Loop:
+    """The loop whose stroke the drive holds.
+
+    Raises:
+        RunError: the contact does not slide, or no stroke is found.
+    """
+    half = world.amplitude_mm
+    for _ in range(40):
+        strokes = [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
+        held = np.concatenate([stroke[1] for stroke in strokes])
+        missing = world.amplitude_mm - 0.5 * float(np.ptp(held))
+        if abs(missing) < HELD * world.amplitude_mm:
+            break
+        half += missing
+        if half <= 0.0:
+            raise RunError("the rig takes the whole stroke.")
+    lag = sliding.lag_mm(world.friction_at(cycle), load_N)
+    if half - lag < LEAST_SLIP * world.amplitude_mm:
+        raise RunError(f"the contact slips over {1e3 * (half - lag):.3g} µm only.")
+    phase = 2.0 * np.pi * np.arange(TIMES) / TIMES
+    rising = np.cos(phase) >= 0.0
+    middle = 0.5 * float(held.max() + held.min())
+    wanted = middle + world.amplitude_mm * np.sin(phase)
+    channels = []
+    for channel in (0, 2, 3):
+        there, back = (np.interp(wanted, *_increasing(stroke[1], stroke[channel])) for stroke in strokes)
+        channels.append(np.where(rising, there, back))
+    work = sum(abs(float(np.trapezoid(stroke[4], stroke[5]))) for stroke in strokes)
+    return Loop(channels[0], channels[1], channels[2], half - lag, work)
+
+
+def _increasing(held: Array, channel: Array) -> tuple[Array, Array]:
+    order = slice(None) if held[-1] > held[0] else slice(None, None, -1)
+    return np.maximum.accumulate(held[order]), channel[order]
+
+
+def _stroke(
+    world: World, cycle: float, load_N: float, touch: Touch, sliding: Sliding, half: float, direction: int
+) -> tuple[Array, ...]:
+    """Motion, what the drive holds of it, forces, friction and slip along a stroke of the contact (n,) each."""
+    friction = world.friction_at(cycle) * _by_pressure(world, touch)
+    way = 2.0 * half * np.linspace(0.0, 1.0, POINTS) ** 3
+    mobilised = direction * sliding.stroke(way, half, friction, load_N)
+    moved = direction * (way - half)
+    lag = sliding.lag_mm(friction, load_N)
+    slip = moved - mobilised * lag
+    lean = tan(world.lean_rad)
+    normal = load_N + world.spring_N_per_mm * lean * moved
+    off = moved / half
+    normal = normal * (1.0 + world.cause("late_load", "share") * direction * np.sqrt(np.maximum(1.0 - off**2, 0.0)))
+    normal = normal * (1.0 + world.cause("bowed_guide", "share") * (off**2 - 0.5))
+    coefficient = friction * world.varied(off, direction) * mobilised
+    slope = np.interp(slip, touch.place_mm, touch.slope_N) / load_N + lean
+    rubbed = coefficient * normal
+    force = normal * (coefficient + slope) / (1.0 - coefficient * lean)
+    limit = world.stated_friction * world.stated_load_N
+    given = (world.compliance_mm_per_N + touch.shear_mm_per_N) * force
+    given = given + 0.5 * world.play_mm * np.clip(force / (CROSSED * limit), -1.0, 1.0)
+    given = given + world.cause("hardening_holder", "mm") * (force / limit) ** 3
+    grip = world.cause("slipping_grip", "holds")
+    if grip > 0.0:
+        # A grip that has slipped one way slips back only once the force has turned by twice what it holds.
+        top = float(np.abs(force).max())
+        beyond = max(top / limit - grip, 0.0)
+        travelled = np.clip(direction * force / limit - grip, -beyond, beyond)
+        given = given + world.cause("slipping_grip", "mm") * direction * np.maximum.accumulate(travelled)
+    place = moved + given
+    held = place if world.drive == "stroke" else displacement(world, cycle, place, force)
+    return place, held, force, normal, rubbed, slip
+
+
+def _by_pressure(world: World, touch: Touch) -> float:
+    """Friction over that at the pressure which is expected in the end."""
+    return float((world.load_N / touch.area_mm2 / world.expected_MPa) ** world.pressure_exponent)
+
+
+def displacement(world: World, cycle: float, place_mm: Array, force_N: Array) -> Array:
+    """What the displacement sensor reads without lag [mm]."""
+    linear, square = world.coupling
+    return world.gain_at(cycle) * place_mm + linear * force_N + square * force_N**2
+
+
+def readings(world: World, cycle: float, loop: Loop) -> tuple[Array, Array, Array]:
+    """Displacement [µm], tangential and normal force [N] as the instruments give them, at even times (n,)."""
+    read = displacement(world, cycle, loop.place_mm, loop.tangential_N)
+    tangential = loop.tangential_N + world.crosstalk * loop.normal_N
+    normal = loop.normal_N + world.crosstalk * loop.tangential_N
+    limit = world.stated_friction * world.stated_load_N
+    if cycle > world.cause("switched_range", "cycle", np.inf):
+        tangential = tangential * world.cause("switched_range", "factor")
+    yielding = world.cause("yielding_cell", "loss")
+    tangential = tangential * (1.0 - yielding * np.minimum((tangential / limit) ** 2, 2.0))
+    if world.lag_s > 0.0:
+        turn = 2.0 * np.pi * world.frequency_Hz * np.fft.rfftfreq(TIMES, 1.0 / TIMES)
+        filtered = 1.0 / (1.0 + 1j * turn * world.lag_s)
+        read = np.fft.irfft(filtered * np.fft.rfft(read), TIMES)
+    return 1e3 * read, tangential, normal

@@ -1,0 +1,168 @@
+"""Tests by others: wires of other materials, sizes and angles than the article's, and lines on shallow bodies."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import pi
+
+import numpy as np
+
+from studies.blind.generators.line_nominal import LineNominal
+from studies.blind.generators.nominal import Nominal
+
+#: Simulators that may be looked at, and those for scoring alone; of each, tests take turns.
+SIMULATORS = {"development": ("foundation", "strips"), "scoring": ("half_space", "layers", "half_space")}
+
+#: Aluminium, titanium, bronze, zirconia's like, steel: Young's modulus and Poisson's ratio.
+MATERIALS_MPa = (
+    (70000.0, 0.33),
+    (114000.0, 0.32),
+    (128000.0, 0.34),
+    (205000.0, 0.3),
+    (193000.0, 0.29),
+    (210000.0, 0.3),
+)
+
+#: Most of the stroke that contact and rig take, widest scar over the radius, scars' depths of both bodies [mm], least
+#: energy of a cycle [mJ] (five digits of it are written), and scars' half-lengths over the amplitude.
+MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3, (0.3, 12.0)
+
+
+@dataclass(frozen=True)
+class WireTest(Nominal):
+    """Crossed wires, and who simulates them."""
+
+    simulator: str = "foundation"
+    crossing_angle_deg: float = 90.0
+
+    @property
+    def modulus_MPa(self) -> float:
+        """Combined plane-strain modulus E*."""
+        return 0.5 * self.youngs_modulus_MPa / (1.0 - self.poissons_ratio**2)
+
+    @property
+    def easier(self) -> float:
+        """Mindlin's ratio of tangential to normal compliance."""
+        return (2.0 - self.poissons_ratio) / (2.0 - 2.0 * self.poissons_ratio)
+
+    @property
+    def hertz_mm(self) -> float:
+        """Radius of the fresh contact at a right angle."""
+        return float((0.375 * self.load_N * self.diameter_mm / self.modulus_MPa) ** (1.0 / 3.0))
+
+    @property
+    def sensible(self) -> bool:
+        """Whether it slides over most of its stroke and wears a scar that can be measured."""
+        scar, amplitude = self.expected_scar_mm, 1e-3 * self.amplitude_um
+        taken = self.friction * self.easier * 2.0 * self.hertz_mm**2 / self.diameter_mm
+        if self.stiffness_N_per_mm is not None:
+            taken += self.friction * self.load_N / self.stiffness_N_per_mm
+        return (
+            taken < MOST_TAKEN * amplitude
+            and 1.3 * self.hertz_mm < scar < 0.5 * WIDEST * self.diameter_mm
+            and DEPTHS_mm[0] < scar**2 / self.diameter_mm < DEPTHS_mm[1]
+            and 4.0 * self.friction * self.load_N * amplitude > LEAST_mJ
+            and LENGTHS[0] * amplitude < scar < LENGTHS[1] * amplitude
+        )
+
+
+@dataclass(frozen=True)
+class LineTest(LineNominal):
+    """A cylinder on a flat, both shallow beside their widths, so that they are elastic layers."""
+
+    simulator: str = "layers"
+    heights_mm: tuple[float, float] = (4.0, 4.0)
+
+    @property
+    def half_widths_mm(self) -> tuple[float, float]:
+        """Of pad and specimen, along the motion."""
+        pad, specimen = self.heights_mm
+        return 3.0 * pad, 3.0 * specimen
+
+    @property
+    def sensible(self) -> bool:
+        """Whether it slides over most of its stroke, and the pad holds its layer."""
+        return super().sensible and self.half_widths_mm[0] < 0.85 * self.radius_mm
+
+
+Test = WireTest | LineTest
+
+
+def drawn_tests(number: int, simulators: Sequence[str], random: np.random.Generator) -> tuple[Test, ...]:
+    """So many different tests; simulators take turns."""
+    drawn: list[Test] = []
+    while len(drawn) < number:
+        simulator = simulators[len(drawn) % len(simulators)]
+        test = _drawn_line(random) if simulator == "layers" else _drawn_wires(simulator, random)
+        if test.sensible:
+            drawn.append(test)
+    return tuple(drawn)
+
+
+def _drawn_wires(simulator: str, random: np.random.Generator) -> WireTest:
+    modulus, ratio = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
+    friction, load, amplitude = (
+        round(random.uniform(0.3, 0.95), 2),
+        _digits(random, 0.2, 50.0),
+        _digits(random, 2.0, 100.0),
+    )
+    turned = simulator != "strips" and random.random() < 0.4
+    return WireTest(
+        diameter_mm=_digits(random, 0.3, 10.0),
+        youngs_modulus_MPa=modulus,
+        poissons_ratio=ratio,
+        load_N=load,
+        amplitude_um=amplitude,
+        frequency_Hz=_digits(random, 0.5, 40.0),
+        cycles=int(_digits(random, 5e3, 3e5, 1)),
+        friction=friction,
+        wear_mm3_per_J=_digits(random, 2e-6, 1e-4),
+        stiffness_N_per_mm=None if random.random() < 0.25 else _stiffness(friction * load, amplitude, random),
+        spring_N_per_mm=0.0 if random.random() < 0.5 else _digits(random, 0.1, 1.0),
+        simulator=simulator,
+        crossing_angle_deg=float(random.choice([60.0, 70.0, 75.0, 80.0])) if turned else 90.0,
+    )
+
+
+def _drawn_line(random: np.random.Generator) -> LineTest:
+    pad = MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
+    specimen = pad if random.random() < 0.5 else MATERIALS_MPa[random.integers(len(MATERIALS_MPa))]
+    length, friction, amplitude = (
+        float(random.choice([3.0, 5.0, 8.0])),
+        round(random.uniform(0.4, 0.9), 2),
+        _digits(random, 10.0, 80.0),
+    )
+    load = _digits(random, 8.0 * length, 70.0 * length)
+    both, share = random.uniform(np.log(5e-6), np.log(1.5e-4)), random.uniform(0.35, 0.65)
+    return LineTest(
+        radius_mm=float(random.choice([10.0, 15.0, 20.0, 30.0])),
+        length_mm=length,
+        pad_MPa=pad,
+        specimen_MPa=specimen,
+        load_N=load,
+        amplitude_um=amplitude,
+        frequency_Hz=_digits(random, 1.0, 30.0),
+        cycles=int(_digits(random, 4e3, 1e5, 1)),
+        friction=friction,
+        pad_wear_mm3_per_J=float(f"{np.exp(both) * share:.2g}"),
+        specimen_wear_mm3_per_J=float(f"{np.exp(both) * (1.0 - share):.2g}"),
+        stiffness_N_per_mm=None if random.random() < 0.4 else _stiffness(friction * load, amplitude, random),
+        heights_mm=(float(random.choice([2.5, 3.0, 4.0])), float(random.choice([3.0, 5.0, 8.0]))),
+    )
+
+
+def _digits(random: np.random.Generator, low: float, high: float, digits: int = 2) -> float:
+    """A value between two, evenly in its logarithm, of so many digits."""
+    return float(f"{np.exp(random.uniform(np.log(low), np.log(high))):.{digits}g}")
+
+
+def _stiffness(force_N: float, amplitude_um: float, random: np.random.Generator) -> float:
+    """Of a rig that takes 2 to 15 % of the stroke."""
+    return float(f"{1e3 * force_N / (amplitude_um * np.exp(random.uniform(np.log(0.02), np.log(0.15)))):.3g}")
+
+
+def expected_pressure_MPa(test: Test) -> float:
+    """Mean pressure on the scar that is expected in the end."""
+    scar = test.expected_scar_mm
+    return test.load_N / (2.0 * scar * test.length_mm if isinstance(test, LineTest) else pi * scar**2)

@@ -1,0 +1,138 @@
+"""What is true of one test by others: specimens, rig, instruments, and what an effect or a cause changes of them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from math import exp, inf, log1p, radians
+from typing import Any
+
+import numpy as np
+
+from studies.blind.generators.others.pair import Array, Layer
+
+
+@dataclass(frozen=True)
+class World:
+    """One test; mm, N, MPa, s, unless named otherwise. `outside` holds causes of no library."""
+
+    friction: float
+    load_N: float
+    wear_mm3_per_J: float
+    amplitude_mm: float
+    frequency_Hz: float
+    cycles: int
+    drive: str
+    compliance_mm_per_N: float = 0.0
+    spring_N_per_mm: float = 0.0
+    moving_share: float = 0.5
+    friction_course: tuple[float, float] = (0.0, 1.0)
+    load_drift: float = 0.0
+    wear_course: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    play_mm: float = 0.0
+    lean_rad: float = 0.0
+    rough: tuple[float, float] = (0.0, 1.0)
+    bed: tuple[float, float] = (0.0, inf)
+    flattening_mm: float = 0.0
+    angle_error_deg: float = 0.0
+    gain: float = 1.0
+    coupling: tuple[float, float] = (0.0, 0.0)
+    crosstalk: float = 0.0
+    lag_s: float = 0.0
+    speed_exponent: float = 0.0
+    pressure_exponent: float = 0.0
+    expected_MPa: float = 100.0
+    stated_friction: float = 0.5
+    stated_load_N: float = 1.0
+    outside: Mapping[str, Mapping[str, float]] = field(default_factory=dict, hash=False)
+
+    def with_effect(self, effect: str, given: Mapping[str, float]) -> World:
+        """The world with an effect of the contract, by its parameters there, or with a cause of no library."""
+        if effect in CHANGES:
+            return replace(self, **CHANGES[effect](self, given))
+        return replace(self, outside={**self.outside, effect: given})
+
+    def cause(self, name: str, key: str, absent: float = 0.0) -> float:
+        """A parameter of a cause of no library; `absent` where it is not at work."""
+        return self.outside.get(name, {}).get(key, absent)
+
+    def friction_at(self, cycle: float) -> float:
+        """Coefficient of friction at the middle of the stroke."""
+        change, cycles = self.friction_course
+        return self.friction + change * exp(-cycle / cycles)
+
+    def varied(self, place: Array, direction: int) -> Array:
+        """Friction over that of the middle, at places over the half stroke (n,)."""
+        speed = np.sqrt(np.maximum(1.0 - place**2, 1e-3))
+        rate = speed**self.speed_exponent
+        stribeck = 1.0 + self.cause("stribeck_friction", "rise") * np.exp(-((speed / 0.35) ** 2))
+        jam = 1.0 + self.cause("jammed_end", "rise") * np.clip((place - 0.55) / 0.3, 0.0, 1.0) * (direction > 0)
+        return np.asarray(rate * stribeck * jam)
+
+    def load_at(self, cycle: float, sunk_mm: float) -> float:
+        """Mean load at a cycle; a spring relaxes as the bodies sink into one another."""
+        swing = self.cause("swinging_load", "share") * np.sin(
+            2.0 * np.pi * self.cause("swinging_load", "turns") * cycle
+        )
+        return float((self.load_N * (1.0 + self.load_drift * cycle) - self.spring_N_per_mm * sunk_mm) * (1.0 + swing))
+
+    def wear_at(self, first: float, last: float) -> float:
+        """Mean worn volume per energy of both bodies over cycles [mm³/J]."""
+        initial, final, cycles = self.wear_course
+        middle = 0.5 * (first + last)
+        factor = final + (initial - final) * exp(-middle / cycles)
+        if middle > self.cause("mild_wear", "cycle", inf):
+            factor *= self.cause("mild_wear", "factor")
+        return self.wear_mm3_per_J * factor
+
+    def layer_at(self, cycle: float) -> Layer:
+        """What lies between the bodies at a cycle."""
+        filled, modulus = self.bed
+        height, cycles = self.rough
+        return Layer(filled, modulus, height * exp(-cycle / cycles))
+
+    def gain_at(self, cycle: float) -> float:
+        """Gain of the displacement channel at a cycle."""
+        return self.gain * (1.0 - self.cause("loose_gauge", "loss") * log1p(cycle / 10.0) / log1p(self.cycles / 10.0))
+
+
+def _softer(world: World, more_mm_per_N: float) -> dict[str, Any]:
+    return {"compliance_mm_per_N": world.compliance_mm_per_N + more_mm_per_N}
+
+
+def _friction(world: World, given: Mapping[str, float]) -> dict[str, Any]:
+    """A specimen's scatter stays in proportion."""
+    scatter = world.friction / world.stated_friction
+    final = given.get("final", given.get("friction", 0.0)) * scatter
+    return {
+        "friction": final,
+        "friction_course": (
+            given.get("initial", 0.0) * scatter - final if "initial" in given else 0.0,
+            given.get("cycles", 1.0),
+        ),
+    }
+
+
+#: What effects of the contract change; `uneven_bodies` is of no library.
+CHANGES: Mapping[str, Callable[[World, Mapping[str, float]], dict[str, Any]]] = {
+    "tangential_compliance": lambda w, p: _softer(w, 1.0 / p["stiffness_N_per_mm"]),
+    "rotational_compliance": lambda w, p: _softer(w, p["arm_mm"] ** 2 / p["stiffness_N_mm_per_rad"]),
+    "free_play": lambda _, p: {"play_mm": 1e-3 * p["gap_um"]},
+    "friction_offset": _friction,
+    "friction_evolution": _friction,
+    "roughness_compliance": lambda _, p: {"rough": (1e-3 * p["layer_um"], p["cycles"])},
+    "third_body": lambda _, p: {"bed": (p["retained_fraction"], p["modulus_MPa"])},
+    "plasticity": lambda _, p: {"flattening_mm": 1e-3 * p["flattening_um"]},
+    "crossing_angle_error": lambda _, p: {"angle_error_deg": p["angle_deg"]},
+    "misalignment": lambda _, p: {"lean_rad": radians(p["angle_deg"])},
+    "normal_load_drift": lambda _, p: {"load_drift": 1e-5 * p["fraction_per_100k_cycles"]},
+    "wear_rate_offset": lambda w, p: {"wear_mm3_per_J": w.wear_mm3_per_J * p["factor"]},
+    "wear_rate_evolution": lambda _, p: {"wear_course": (p["initial_factor"], p["final_factor"], p["cycles"])},
+    "displacement_gain": lambda _, p: {"gain": p["gain"]},
+    "displacement_load_coupling": lambda _, p: {
+        "coupling": (1e-3 * p["linear_um_per_N"], 1e-3 * p["quadratic_um_per_N2"])
+    },
+    "force_crosstalk": lambda _, p: {"crosstalk": p["coefficient"]},
+    "sensor_lag": lambda _, p: {"lag_s": p["time_s"]},
+    "uneven_bodies": lambda _, p: {"moving_share": p["moving_share"]},
+}

@@ -1,0 +1,219 @@
+"""Simulators by others: each against closed forms, and records of the tier T3."""
+
+from dataclasses import replace
+from math import pi, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from studies.blind import generator_of, make_batch
+from studies.blind.errors import BlindError
+from studies.blind.generators.cases import KINDS_OF_OTHERS, planned_cases
+from studies.blind.generators.others.causes import SEAMS, SIZES, sizes
+from studies.blind.generators.others.foundation import Foundation
+from studies.blind.generators.others.half_space import HalfSpaces, HalfSpaceWires
+from studies.blind.generators.others.layers import ElasticLayer, Plane
+from studies.blind.generators.others.logger import drawn_logger, figures
+from studies.blind.generators.others.model import (
+    GROWTH,
+    OtherSimulators,
+    contact_of,
+    differences,
+    simulated,
+    world_of,
+)
+from studies.blind.generators.others.pair import Layer, Pair, Touch
+from studies.blind.generators.others.rig import Loop, periodic_loop, readings
+from studies.blind.generators.others.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
+from studies.blind.generators.others.world import World
+from wirewear.kinds import read_any_record
+
+E_MPa, RADIUS_mm, LOAD_N = 115000.0, 2.0, 20.0
+
+WIRES = WireTest(
+    diameter_mm=1.0, load_N=3.0, amplitude_um=40.0, cycles=3000, stiffness_N_per_mm=None, spring_N_per_mm=0.0
+)
+TESTS: dict[str, Test] = {
+    **{name: replace(WIRES, simulator=name) for name in ("half_space", "foundation", "strips")},
+    "layers": LineTest(radius_mm=15.0, length_mm=4.0, load_N=80.0, amplitude_um=30.0, cycles=3000, friction=0.6),
+}
+NAMES = tuple(TESTS)
+
+
+def paraboloid(count: int, half_mm: float) -> tuple[np.ndarray, float]:
+    x = np.linspace(-half_mm, half_mm, count)
+    return (x[:, None] ** 2 + x**2) / (2.0 * RADIUS_mm), float(x[1] - x[0])
+
+
+def test_half_spaces_have_the_pressure_and_approach_of_hertz() -> None:
+    gap, step = paraboloid(65, 0.1)
+    pressure, approach = HalfSpaces((65, 65), (step, step), E_MPa).press(gap, LOAD_N, 0.0)
+    radius = (0.75 * LOAD_N * RADIUS_mm / E_MPa) ** (1.0 / 3.0)
+    assert approach == pytest.approx(radius**2 / RADIUS_mm, rel=3e-3)
+    assert pressure.max() == pytest.approx(1.5 * LOAD_N / (pi * radius**2), rel=1e-2)
+    assert pressure.sum() * step**2 == pytest.approx(LOAD_N)
+
+
+def test_half_spaces_agree_with_tamaas() -> None:
+    tamaas = pytest.importorskip("tamaas")
+    gap, step = paraboloid(48, 0.12)
+    gap[:, 24:] *= 1.4
+    own, _ = HalfSpaces((48, 48), (step, step), E_MPa).press(gap, LOAD_N, 0.0)
+    model = tamaas.ModelFactory.createModel(tamaas.model_type.basic_2d, [48 * step, 48 * step], [48, 48])
+    model.E, model.nu = E_MPa, 0.0
+    tamaas.ModelFactory.registerNonPeriodic(model, "free")
+    solver = tamaas.PolonskyKeerRey(model, -gap, 1e-9)
+    solver.setIntegralOperator("free")
+    solver.solve(LOAD_N / (48 * step) ** 2)
+    assert own == pytest.approx(model.traction, abs=0.01 * own.max())
+
+
+def test_half_spaces_stick_as_cattaneo_and_mindlin_say() -> None:
+    wires = HalfSpaceWires(*_shape_of(65, 0.1), 0.0, E_MPa, 1.2)
+    wires.settle(LOAD_N, Layer())
+    radius, friction = (0.75 * LOAD_N * RADIUS_mm / E_MPa) ** (1.0 / 3.0), 0.6
+    lag = friction * 1.2 * radius**2 / RADIUS_mm
+    assert wires.lag_mm(friction, LOAD_N) == pytest.approx(lag, rel=0.02)
+    # A virgin curve's share at u is 1 − (1 − u/lag)^(3/2); from a reversal both are doubled.
+    way = np.linspace(0.1, 2.0, 9) * lag
+    expected = 2.0 * (1.0 - (1.0 - 0.5 * way / lag) ** 1.5) - 1.0
+    assert wires.stroke(way, 5.0 * lag, friction, LOAD_N) == pytest.approx(expected, abs=0.03)
+
+
+def _shape_of(count: int, half_mm: float) -> tuple[np.ndarray, tuple[float, float]]:
+    gap, step = paraboloid(count, half_mm)
+    return gap, (step, step)
+
+
+def test_a_foundation_is_pressed_as_johnson_says() -> None:
+    gap, step = paraboloid(301, 0.2)
+    springs = Foundation(step**2, E_MPa, 0.01)
+    _, approach = springs.press(gap, LOAD_N, 0.0)
+    stiffness = springs.stiffness_N_per_mm / springs.area
+    assert approach == pytest.approx(sqrt(LOAD_N / (pi * stiffness * RADIUS_mm)), rel=5e-3)
+
+
+@pytest.mark.parametrize("height_mm", [500.0, 5000.0])
+def test_deep_layers_have_the_pressure_of_a_line_contact_of_half_planes(height_mm: float) -> None:
+    x = np.linspace(-0.4, 0.4, 161)
+    bodies = ElasticLayer(2.0 * 0.91 * E_MPa, 0.3, height_mm)
+    plane = Plane(2.0 * bodies.matrix(161, 0.005, tractions=False), 0.005)
+    pressure, _ = plane.press((x**2 / (2.0 * RADIUS_mm))[:, None], 300.0, 0.0)
+    half = sqrt(4.0 * 300.0 * RADIUS_mm / (pi * E_MPa))
+    assert pressure.max() == pytest.approx(2.0 * 300.0 / (pi * half), rel=5e-3)
+    assert 0.005 * (pressure > 0.0).sum() / 2.0 == pytest.approx(half, abs=0.005)
+
+
+@pytest.mark.parametrize(("tractions", "modulus"), [(True, 80000.0 / 2.6), (False, 80000.0 * 0.7 / (1.3 * 0.4))])
+def test_a_shallow_layer_is_sheared_and_squeezed_as_a_sheet(tractions: bool, modulus: float) -> None:
+    matrix = ElasticLayer(80000.0, 0.3, 0.1).matrix(801, 0.01, tractions=tractions)
+    assert matrix[400].sum() == pytest.approx(0.1 / modulus, rel=1e-3)
+
+
+def loop_of(simulator: str, **changes: float) -> tuple[Loop, World, Pair]:
+    test = TESTS[simulator]
+    world, pair = replace(world_of(test), **changes), contact_of(test)
+    pair.settle(test.load_N, Layer())
+    touch = Touch(np.array([-1.0, 1.0]), np.zeros(2), 0.0, pair.area_mm2, 0.0)
+    return periodic_loop(world, 1, test.load_N, touch, pair), world, pair
+
+
+@pytest.mark.parametrize("simulator", NAMES)
+def test_the_work_of_friction_is_the_area_of_the_loop_and_that_of_sliding(simulator: str) -> None:
+    loop, world, pair = loop_of(simulator, compliance_mm_per_N=2e-4, pressure_exponent=0.0, speed_exponent=0.0)
+    area = figures(readings(world, 1, loop))["dissipated_energy_mJ"]
+    friction = world.friction * world.load_N
+    assert loop.work_mJ == pytest.approx(4.0 * friction * loop.half_slip_mm, rel=0.02)
+    assert area == pytest.approx(loop.work_mJ, rel=0.02)
+    lost = 2e-4 * friction + pair.lag_mm(world.friction, world.load_N)
+    assert loop.half_slip_mm == pytest.approx(world.amplitude_mm - lost, rel=1e-3)
+
+
+@pytest.mark.parametrize("simulator", NAMES)
+def test_bodies_lose_what_their_energy_asks_for(simulator: str) -> None:
+    test = TESTS[simulator]
+    world, snapshots = world_of(test), (10, 30, 100, 300, 1000, 1700, 3000)
+    course = simulated(test, world, snapshots)
+    energy = np.array([figures(one)["dissipated_energy_mJ"] for one in course.channels.values()])
+    total_J = 1e-3 * float(np.trapezoid(np.r_[energy[0], energy], (0, *snapshots)))
+    volumes = [
+        float(depth.sum()) * (x[1] - x[0]) * (y[1] - y[0] if y.size > 1 else test.length_mm)  # type: ignore[union-attr]
+        for x, y, depth in course.scars
+    ]
+    assert sum(volumes) == pytest.approx(world.wear_mm3_per_J * total_J, rel=0.01)
+    assert volumes[1] / sum(volumes) == pytest.approx(world.moving_share, rel=1e-3)
+    for _, _, depth in course.scars:
+        assert depth == pytest.approx(depth[::-1, ::-1])
+
+
+def test_wires_by_half_spaces_and_on_a_foundation_wear_alike() -> None:
+    snapshots = (30, 300, 3000)
+    depths = [
+        [float(depth.max()) for _, _, depth in simulated(TESTS[name], world_of(TESTS[name]), snapshots).scars]
+        for name in ("half_space", "foundation")
+    ]
+    assert depths[0] == pytest.approx(depths[1], rel=0.06)
+
+
+def test_a_play_leaves_a_shelf_and_a_lean_shifts_the_force() -> None:
+    loop, world, *_ = loop_of("foundation", play_mm=2e-3)
+    shelf = np.abs(loop.tangential_N) < 1e-3 * world.friction * world.load_N
+    plain, *_ = loop_of("foundation")
+    lost = plain.work_mJ - loop.work_mJ
+    assert lost == pytest.approx(2.0 * 2e-3 * world.friction * world.load_N, rel=0.02)
+    assert np.ptp(loop.place_mm[shelf]) == pytest.approx(2.0 * (world.amplitude_mm - 1e-3), abs=3e-3)
+    lean, world, *_ = loop_of("foundation", lean_rad=0.02)
+    assert lean.tangential_N.mean() == pytest.approx(0.02 * world.load_N * (1.0 + world.friction**2), rel=0.05)
+
+
+@pytest.mark.parametrize("name", [*OtherSimulators("development").library, *SEAMS])
+def test_a_large_effect_or_cause_stands_out_and_a_small_one_does_so_less(
+    name: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(GROWTH, "foundation", 1.8)
+    test = replace(WIRES, stiffness_N_per_mm=400.0, spring_N_per_mm=0.4)
+    logger = drawn_logger(test, np.random.default_rng(3))
+    logger = replace(logger, has_scars=True, has_normal_force=True, evolution_cycles=(30, 300, 3000))
+    true, found = world_of(test), []
+    for ease in ("hard", "easy"):
+        changed = true.with_effect(name, sizes(name, ease, test, np.random.default_rng(5)))
+        found.append(max(differences(test, true, changed, logger).values()))
+    assert 0.0 < found[0] < found[1]
+    assert found[1] > 2.0
+
+
+def test_tests_by_others_are_of_many_kinds_and_never_shared_between_sets() -> None:
+    drawn = drawn_tests(12, SIMULATORS["scoring"], np.random.default_rng(1))
+    assert len({(test.load_N, test.amplitude_um) for test in drawn}) == 12
+    wires = [test for test in drawn if isinstance(test, WireTest)]
+    assert max(test.diameter_mm for test in wires) > 2.0 * min(test.diameter_mm for test in wires)
+    assert {test.crossing_angle_deg for test in wires} > {90.0}
+    assert {test.simulator for test in drawn} == {"half_space", "layers"}
+    assert not set(SIMULATORS["development"]) & set(SIMULATORS["scoring"])
+
+
+def test_a_batch_of_others_can_be_read_and_says_nothing_of_its_effects(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for simulator in SIMULATORS["development"]:
+        monkeypatch.setitem(GROWTH, simulator, 1.8)
+    make_batch(tmp_path / "records", cases=3, seed=4, generator=generator_of("T3"), tests=2)
+    for case in sorted((tmp_path / "records").glob("case_*")):
+        record = read_any_record(case)
+        assert record.loops
+        assert not any(name in (case / "experiment.toml").read_text() for name in SIZES)
+
+
+def test_simulators_that_nobody_knows_are_refused() -> None:
+    with pytest.raises(BlindError, match="no simulators 'dahl'"):
+        generator_of("T3", law="dahl")
+
+
+def test_the_kinds_of_a_large_batch_are_as_promised() -> None:
+    generator = generator_of("T3", law="scoring")
+    planned = planned_cases(
+        200, 1, generator.library, generator.outside, 12, generator.nominals, shares=KINDS_OF_OTHERS
+    )
+    for kind, share in KINDS_OF_OTHERS.items():
+        assert sum(case.kind == kind for case in planned) == pytest.approx(200 * share, abs=1)
