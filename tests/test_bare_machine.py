@@ -3,19 +3,48 @@
 import ast
 import sys
 import tomllib
+from contextlib import suppress
+from importlib.metadata import PackageNotFoundError, metadata, version
 from pathlib import Path
 
 from packaging.requirements import Requirement
+from packaging.specifiers import SpecifierSet
 
 from tests.test_house import imported_modules
 
 ROOT = Path(__file__).resolve().parent.parent
+
+
+CONSTRAINTS = ROOT / "constraints.txt"
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
+
 
 #: What some packages bring along that are called otherwise when imported.
 DISTRIBUTION_OF = {"skfem": "scikit-fem"}
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
 BROUGHT_ALONG = {"PIL", "pydantic_core"}
+
+
+def pins() -> list[str]:
+    return CONSTRAINTS.read_text(encoding="utf-8").split()
+
+
+def is_installed(pin: str) -> bool:
+    name, wanted = pin.split("==")
+    with suppress(PackageNotFoundError):
+        return version(name) == wanted
+    return False
+
+
+def test_every_pinned_package_takes_the_oldest_python_promised() -> None:
+    told = {pin: metadata(pin.partition("=")[0]) for pin in pins() if is_installed(pin)}
+    needs = {pin: one["Requires-Python"] for pin, one in told.items() if "Requires-Python" in one}
+    assert len(needs) > 60
+    assert {pin: need for pin, need in needs.items() if OLDEST_PYTHON not in SpecifierSet(need)} == {}
 
 
 def test_what_is_imported_when_the_product_is_loaded_is_what_it_depends_on() -> None:

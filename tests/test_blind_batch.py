@@ -1,6 +1,7 @@
 """Making a blind batch: the records, the seal, and cases that cannot be made."""
 
 import json
+import stat
 from pathlib import Path
 
 import pytest
@@ -99,6 +100,13 @@ def test_the_hash_tells_nothing_to_somebody_who_guesses_the_seed(tmp_path: Path)
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
     hashes = [json.loads((tmp_path / name / "manifest.json").read_text())["key_sha256"] for name in ("one", "two")]
     assert hashes[0] != hashes[1]
+
+
+def test_the_key_file_is_its_owners_alone_and_not_among_the_records(tmp_path: Path) -> None:
+    make_batch(tmp_path / "b", cases=2, seed=1, generator=PlainModel())
+    assert stat.S_IMODE((tmp_path / "b.key").stat().st_mode) == 0o600
+    with pytest.raises(BlindError, match="among the records"):
+        make_batch(tmp_path / "c", cases=2, seed=1, generator=PlainModel(), key_path=tmp_path / "c" / "key")
 
 
 class StuckModel(PlainModel):

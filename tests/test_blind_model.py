@@ -87,6 +87,13 @@ def test_the_unworn_world_wears_in_proportion_to_the_shares() -> None:
     assert snapshot.shapes.moving.sum() / snapshot.shapes.fixed.sum() == pytest.approx(0.25, rel=1e-9)
 
 
+@pytest.mark.seconds
+def test_jumps_are_converged() -> None:
+    coarse, fine = (next(snapshots(STEEL, [30000], 16, growth)) for growth in (1.3, 1.1))
+    assert coarse.shapes.fixed.max() == pytest.approx(fine.shapes.fixed.max(), rel=0.01)
+    assert coarse.loop.tangential_force_N.max() == pytest.approx(fine.loop.tangential_force_N.max(), rel=0.03)
+
+
 def test_a_stabilised_step_is_of_second_order_and_stable() -> None:
     def decay(state: Shapes) -> Shapes:
         return Shapes(-state.fixed, -500.0 * (state.moving - np.cos(1.0)))

@@ -16,12 +16,13 @@ from studies.blind.generators.instruments import Signals
 from studies.blind.generators.sizes import DRAWS
 from studies.blind.generators.strokes import since_reversal
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
-from tests.reserved_causes import LOADS, NOTHING, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
+from tests.reserved_causes import AT_SEAMS, LOADS, NOTHING, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ, require_read_alike
 from tests.withheld_causes import (
     Array,
     drawn,
     gaps_in_scatters,
+    require_alike_at_seams,
     require_traceless,
     require_untouched,
     seen,
@@ -258,6 +259,11 @@ def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
 @pytest.mark.parametrize("effect", READ)
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     require_read_alike(effect, drawn(effect))
+
+
+@pytest.mark.parametrize("effect", AT_SEAMS)
+def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(effect: str) -> None:
+    require_alike_at_seams(effect)
 
 
 @pytest.mark.slow

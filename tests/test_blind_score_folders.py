@@ -12,6 +12,7 @@ from click.testing import CliRunner
 from studies.blind import default_key_path, make_batch, score_batch
 from studies.blind.commands import exam
 from studies.blind.errors import BlindError
+from studies.blind.generators.files import record_hash
 from studies.blind.scoring.answers import Answer, read_answer
 from studies.blind.scoring.history import logged_run
 from studies.blind.scoring.judging import Truth
@@ -96,6 +97,19 @@ def test_an_altered_record_is_refused(batch: tuple[Path, Path, Path]) -> None:
     with (folder / "case_003" / "loops.csv").open("a") as file:
         file.write("\n")
     with pytest.raises(BlindError, match="case_003 was altered"):
+        score_batch(folder, diagnoses, key_path=key)
+
+
+@pytest.mark.seconds
+def test_a_record_exchanged_with_its_hash_in_the_manifest_is_refused(batch: tuple[Path, Path, Path]) -> None:
+    """On version 8318817 such a batch was scored."""
+    folder, diagnoses, key = batch
+    with (folder / "case_003" / "loops.csv").open("a") as file:
+        file.write("\n")
+    manifest = json.loads((folder / "manifest.json").read_text())
+    manifest["cases"]["case_003"]["sha256"] = record_hash(folder / "case_003")
+    (folder / "manifest.json").write_text(json.dumps(manifest))
+    with pytest.raises(BlindError, match="its records are not those that the key has sealed"):
         score_batch(folder, diagnoses, key_path=key)
 
 

@@ -14,11 +14,13 @@ from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ, require_read_alike
 from tests.withheld_causes import (
+    AT_SEAMS,
     NOTHING,
     ONE_WAY,
     READ,
     drawn,
     gaps_in_scatters,
+    require_alike_at_seams,
     require_traceless,
     require_untouched,
     seen,
@@ -222,6 +224,11 @@ def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
 @pytest.mark.parametrize("effect", READ)
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     require_read_alike(effect, drawn(effect))
+
+
+@pytest.mark.parametrize("effect", AT_SEAMS)
+def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(effect: str) -> None:
+    require_alike_at_seams(effect)
 
 
 @pytest.mark.slow

@@ -68,6 +68,18 @@ def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_fits(
         write_meshes(plan(contact_mesh_um=element_um).study, "standard", tmp_path)
 
 
+def test_jumps_without_end_are_refused() -> None:
+    endless = STUDY.changed(
+        {
+            "conditions": {"cycles": 1_000_000_000},
+            "wear": {"explicit_jump_cycles": 0.01, "energy_wear_coefficient_mm3_per_J": 1e-10},
+        }
+    )
+    with pytest.raises(StudyError) as refused:
+        require_affordable(RunPlan.of(endless, "quick"))
+    assert "asks for 100\u2009000\u2009000\u2009000 cycle jumps" in str(refused.value)
+
+
 def test_an_export_that_no_memory_holds_is_refused() -> None:
     made = replace(result(), study=STUDY.resolved())
     with pytest.raises(RecordError, match=r"1000 repeats of \d loops are [\d\u2009]+ samples, which take .* of memory"):

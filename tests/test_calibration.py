@@ -12,8 +12,9 @@ from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import check_record, read_record, record_of_result, write_record
 from wirewear.faces import cli
-from wirewear.fitting.sensor_calibration import Calibration, LoadPolynomial, calibrate
+from wirewear.fitting.sensor_calibration import Calibration, LoadPolynomial, calibrate, fitted_polynomial
 from wirewear.fitting.sensor_correcting import corrected_record
+from wirewear.fitting.sensor_loading import LoadedMotion
 from wirewear.loops import Measured
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
@@ -23,6 +24,20 @@ from wirewear.study import Study, load_study, parse_study
 ROOT = Path(__file__).parent.parent
 SENSOR = Sensor(linear_um_per_N=0.8, quadratic_um_per_N2=-0.15)
 EXACT = LoadPolynomial(Measured(0.8, (0.79, 0.81)), Measured(-0.15, (-0.16, -0.14)), 2.0, 0.01, 0.02)
+
+
+def motion(load_N: float, noise_um: float = 0.0, seed: int = 0) -> LoadedMotion:
+    force = np.linspace(-0.6, 0.6, 9) * load_N
+    near = 3.0 * force
+    noise = noise_um * np.random.default_rng(seed).standard_normal(9)
+    return LoadedMotion(load_N, force, near + 0.8 * force - 0.15 * force**2 + noise, near)
+
+
+def test_the_polynomials_intervals_hold_the_truth_as_often_as_they_promise() -> None:
+    fits = [fitted_polynomial([motion(1.0, 0.05, seed), motion(3.0, 0.05, 1000 + seed)]) for seed in range(200)]
+    for name, truth in (("linear_um_per_N", 0.8), ("quadratic_um_per_N2", -0.15)):
+        intervals = [getattr(fit, name).interval95 for fit in fits]
+        assert 0.9 < np.mean([low <= truth <= high for low, high in intervals]) < 0.99
 
 
 @pytest.fixture(scope="module")

@@ -90,6 +90,15 @@ def test_a_stiffer_model_stands_out_by_many_scatters(noisy: ExperimentRecord, ru
     assert worst["measured stiffness"] > 20.0
 
 
+def test_a_gain_of_the_sensor_shows_in_amplitude_slip_and_energy(run: RunResult) -> None:
+    record = record_of_result(run, sensor=Sensor(displacement_gain=1.1))
+    part = record.evolution[0].columns
+    for name in ("displacement_amplitude_um", "slip_amplitude_um", "dissipated_energy_mJ"):
+        true = run.evolution[name][np.unique(run.evolution["cycle"], return_index=True)[1]]
+        np.testing.assert_allclose(part[name][-1], 1.1 * true[-1], rtol=1e-6)
+    np.testing.assert_allclose(record.loops[0].displacement_um, 1.1 * run.loops[0].displacement_um)
+
+
 @pytest.mark.parametrize("shift", [(0.0, 0.0), (23.0, -14.0)])
 @pytest.mark.parametrize("turn_deg", [0.0, 8.0])
 def test_registration_finds_shift_and_rotation_of_a_noisy_map(shift: tuple[float, float], turn_deg: float) -> None:

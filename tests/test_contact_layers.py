@@ -8,7 +8,7 @@ from threadpoolctl import threadpool_limits
 
 from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
-from solvers.contact_layer import RoughLayer, ThirdBody
+from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.contact_state import ContactState, WearState
 from solvers.fretting import first_quarter
 from solvers.holder import Holder
@@ -156,3 +156,9 @@ def test_neutral_layers_change_nothing(smooth: ContactProblem, layer: RoughLayer
         results.append(states[-1])
     assert np.array_equal(results[0].traction, results[1].traction)
     assert np.array_equal(results[0].wear.primary_depth, results[1].wear.primary_depth)
+
+
+def test_layers_add_up_in_series() -> None:
+    worn, pressure = np.array([1e-3]), np.array([[0.0, 0.0, 200.0]])
+    both = layers_at_nodes((ROUGH, ThirdBody(0.5, 1000.0)), worn, pressure, np.array([[0.0, 0.0, 1.0]]))
+    assert both.closure(np.array([200.0]))[0][0] == pytest.approx(2e-4 * np.log(3.0) + 0.5e-3 * 0.2)

@@ -146,6 +146,14 @@ def test_the_contact_carries_the_load_and_nothing_sideways() -> None:
     assert report.complementarity < 1e-6
 
 
+@pytest.mark.seconds
+def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
+    _, report = pressed(crossed_wires(FINE_mm))
+    assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-9)
+    assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=FINE_mm)
+    assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.1)
+
+
 def test_frictionless_sliding_needs_no_force_and_does_no_work() -> None:
     problem = crossed_wires(COARSE_mm, long_patch=True, friction=0.0, wear=(1e-8, 1e-8))
     state, _ = pressed(problem)

@@ -3,14 +3,19 @@
 The nominal model is the program's own, its wear states frozen; nothing of what made the records is known to it.
 """
 
+import json
 from functools import cache
+from importlib.metadata import version
 
 import numpy as np
 import pytest
 
+from tests.diagnosis_cases import CYCLES
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
+from wirewear.base.identity import code_hash
 from wirewear.diagnosis import Diagnosis
+from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate, with_forms
 from wirewear.diagnosis.infer.inference import Problem
@@ -98,11 +103,30 @@ def test_a_compliance_is_named_as_a_class_that_holds_rotation() -> None:
     assert probability(diagnosis, "rotational_compliance") > 0.1
 
 
+@pytest.mark.slow
+def test_the_stiffness_of_a_compliance_lies_in_its_interval() -> None:
+    (cause,) = (c for c in with_compliance().diagnosis.causes if c.effect == "tangential_compliance")
+    estimate = cause.parameters["stiffness_N_per_mm"]
+    assert estimate.value == pytest.approx(COMPLIANCE_N_per_mm, rel=0.05)
+    assert estimate.interval95[0] < COMPLIANCE_N_per_mm < estimate.interval95[1]
+
+
 @pytest.mark.seconds
 def test_a_compliance_asks_for_a_measurement_that_splits_its_class() -> None:
     following = with_compliance().diagnosis.next_measurement
     assert following is not None
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(following["splits"])
+
+
+@pytest.mark.seconds
+def test_the_gap_shrinks_to_its_floor_on_cycles_left_out_of_the_fit() -> None:
+    shrink = with_compliance().diagnosis.shrink
+    assert shrink.held_out == CYCLES[-1:]
+    assert shrink.before > 2.0 * shrink.floor
+    assert shrink.after <= 1.2 * shrink.floor
+    assert shrink.shrink == pytest.approx(1.0, abs=0.02)
+    assert shrink.free_smooth_fit is not None
+    assert shrink.free_smooth_fit < shrink.shrink
 
 
 @pytest.mark.slow
@@ -139,3 +163,29 @@ def test_the_frozen_states_are_those_of_a_run_made_now() -> None:
     )
     deviations = np.sqrt(np.diag(estimate(frozen_states(), setup, observed).numerical))
     assert (abs(present - frozen) / deviations).max() < 1.0
+
+
+@pytest.mark.slow
+def test_the_same_record_gives_the_same_answer_to_the_last_digit() -> None:
+    again = diagnosed(independent_record(PLAY)).diagnosis
+    assert json.dumps(again.to_json()) == json.dumps(with_play().diagnosis.to_json())
+
+
+@pytest.mark.seconds
+def test_the_json_has_all_keys_of_its_format() -> None:
+    data = json.loads(json.dumps(with_compliance().diagnosis.to_json(), allow_nan=False))
+    assert set(data) >= {
+        "format", "record", "model", "program", "verdict", "gap", "where", "causes", "equivalent", "undetectable",
+        "next_measurement", "resembles", "partial", "checked",
+    }  # fmt: skip
+    assert set(data["gap"]) == {
+        "before", "after", "floor", "shrink", "shrink_interval95", "predicted_shrink", "held_out", "placebo_shrink",
+        "physical", "confirmed",
+    }  # fmt: skip
+    assert set(data["gap"]["physical"]) == {
+        "slip_amplitude_um", "dissipated_energy_percent", "tangential_force_rms_N",
+    }  # fmt: skip
+    assert data["program"] == {"version": version("wirewear"), "sources": code_hash(), "calibration": digest()}
+    for finding in data["where"]:
+        assert set(finding) == {"observable", "zone", "cycles", "share", "size_in_scatter", "text"}
+    assert sum(cause["probability"] for cause in data["causes"]) <= 1.0 + 1e-6

@@ -71,9 +71,23 @@ def run(*arguments: str | Path) -> Result:
     return CliRunner().invoke(cli, ["diagnose", *map(str, arguments)])
 
 
+def sentence_of(result: Result) -> str:
+    assert result.exit_code == 2, result.output
+    assert "Traceback" not in result.output
+    return " ".join(result.output.split())
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     return write_record(tmp_path / "record", record(repeats=1, evolution=False))
+
+
+def test_a_model_of_another_load_is_refused(folder: Path, tmp_path: Path) -> None:
+    model = tmp_path / "model.toml"
+    model.write_text(SHORT.replace("normal_load_N = 2.0", "normal_load_N = 3.0").replace("= 20.0\n", "= 60.0\n"))
+    words = sentence_of(run(folder, "--output", tmp_path / "out", "--model", model))
+    assert "normal_load_N is 3 in the model" in words
+    assert "but 2 in the record" in words
 
 
 @pytest.mark.slow

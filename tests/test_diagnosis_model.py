@@ -129,6 +129,14 @@ def test_the_worn_volume_is_the_coefficient_times_the_energy() -> None:
     assert course.volume_um3[-1] == pytest.approx(30.0 * energy, rel=0.01)
 
 
+def test_the_drive_holds_the_reading_or_the_true_stroke() -> None:
+    gained = with_effect(nominal("sensor"), "displacement_gain", {"gain": 1.05})
+    read = simulate(states(), gained, FIRST).displacement_um
+    assert 0.5 * np.ptp(read) == pytest.approx(60.0, rel=1e-3)
+    read = simulate(states(), replace(gained, drive="stroke"), FIRST).displacement_um
+    assert 0.5 * np.ptp(read) == pytest.approx(63.0, rel=1e-3)
+
+
 @pytest.mark.seconds
 def test_every_effect_that_loops_show_moves_an_observable() -> None:
     layout = reduce(record()).layout

@@ -11,7 +11,7 @@ import pytest
 
 from tests import synthetic_results
 from wirewear import ResultError, RunResult, read_result, write_result
-from wirewear.base.hdf5 import hdf5_image, sealed
+from wirewear.base.hdf5 import hdf5_image, opened_hdf5, sealed
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
 
 FLIPS = 300
@@ -98,3 +98,13 @@ def test_a_file_that_reaches_beyond_itself_is_refused(
     path.write_bytes(hdf5_image(change))
     with pytest.raises(ResultError, match=rf"^{path} .*{words}\.$"):
         read_result(path)
+
+
+def test_groups_that_lead_back_up_end(tmp_path: Path) -> None:
+    def fill(file: Any) -> None:
+        file.create_group("a")["up"] = file["/"]
+
+    path = tmp_path / "circle.h5"
+    path.write_bytes(hdf5_image(fill))
+    with opened_hdf5(path, ResultError, "result file") as file:
+        assert list(file) == ["a"]

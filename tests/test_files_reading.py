@@ -15,7 +15,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, Numbers, read_delimited
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.reading import read_toml
 from wirewear.base.writing import json_text, write_csv
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -60,6 +61,14 @@ def test_a_closed_standard_output_takes_nothing_and_stops_nothing(tmp_path: Path
     ended = _shell(f"{COMMAND} new {tmp_path / 'study.toml'} {closed}")
     assert (ended.returncode, ended.stderr) == (0, "")
     assert (tmp_path / "study.toml").read_text(encoding="utf-8").startswith("#")
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("asked", ["--version", "effects"])
+def test_a_full_standard_output_is_one_sentence(asked: str) -> None:
+    ended = _shell(f"{COMMAND} {asked} > /dev/full")
+    assert ended.returncode == 2
+    assert ended.stderr == "wirewear: the output can be neither read nor written: no space left on device.\n"
 
 
 def test_json_knows_no_number_that_is_not_finite() -> None:
@@ -124,3 +133,18 @@ def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding
     numbers = text.numbers({"Kraft": 1})
     np.testing.assert_array_equal(numbers.columns["Kraft"], [2.0, 4.25])
     assert [numbers.line(row) for row in (0, 1)] == [2, 4]
+
+
+def test_quoted_fields_may_hold_the_delimiter(tmp_path: Path) -> None:
+    path = tmp_path / "rows.csv"
+    path.write_text('source,"radius, mm"\n"Author, 2019",7\n')
+    text = read_delimited(path)
+    assert text.names == ("source", "radius, mm")
+    assert list(text.rows()) == [(2, ["Author, 2019", "7"])]
+    assert text.numbers({"radius": 1}).columns["radius"].tolist() == [7.0]
+
+
+def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "study.toml")
+    with pytest.raises(StudyError, match=r"study\.toml is no ordinary file, as a study file must be\.$"):
+        read_toml(tmp_path / "study.toml", StudyError, "study file")

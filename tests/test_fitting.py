@@ -16,6 +16,7 @@ from wirewear.fitting.loading import spring_of_loads
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord
+from wirewear.records.course_checks import accumulated_energy_J
 
 
 @pytest.fixture(autouse=True)
@@ -76,6 +77,16 @@ def test_free_play_is_told_from_compliance() -> None:
     assert effect.name == "free_play"
 
 
+@pytest.mark.slow
+def test_running_in_is_found_where_there_is_one_and_nowhere_else() -> None:
+    fit = fitted("running in")
+    assert known(fit, "friction_initial").value == pytest.approx(0.45, rel=0.05)
+    assert known(fit, "friction_final").value == pytest.approx(0.62, rel=0.05)
+    assert known(fit, "friction_cycles").value == pytest.approx(3000.0, rel=0.4)
+    assert fit.study.effects != ()
+    assert all("friction" in fitted(rig).parameters for rig in ("as stated", "softer", "loose"))
+
+
 SPRING = "normal_spring_stiffness_N_per_mm"
 
 
@@ -107,6 +118,15 @@ def test_energy_over_a_test_is_the_integral_of_a_power_law() -> None:
     cycles = np.array([1.0, 10.0, 1000.0])
     assert enclosed_energy(cycles, 3.0 * cycles**-0.5) == pytest.approx(6.0 * (np.sqrt(1000.0) - 1.0))
     assert enclosed_energy(cycles, np.full(3, 0.25)) == pytest.approx(0.25 * 999.0)
+
+
+@pytest.mark.seconds
+def test_the_energy_of_a_test_from_its_evolution_is_that_of_its_loops() -> None:
+    record = record_of("as stated")
+    alone = ExperimentRecord(record.tables, record.loops)
+    for repeat in record.repeats:
+        energies = [accumulated_energy_J(one, repeat) for one in (record, alone)]
+        assert energies[0] == pytest.approx(energies[1], rel=0.02)
 
 
 @pytest.mark.parametrize("rig", [50.0, 167.0, 1000.0])

@@ -145,6 +145,15 @@ def test_wear_by_energy_follows_the_friction_law_and_by_archard_the_pressure(lim
     assert 1.0 < archards / coulombs < 1.2
 
 
+def test_a_law_without_bend_is_coulombs(limited: ContactProblem) -> None:
+    drives = np.array([0.002, 0.006, 0.012])
+    one, other = (
+        driven(replace(limited, friction_law=law), pressed(limited)[0], drives)[0][-1]
+        for law in (Coulomb(), ShearLimited(1e12))
+    )
+    assert other.traction == pytest.approx(one.traction, abs=1e-5 * one.traction.max())
+
+
 STUDY = (Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml").read_text()
 
 

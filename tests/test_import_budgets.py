@@ -1,6 +1,7 @@
 """Files that state more than the memory holds, or than they can hold: refused in a sentence before they are read."""
 
 import io
+import re
 import struct
 import tracemalloc
 import zipfile
@@ -9,8 +10,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 
-from tests import strangers_maps
+from tests import strangers_files, strangers_maps
 from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
@@ -104,3 +106,17 @@ def test_a_map_of_nanofocus_is_as_wide_as_its_field_whichever_unit_its_steps_are
     assert np.ptp(x) == pytest.approx(strangers_maps.STEP_um * (strangers_maps.COLUMNS - 1), rel=1e-6)
     assert np.ptp(y) == pytest.approx(strangers_maps.STEP_um * (strangers_maps.ROWS - 1), rel=1e-6)
     np.testing.assert_allclose(read, heights, atol=1e-3)
+
+
+def test_two_channels_of_one_matlab_matrix_are_asked_for(tmp_path: Path) -> None:
+    savemat(tmp_path / "loops.mat", {"hyst": np.stack([strangers_files.X, strangers_files.FORCE], axis=1)})
+    source = Source(files=("loops.mat",), kind="matlab")
+    both = {name: ColumnMapping(column="hyst") for name in ("displacement_um", "tangential_force_N")}
+    asked = "stands for displacement_um and tangential_force_N: say which part of it each one is, such as 'hyst(:,1)'"
+    with pytest.raises(RecordError, match=re.escape(asked)):
+        read_source(tmp_path / "loops.mat", source, both)
+    parts = {name: ColumnMapping(column=f"hyst(:,{place})") for place, name in enumerate(both, 1)}
+    read = read_source(tmp_path / "loops.mat", source, parts)
+    np.testing.assert_array_equal(read["tangential_force_N"], strangers_files.FORCE)
+    with pytest.raises(RecordError, match=r"'hyst\(:,3\)' lies outside of the variable, which is 512 × 2"):
+        read_source(tmp_path / "loops.mat", source, {"displacement_um": ColumnMapping(column="hyst(:,3)")})

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import Cylinder, EvenProfile
+from geometry import Cylinder, EvenProfile, RoundedFlat
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
@@ -102,6 +102,14 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
         assert scar.half_width_mm == pytest.approx(reference.line_contact_scar(1e-3, 6.0).half_width_mm, rel=1e-3)
     with pytest.raises(ValueError, match="does not bear"):
         reference.even_line_contact(by_points, 1e6, MODULUS, 1.0)
+
+
+def test_a_flat_with_a_vanishing_face_is_a_cylinder_and_a_wide_one_bears_its_load_at_its_edges() -> None:
+    narrow = reference.even_line_contact(RoundedFlat(0.0, 6.0), 120.0, MODULUS, 1.0)
+    assert narrow.half_width_mm == pytest.approx(0.09134, rel=1e-3)
+    wide = reference.even_line_contact(RoundedFlat(1.0, 3.0), 400.0, MODULUS, 2.0)
+    assert 1.0 < wide.half_width_mm < 1.1
+    assert wide.peak_pressure_MPa > 1.5 * 400.0 / (2.0 * wide.half_width_mm)
 
 
 @pytest.mark.parametrize(

@@ -73,6 +73,19 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResul
     assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
 
 
+@pytest.mark.seconds
+def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
+    x, profile = result.scar(200, "specimen").section_along_motion()
+    moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
+    exact = line_record_of_result(result, 8.0)
+    comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
+    assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
+    deepest = next(row for row in comparison.differences if "depth" in row.quantity)
+    assert deepest.relative == pytest.approx(0.2)
+    with pytest.raises(RecordError, match="no loop of a common cycle"):
+        compare_line(result, replace(exact, loops=(), profiles=()))
+
+
 def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     loop, profile = record.loops[0], record.profiles[0]
 
@@ -117,6 +130,15 @@ def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path:
         read_line_record(tmp_path)
 
 
+@pytest.mark.parametrize("name", ["loops.csv", "profile_pad.csv"])
+def test_a_table_that_is_not_as_it_was_written_is_refused(record: LineRecord, tmp_path: Path, name: str) -> None:
+    write_line_record(tmp_path, record)
+    data = (tmp_path / name).read_bytes()
+    (tmp_path / name).write_bytes(data.replace(b"1", b"2", 1))
+    with pytest.raises(RecordError, match=rf"{name} is not as it was written"):
+        read_line_record(tmp_path)
+
+
 def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -> None:
     folder = write_line_record(tmp_path / "record", record)
     made = CliRunner().invoke(cli, ["new", str(tmp_path / "mine"), "--from", str(folder)])
@@ -130,3 +152,16 @@ def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -
     assert ran.exit_code == 0, ran.output
     # Cycle 200 lies beyond this test's end.
     assert [loop.cycle for loop in read_result(tmp_path / "run" / "stiff").loops] == [1, 2]
+
+
+def test_noise_neither_narrows_a_shallow_scar_nor_adds_to_its_area() -> None:
+    """A parabola of 0.3 µm with noise of 0.05 µm: its area is 2/3 of depth times width, however it is read."""
+    x = np.arange(-400.0, 401.0, 1.0)
+    true = 0.3 * np.maximum(1.0 - (x / 200.0) ** 2, 0.0)
+    random = np.random.default_rng(4)
+    profiles = [MeasuredProfile(1, "pad", x, true + 0.05 * random.standard_normal(x.size)) for _ in range(20)]
+    assert np.mean([one.area_um2 for one in profiles]) == pytest.approx(0.3 * 400.0 * 2.0 / 3.0, rel=0.02)
+    assert np.mean([one.width_um for one in profiles]) == pytest.approx(400.0, rel=0.06)
+    assert np.mean([one.smooth_um.max() for one in profiles]) == pytest.approx(0.3, rel=0.06)
+    clean = MeasuredProfile(1, "pad", x, true)
+    np.testing.assert_array_equal(clean.smooth_um, true)

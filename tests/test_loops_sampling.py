@@ -48,6 +48,16 @@ def test_more_than_one_cycle_is_not_one_loop(cycles: float, start: float) -> Non
         analyse_loop(displacement, force, 2.0, time_s=times)
 
 
+@pytest.mark.parametrize("seed", range(2))
+def test_a_triangular_drive_keeps_its_sharp_tips(seed: int) -> None:
+    phase = np.arange(256) / 256
+    path = 2.0 / math.pi * np.arcsin(np.sin(2.0 * math.pi * phase))
+    quarter = np.arcsin(path) / (2.0 * math.pi)
+    times = np.where(phase < 0.25, quarter, np.where(phase < 0.75, 0.5 - quarter, 1.0 + quarter))
+    _, displacement, force = HOOKED.sampled(256, 0.0, times)
+    assert_known(analyse_loop(*disturbed(displacement, force, seed, force_scale=1.24), 2.0, time_s=phase))
+
+
 def test_outliers_near_each_other_do_not_hide_one_another() -> None:
     _, displacement, force = HOOKED.sampled(256, 0.1)
     displacement, force = disturbed(displacement, force, 12, outlier_share=0.0, force_scale=1.24)

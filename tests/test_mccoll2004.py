@@ -102,6 +102,12 @@ def tests() -> tuple[MeasuredTest, ...]:
     return read_tests()
 
 
+def test_hertz_half_width_of_the_large_cylinder_is_that_of_its_publication(tests: tuple[MeasuredTest, ...]) -> None:
+    """1066 N/mm at 525 MPa: a = 1.29 mm."""
+    assert len(tests) == 39
+    assert {t.name: t for t in tests}["f_8"].half_width_mm == pytest.approx(1.29, abs=0.005)
+
+
 def test_the_line_and_its_interval_are_those_of_a_regression_through_the_origin() -> None:
     """A test made by the line with known scatter: its figures by Student's t, worked out apart."""
     energy = np.array([1000.0, 2000.0, 3000.0, 5000.0])

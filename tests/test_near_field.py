@@ -28,6 +28,9 @@ Array = NDArray[np.float64]
 FINE_mm = 0.004
 
 
+LAYERS = (0.6 * FINE_mm, 1.3)
+
+
 CROSSED = ((0.0, 1.0), (1.0, 0.0))
 
 
@@ -94,6 +97,12 @@ def test_a_loaded_node_gives_way_as_its_cell_does_between_two_half_spaces() -> N
     )
     assert before > 0.2
     assert after < 0.05
+
+
+def test_an_even_pressure_on_a_large_area_is_answered_as_before() -> None:
+    steel = Bricks(bodies.STEEL, LAYERS)
+    near = missing_displacement(steel, (FINE_mm, FINE_mm), steel, (FINE_mm, FINE_mm), CROSSED)
+    assert np.abs(near.sum(axis=(0, 1))).max() < 1e-12 * np.abs(near).max()
 
 
 @pytest.mark.parametrize("sizes", [((0.004, 0.004), (0.004, 0.004)), ((0.012, 0.005), (0.006, 0.018))])

@@ -110,6 +110,15 @@ def test_the_consistency_error_falls_as_the_primary_mesh_is_refined() -> None:
     assert errors[2] < 0.5 * errors[1]
 
 
+def test_frames_are_right_handed_orthonormal_and_point_up() -> None:
+    primary, secondary = upper_and_lower(GRADED, even(0.12, 25))
+    frames = paired(primary, secondary, (0.01, 0.02)).frames
+    assert frames @ frames.transpose(0, 2, 1) == pytest.approx(np.broadcast_to(np.eye(3), frames.shape), abs=1e-14)
+    assert np.linalg.det(frames) == pytest.approx(np.ones(len(frames)))
+    assert np.all(frames[:, 0, 2] > 0.9)
+    assert np.all(frames[:, 1, 0] > 0.9)
+
+
 def test_the_gap_of_crossed_cylinders_is_the_sum_of_their_heights() -> None:
     upper, lower = upper_and_lower(GRADED, even(0.08, 41))
     x, y = upper.node_positions.T

@@ -206,6 +206,20 @@ def test_a_line_patch_stands_for_a_strip_of_unit_thickness() -> None:
     assert not weights.any()
 
 
+def test_worn_nodes_stand_in_the_worn_surface_and_the_body_loses_what_is_worn() -> None:
+    fresh = body(PROFILES["cylinder"])
+    x = fresh.patch.axial_mm
+    depth = 0.01 * np.maximum(1.0 - (x / 0.2) ** 2, 0.0)
+    worn = fresh.worn(depth)
+    nodes = worn.patch.nodes[:, 0]
+    np.testing.assert_allclose(worn.mesh.points[nodes, 1], fresh.mesh.points[nodes, 1] - depth, atol=1e-15)
+    np.testing.assert_allclose(worn.patch.height(worn.patch.grid()), worn.mesh.points[nodes, 1], atol=1e-12)
+    assert fresh.mesh.area_mm2() - worn.mesh.area_mm2() == pytest.approx(np.trapezoid(depth, x), rel=1e-9)
+    back = fresh.mesh.surface_nodes("grip")
+    np.testing.assert_array_equal(worn.mesh.points[back], fresh.mesh.points[back])
+    assert worn.quality >= 0.2
+
+
 def test_a_grip_holds_the_stated_part_of_the_back_and_gives_way_as_stated() -> None:
     whole = body(PROFILES["flat"])
     assert whole.bedding is None

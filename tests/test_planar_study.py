@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from wirewear import reference
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import RunError, StudyError
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import RunResult
+from wirewear.results import RunResult, read_result
 from wirewear.simulation import NoObserver
+from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
@@ -103,3 +104,30 @@ class Killer(NoObserver):
     def logged(self, result: RunResult) -> None:
         assert result.status == "running"
         self.logged_loops += 1
+
+
+@pytest.mark.slow
+def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
+    short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
+    unbroken = run_planar_study(short, fidelity="quick")
+    with pytest.raises(KeyboardInterrupt):
+        run_planar_study(short, fidelity="quick", output=tmp_path, observer=Killer(1))
+    assert read_result(tmp_path / "result.h5").status == "running"
+    resumed = run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    assert resumed.status == "complete"
+    assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
+    assert resumed.quality == unbroken.quality
+    for name, column in unbroken.evolution.items():
+        np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
+    for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):
+        np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
+    for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
+        np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
+    complete = (tmp_path / "result.h5").read_bytes()
+    # As if it had been killed while it drew.
+    (tmp_path / "loops.png").unlink()
+    run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    assert (tmp_path / "result.h5").read_bytes() == complete
+    assert (tmp_path / "loops.png").exists()
+    with pytest.raises(RunError, match="another study"):
+        run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)

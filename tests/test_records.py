@@ -1,5 +1,6 @@
 """Experiment records: what is read, what is refused, and what a check says."""
 
+import dataclasses
 import json
 import re
 from collections.abc import Callable
@@ -139,6 +140,15 @@ def test_what_is_odd_in_a_record_is_told(
     assert words in topics(folder)[topic]
 
 
+def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None:
+    path = folder / "scar_moving.csv"
+    header, *rows = path.read_text(encoding="utf-8").splitlines()
+    path.write_text(
+        "\n".join([header, *(row for row in rows if float(row.split(",")[1]) < 50.0), ""]), encoding="utf-8"
+    )
+    assert "cut off the moving wire's scar" in topics(folder)["scars"]
+
+
 def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
     good = CliRunner().invoke(cli, ["check", str(folder), "--json"])
     assert good.exit_code == 0
@@ -165,6 +175,14 @@ def test_any_numbers_survive_the_file(tmp_path_factory: pytest.TempPathFactory, 
     path.write_bytes((end.join(lines) + end).encode())
     table = read_columns(path, [Column("b", -1e3, 1e3), Column("a", 0, 100, whole=True, complete=True)])
     np.testing.assert_array_equal(table.columns["b"], values)
+
+
+def test_a_record_leaves_nothing_of_the_one_before_it(tmp_path: Path) -> None:
+    whole = read_record(EXAMPLES / "no_gap")
+    write_record(tmp_path, whole)
+    (tmp_path / "notes.txt").write_text("mine")
+    write_record(tmp_path, dataclasses.replace(whole, scars=(), evolution=()))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["experiment.toml", "loops.csv", "notes.txt"]
 
 
 # Checksums

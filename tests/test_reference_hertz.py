@@ -22,6 +22,8 @@ from wirewear.reference import (
     hertz_elliptic,
     hertz_line,
     line_loading_traction,
+    line_stick_ratio,
+    line_stick_ratio_after_reversal,
     line_traction_after_reversal,
     loading_displacement,
     loading_force,
@@ -91,6 +93,18 @@ def test_steel_wires_wear_as_an_independent_evaluation_of_the_formula_says() -> 
     assert least.volume_mm3 < 0.6 * most.volume_mm3
 
 
+@given(st.floats(0.1, 0.8), st.floats(0.0, 3e-5), st.floats(0.0, 1e-4))
+def test_the_stuck_centre_is_about_to_slip_behind_any_bulk(share: float, normal: float, tangential: float) -> None:
+    approach = 0.909e-3
+    drive = share * WIRES.friction * MODULUS / SHEAR * approach
+    contact = WearingContact(0.225, MODULUS, SHEAR, WIRES.friction, drive, normal, tangential)
+    shape = contact.under_approach(approach)
+    c, d = shape.stick_radius_mm, shape.approach_mm
+    force = 2.0 * contact.friction * MODULUS * c * (d - c**2 / 0.225)
+    assert d == pytest.approx(approach - normal * shape.load_N(MODULUS), rel=1e-9)
+    assert SHEAR * (drive - tangential * force) == pytest.approx(contact.friction * MODULUS * (d - c**2 / 0.225))
+
+
 def disc_integral(values: np.ndarray, radius: np.ndarray) -> float:
     return float(np.trapezoid(values * 2.0 * math.pi * radius, radius))
 
@@ -133,6 +147,14 @@ def test_force_and_displacement_of_first_loading_are_inverse(ratio: float) -> No
     assert float(loading_force(CONTACT, loading_displacement(CONTACT, force))) == pytest.approx(force, abs=1e-9)
 
 
+def test_first_loading_starts_at_mindlins_stiffness_and_slides_at_one_and_a_half() -> None:
+    small = 1e-6 * CONTACT.limit_N
+    assert small / float(loading_displacement(CONTACT, small)) == pytest.approx(CONTACT.stiffness_N_per_mm, rel=1e-5)
+    slide = float(loading_displacement(CONTACT, CONTACT.limit_N))
+    assert slide == pytest.approx(1.5 * CONTACT.limit_N / CONTACT.stiffness_N_per_mm)
+    assert float(loading_force(CONTACT, 3.0 * slide)) == CONTACT.limit_N
+
+
 @given(RATIOS)
 def test_unloading_and_reloading_close_the_loop(ratio: float) -> None:
     peak = ratio * CONTACT.limit_N
@@ -148,6 +170,12 @@ def test_energy_of_a_cycle_is_the_area_of_its_loop(ratio: float) -> None:
     force = peak * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 4001))
     opening = displacement_after_reversal(CONTACT, force, peak) - displacement_after_reversal(CONTACT, force, -peak)
     assert energy_per_cycle(CONTACT, peak) == pytest.approx(float(np.trapezoid(opening, force)), rel=1e-5)
+
+
+def test_line_contact_sticks_as_in_the_known_case() -> None:
+    limit = 0.6 * 120.0
+    assert line_stick_ratio(0.5 * limit, limit) == pytest.approx(0.7071, abs=5e-5)
+    assert line_stick_ratio_after_reversal(0.0, 0.5 * limit, limit) == pytest.approx(0.8660, abs=5e-5)
 
 
 @given(RATIOS, st.floats(-1.0, 1.0))

@@ -97,6 +97,15 @@ def test_section_along_motion_crosses_the_scar_at_its_middle(angle: float, half_
     assert x[-1] == pytest.approx(1.5 * half_um)
 
 
+def test_section_of_a_skew_wire_agrees_with_its_samples() -> None:
+    """At 60° the section lies on sampled(x, 0) and stays within the grid."""
+    scar = bowl("fixed", 9.0, 80.0, 30.0, axis_angle_deg=60.0)
+    x, depth = scar.section_along_motion()
+    np.testing.assert_allclose(depth, scar.sampled(x, np.array([0.0]))[:, 0], atol=1e-12)
+    assert np.all(np.diff(x) > 0.0)
+    assert abs(x).max() == pytest.approx(1.5 * 30.0 / math.sin(math.radians(60.0)))
+
+
 def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> None:
     """Missing, unequal or unordered columns are refused."""
     columns = dict(result().evolution)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from studies.rig_stiffness_2d import article
-from studies.rig_stiffness_2d.article import Case
+from studies.rig_stiffness_2d.article import Case, cases, comparisons, findings
 from studies.rig_stiffness_2d.rigs import Change, Rig, equally_stiff, rig_of, shipped
 from wirewear.planar import PlanarStudy, run_planar_study
 
@@ -71,3 +71,19 @@ def test_a_rotational_spring_is_found_with_which_the_loop_is_as_stiff() -> None:
     # In a cycle each point slides four times its amplitude against friction times pressure.
     work = 4e-6 * 0.9 * np.trapezoid(one.pressure_MPa * one.slip_amplitude_um, one.x_um)
     assert work == pytest.approx(one.dissipated_energy_mJ_per_mm, rel=0.05)
+
+
+@pytest.mark.slow
+def test_a_tilting_flat_presses_on_its_edge_and_is_as_stiff_as_the_article_says() -> None:
+    one, two = (
+        rig_of(run_planar_study(coarse("flat", name, contact_mesh_um=40.0), fidelity="quick"), "flat")
+        for name in ("translating_1", "rotating_1")
+    )
+    found, change = cases([(one, two)]), Change.between(one, two)
+    assert all(row.holds for row in comparisons(found))
+    pressure, narrowing, *_ = findings(found, [change])
+    assert narrowing.holds
+    assert "share of the load" in pressure.evidence
+    assert change.pressure_reshaped > 0.1
+    assert change.pressure_centre_um < -500.0
+    assert one.load_N_per_mm == pytest.approx(800.0, rel=1e-3)

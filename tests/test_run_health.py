@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from math import log
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +135,10 @@ def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: f
     assert energy_mismatch(cycles, per_cycle, whole) < 1e-8
     more = 1.25 * max(whole, 1.0 + float(np.trapezoid(per_cycle, cycles)))
     assert energy_mismatch(cycles, per_cycle, more) == pytest.approx(1.0 - whole / more)
+
+
+def test_energy_that_falls_as_the_reciprocal_of_the_cycles_sums_to_the_logarithm() -> None:
+    assert energy_mismatch([1.0, 7.0, 50.0], [3.0, 3.0 / 7.0, 3.0 / 50.0], 3.0 + 3.0 * log(50.0)) < 1e-12
 
 
 @given(st.floats(-0.9, 2.0), st.floats(1.5, 10.0), st.floats(0.0, 5.0))

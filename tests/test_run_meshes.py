@@ -59,6 +59,14 @@ def test_meshes_that_follow_the_scar_give_the_results_of_one_mesh_for_all_of_it(
     assert_agree(following, one_mesh, 0.02)
 
 
+@pytest.mark.seconds
+def test_volume_stays_alpha_times_energy_through_changes_of_the_mesh(following: RunResult) -> None:
+    energy = following.evolution["accumulated_energy_J"][-1]
+    for wire in ("moving", "fixed"):
+        assert following.scar(600, wire).volume_mm3 == pytest.approx(0.5 * ENERGY_WEAR * energy, rel=1e-9)
+    assert following.quality["volume_against_energy"] < 1e-9
+
+
 def test_a_run_killed_after_a_change_of_mesh_and_resumed_ends_with_the_same_result(
     following: RunResult, tmp_path: Path
 ) -> None:

@@ -91,6 +91,14 @@ def test_a_delay_gives_an_elastic_loop_the_area_of_its_phase(frequency_Hz: float
     assert area_mJ(read) == pytest.approx(expected, rel=1e-4)
 
 
+def test_a_first_order_lag_reads_a_sine_smaller_and_late() -> None:
+    truth = elastic_loop(3.0)
+    read = Sensor(lag_s=5e-3).read(truth)
+    angle = 2.0 * math.pi * 3.0 * 5e-3
+    late = 10.0 * np.sin(2.0 * math.pi * 3.0 * truth.time_s + 0.3 - math.atan(angle)) / math.hypot(1.0, angle)
+    np.testing.assert_allclose(read.displacement_um, late, atol=1e-12)
+
+
 @pytest.mark.parametrize("kind", ["first-order", "delay"])
 def test_a_lag_splits_the_branches_at_reversal_in_proportion_to_the_frequency(kind: str) -> None:
     """Equal forces are read apart by 2 v τ, v the speed there: doubling the rate doubles the split."""

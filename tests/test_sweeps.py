@@ -11,7 +11,7 @@ import pytest
 
 from tests.effect_studies import COARSE, WEARING
 from wirewear.base.engine import Done, Engine, Result
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import RunError, StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.page import write_table
@@ -156,6 +156,23 @@ def test_a_row_that_is_damaged_or_cut_off_is_made_again(asked: Sweep, tmp_path: 
     again = InPlace()
     assert files(tmp_path / "out", asked, again) == whole
     assert again.begun == 2
+
+
+def test_a_failed_run_is_kept_apart_with_its_sentence(asked: Sweep, tmp_path: Path) -> None:
+    written = files(tmp_path, asked, InPlace())
+    failures = written["failures.csv"].decode().splitlines()
+    wrong = int((asked.design.points[:, 1] > 0.7).sum())
+    assert wrong > 0
+    assert len(failures) == 1 + wrong
+    assert failures[1].endswith("the contact did not converge")
+    assert written["table.csv"].decode().count("failed") == wrong
+
+
+def test_a_folder_of_another_sweep_is_refused(asked: Sweep, sweep_file: Callable[[str], Path], tmp_path: Path) -> None:
+    run_sweep(asked, tmp_path / "out", InPlace())
+    other = load_sweep(sweep_file(HYPERCUBE.replace("12", "13") + STIFFNESS + FRICTION))
+    with pytest.raises(RunError, match="holds another sweep: choose another --output"):
+        run_sweep(other, tmp_path / "out", InPlace())
 
 
 # What it says

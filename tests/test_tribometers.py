@@ -67,6 +67,13 @@ def test_all_thirteen_published_stiffnesses_are_met_within_10_percent_and_on_ave
     assert np.abs(errors).mean() < 0.03
 
 
+@pytest.mark.seconds
+def test_contact_lengths_follow_from_half_width_and_load_within_4_percent_of_the_round_figures() -> None:
+    for found, row in zip(read_tribometers(PUBLISHED), read_rows(PUBLISHED), strict=True):
+        if not row.crossed:
+            assert found.contact_length_mm == pytest.approx({40.0: 5.0, 6.0: 10.0, 80.0: 8.2}[row.radius_mm], rel=0.04)
+
+
 def test_a_round_pad_of_6_mm_is_softer_than_a_half_plane_and_a_wide_block_hardly(tmp_path: Path) -> None:
     half_planes = {a: half_plane_line_stiffness(TITANIUM, TITANIUM, a, 1.0) for a in (0.076, 0.549)}
     assert line_contact_stiffness(6.0, 0.076, TITANIUM, TITANIUM) < 0.92 * half_planes[0.076]

@@ -1,15 +1,19 @@
 """The verification table judges rightly, and its reference problems are met."""
 
+import json
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from geometry import ContactPatch, Cylinder
 from solvers import CondensedBody
 from wirewear import reference
+from wirewear.faces import cli
 from wirewear.loops.area import enclosed_area
-from wirewear.verification import QUICK, Level, Row
+from wirewear.verification import QUICK, Level, Row, run
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
@@ -17,9 +21,14 @@ from wirewear.verification.line_contact import line_contact_rows, stuck_line_row
 from wirewear.verification.partial_slip import partial_slip_rows
 from wirewear.verification.partial_slip_run import partial_slip_run_rows
 from wirewear.verification.partial_slip_wear import partial_slip_wear_rows, worn_pressure_rows
-from wirewear.verification.rows import observed_order
+from wirewear.verification.rows import compared, observed_order
 from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, rig_loop_rows
 from wirewear.verification.wires import STEEL, bulk_compliance
+
+GOOD = compared("Hertz", "p0 [MPa]", 1010.0, 1000.0, 0.02, raw=1030.0, order=1.9)
+
+
+BAD = compared("Hertz", "approach [mm]", 1.1, 1.0, 0.02)
 
 
 def test_the_observed_order_is_that_of_a_power_law() -> None:
@@ -51,6 +60,24 @@ def test_a_loop_has_the_area_and_the_width_of_its_closed_form() -> None:
     width = reference.slip_amplitude(contact, 0.03, 100.0)
     assert enclosed_area(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(energy, rel=1e-5)
     assert half_width_at_zero_force(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(width, rel=1e-5)
+
+
+def family(*rows: Row) -> tuple[run.Family, ...]:
+    def solve(level: Level) -> tuple[Row, ...]:
+        return rows
+
+    return (("a family", solve), ("another family", solve))
+
+
+@pytest.mark.parametrize(("rows", "code"), [((GOOD,), 0), ((GOOD, BAD), 1)])
+def test_the_command_fails_when_a_row_fails(
+    rows: tuple[Row, ...], code: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setattr(run, "FAMILIES", family(*rows))
+    result = CliRunner().invoke(cli, ["verify", "--quick", "--json", str(tmp_path / "table.json")])
+    assert result.exit_code == code
+    assert "checks passed" in result.stdout
+    assert json.loads((tmp_path / "table.json").read_text(encoding="utf-8"))["passed"] is (code == 0)
 
 
 def failures(rows: tuple[Row, ...]) -> list[Row]:

@@ -9,10 +9,12 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from solvers import Holder, WearRates
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import write_traceless
 from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from studies.blind.generators.finite_element.changes import instruments_of
+from studies.blind.generators.finite_element.changes import changes_of, instruments_of
+from studies.blind.generators.finite_element.model import NUMERICS, believed_study
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.model import IndependentModel
@@ -23,7 +25,8 @@ from studies.blind.generators.instruments import Signals, read_by
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.sizes import drawn_parameters
 from tests.test_blind_finite_element import plain_nuisances
-from tests.test_blind_unseen import LOOP, STEEL, Named
+from tests.test_blind_unseen import LOOP, QUIET, STEEL, Named
+from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
 Array = NDArray[np.float64]
 
@@ -105,6 +108,27 @@ def require_traceless(effect: str, outside: Iterable[str], folder: Path) -> None
     assert seen_["first"] == seen_["again"]
     assert seen_["first"][0] != seen_["without"][0]
     assert seen_["first"][1] == seen_["without"][1]
+
+
+def require_alike_at_seams(effect: str) -> None:
+    """See that both tiers have the same holder, friction, load and wear at every cycle."""
+    parameters = drawn(effect, 2)
+    world = changed(STEEL, effect, parameters)
+    changes = changes_of([TrueEffect(effect, parameters)], QUIET)
+    believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"]).with_effects(*changes)
+    for cycle in (0.0, 10.0, 1000.0, 3e4, 1e5):
+        age = Age(cycle, 0.0)
+        holder = applied(changes, Seam.HOLDER, Holder(2.0, 1.0 / 167.0), age)
+        assert holder.tangential_compliance_mm_per_N == pytest.approx(
+            world.rig.series_mm_per_N + world.rig.loose_mm_per_N(cycle)
+        )
+        assert holder.play_mm == pytest.approx(world.rig.aged(cycle).play_mm)
+        friction = applied(changes, Seam.CONTACT, ContactLaw(0.62), age).friction
+        assert friction == pytest.approx(world.friction.at(cycle))
+        load = applied(changes, Seam.LOADING, Loading(2.0), age).normal_load_N
+        assert load == pytest.approx(world.loading.load_at(cycle))
+        rates = applied(changes, Seam.WEAR, WearRates(0.5, 0.5), age)
+        assert rates.lower_mm3_per_mJ == pytest.approx(0.5 * world.wear.factor_at(cycle))
 
 
 def gaps_in_scatters(effect: str, points: int = 10) -> dict[str, float]:
