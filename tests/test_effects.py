@@ -103,6 +103,7 @@ DESCRIPTIONS: dict[Seam, Any] = {
 }
 
 
+@pytest.mark.seconds
 @everyone
 @given(cycles=st.floats(0.0, 1e6), energy=st.floats(0.0, 100.0))
 def test_an_effect_at_its_neutral_values_changes_nothing(kind: type[Effect[Any]], cycles: float, energy: float) -> None:

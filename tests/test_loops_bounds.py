@@ -58,6 +58,7 @@ def test_slip_of_a_worn_contact_whose_hooks_rise_above_the_plateau_is_all_that_i
     assert_bounded(figures)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("samples", [128, 200, 256])
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 @pytest.mark.parametrize("rig_N_per_um", [1e6, 0.6])
@@ -91,6 +92,7 @@ def test_the_largest_ratio_in_partial_slip_is_the_loops_own_where_the_load_chang
     assert figures.friction_max.value == pytest.approx(float(np.max(np.abs(force) / load)), rel=1e-3)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("noise", [0.0, 0.005, 0.02])
 @pytest.mark.parametrize("friction", [0.02, 0.6, 1.5])
 def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: float) -> None:

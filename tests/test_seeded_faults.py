@@ -14,6 +14,8 @@ from wirewear.records.checking import problems_told
 from wirewear.records.values import Array
 from wirewear.views.loops_sources import read_loops
 
+pytestmark = pytest.mark.seconds
+
 EXAMPLE = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
 
 Change = Callable[[ExperimentRecord], ExperimentRecord]

@@ -153,6 +153,7 @@ def imported(written: Written, folder: Path) -> ExperimentRecord:
     return import_record(mapping)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("foreign", [False, True], ids=["English", "foreign"])
 def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, foreign: bool) -> None:
