@@ -53,15 +53,6 @@ def area(displacement: Array, force: Array) -> float:
     return float(np.sum(0.5 * (force + next_force) * (following - displacement)))
 
 
-def test_every_effect_that_is_drawn_can_be_given_to_the_finite_elements() -> None:
-    seen = set()
-    for case in planned_cases(200, 3, GENERATOR.library, GENERATOR.outside):
-        changes = changes_of(case.effects, case.nuisances.specimen(np.random.default_rng(case.seed)))
-        believed_study(case.nominal, case.nuisances, NUMERICS["T1"]).with_effects(*changes)
-        seen |= {effect.effect for effect in case.effects}
-    assert seen == {*GENERATOR.library, *GENERATOR.outside}
-
-
 def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angle() -> None:
     effects = (
         TrueEffect("friction_offset", {"friction": 0.7}),
@@ -73,13 +64,6 @@ def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angl
     assert applied(changes, Seam.CONTACT, ContactLaw(0.62), late).friction == pytest.approx(0.7 * 1.01)
     assert applied(changes, Seam.LOADING, Loading(2.0), late).normal_load_N == pytest.approx(2.0 * 0.8 * 0.98)
     assert applied(changes, Seam.SPECIMENS, Specimens(90.0), late).crossing_angle_deg == pytest.approx(93.5)
-
-
-def test_debris_that_is_thrown_out_makes_friction_jump_and_come_back() -> None:
-    thrown = {"factor": 1.2, "cycle_1": 100.0, "cycle_2": 1000.0, "recovery_cycles": 50.0}
-    changes = changes_of((TrueEffect("debris_ejection", thrown),), QUIET)
-    frictions = [applied(changes, Seam.CONTACT, ContactLaw(0.5), Age(n, 0.0)).friction for n in (99.0, 100.0, 999.0)]
-    assert frictions == pytest.approx([0.5, 0.6, 0.5], abs=1e-6)
 
 
 def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> None:

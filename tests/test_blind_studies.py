@@ -1,18 +1,13 @@
 """Whole batches: what is still to be done, what is kept, and the baseline that knows no mechanics."""
 
 import ast
-import json
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
-from studies.blind import default_key_path, make_batch, score_batch
-from studies.blind.answering import DIAGNOSIS, FAILURE, write_json
-from studies.blind.batch import diagnosing_tasks
-from studies.blind.compare import main as compare
+from studies.blind import make_batch
 from studies.blind.generators.cases import Case, exact_class, planned_cases
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.model import IndependentModel
@@ -155,33 +150,3 @@ def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("batches") / "records"
     make_batch(folder, cases=30, seed=12, generator=PlainModel())
     return folder
-
-
-def test_only_records_without_an_answer_are_still_to_be_diagnosed(records: Path, tmp_path: Path) -> None:
-    assert len(diagnosing_tasks(records, tmp_path)) == 30
-    write_json(tmp_path / "case_003" / DIAGNOSIS, {})
-    (tmp_path / "case_005").mkdir()
-    (tmp_path / "case_005" / FAILURE).write_text("it has no loops in gross slip.\n")
-    names = [task.args[0].name for task in diagnosing_tasks(records, tmp_path)]  # type: ignore[attr-defined]
-    assert len(names) == 28
-    assert not {"case_003", "case_005"} & set(names)
-
-
-def test_a_score_keeps_every_case_and_is_set_beside_others(tmp_path: Path) -> None:
-    records = tmp_path / "records"
-    make_batch(records, cases=6, seed=1, generator=PlainModel())
-    for name in ("case_001", "case_002", "case_004"):
-        causes = [{"effect": "friction_offset", "probability": 0.75}]
-        write_json(tmp_path / "diagnoses" / name / DIAGNOSIS, {"verdict": "explained", "causes": causes})
-    score_batch(records, tmp_path / "diagnoses", key_path=default_key_path(records))
-    kept = json.loads((tmp_path / "diagnoses" / "score.json").read_text())
-    assert [line["case"] for line in kept["lines"]] == [f"case_{n:03d}" for n in range(1, 7)]
-    assert [line["verdict"] for line in kept["lines"]].count(None) == kept["unanswered"] == 3
-
-    beside = CliRunner().invoke(compare, [str(tmp_path / "diagnoses")] * 2)
-    assert beside.exit_code == 0, beside.output
-    head, _, false_alarms = beside.output.splitlines()[:3]
-    assert head == "| figure (95 % interval) | aim of T1 | T2, 6 records | T2, 6 records |"
-    alarms = kept["false_alarms"]
-    assert f"{alarms['hits']} of {alarms['of']}" in false_alarms
-    assert ("✗" in false_alarms) == (alarms["value"] > 0.05)

@@ -14,7 +14,7 @@ from random import Random
 from typing import Any
 
 import pytest
-from click.testing import CliRunner, Result
+from click.testing import Result
 
 from studies.benchmarks import flipped_bits
 from studies.benchmarks.forked_commands import Commands
@@ -26,7 +26,6 @@ from wirewear import (
     read_result,
     run_study,
 )
-from wirewear.faces import cli
 from wirewear.simulation import Observer
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -97,31 +96,6 @@ def test_a_full_disk_at_a_checkpoint_says_how_to_go_on(tmp_path: Path, monkeypat
         "can be written."
     )
     assert read_result(tmp_path).status == "running"
-
-
-@pytest.mark.parametrize(
-    ("command", "words"),
-    [
-        (["diagnose", "r", "--output", "o"], "interrupted; nothing was written."),
-        (["run", "s.toml"], "interrupted; --resume goes on from the last checkpoint."),
-        (["converge", "s.toml"], "interrupted; the same command goes on."),
-        (["sweep", "s.toml"], "interrupted; the same command goes on."),
-        (["import", "m.toml", "--output", "o"], "interrupted; no file is left half written."),
-    ],
-)
-def test_each_command_says_what_its_interruption_leaves(
-    monkeypatch: pytest.MonkeyPatch, command: list[str], words: str
-) -> None:
-    def interrupted(*_: object, **__: object) -> None:
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr("wirewear.records.read_record", interrupted)
-    monkeypatch.setattr("wirewear.kinds.load_any_study", interrupted)
-    monkeypatch.setattr("wirewear.sweeps.load_sweep", interrupted)
-    monkeypatch.setattr("wirewear.records.importing.import_record", interrupted)
-    ended = CliRunner().invoke(cli, command)
-    assert ended.exit_code == 130
-    assert ended.stderr.strip().endswith(f"wirewear: {words}")
 
 
 @pytest.fixture(scope="module")

@@ -1,17 +1,14 @@
 """Calibration of a remote sensor: simulated motions under load, the polynomial, and records corrected with it."""
 
 import dataclasses
-import json
 from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import check_record, read_record, record_of_result, write_record
-from wirewear.faces import cli
 from wirewear.fitting.sensor_calibration import Calibration, LoadPolynomial, calibrate, fitted_polynomial
 from wirewear.fitting.sensor_correcting import corrected_record
 from wirewear.fitting.sensor_loading import LoadedMotion
@@ -107,22 +104,3 @@ def test_between_sticking_wires_nothing_moves_so_all_compliance_is_found(wires: 
     assert np.abs(near).max() < 0.02 * np.abs(remote).max()
     one_wire = wires.polynomial.linear_um_per_N.value - 0.3
     assert found.polynomial.linear_um_per_N.value == pytest.approx(1e3 / 167.0 + 2.0 * one_wire, rel=0.01)
-
-
-@pytest.mark.slow
-def test_the_command_calibrates_and_corrects_a_record(run: RunResult, wires: Calibration, tmp_path: Path) -> None:
-    path = tmp_path / "study.toml"
-    path.write_text(COARSE.replace("= 9.0", "= 6.0"))
-    write_record(tmp_path / "record", record_of_result(run, sensor=SENSOR))
-    command = ["calibrate", str(path), "--loads", "2", "--fidelity", "quick", "--remote-compliance", "0.3"]
-    files = ["--record", str(tmp_path / "record"), "--output", str(tmp_path / "corrected")]
-    called = CliRunner().invoke(cli, [*command, *files, "--json"])
-    assert called.exit_code == 0, called.output
-    answer = json.loads(called.stdout)
-    assert answer["linear_um_per_N"]["value"] == pytest.approx(wires.polynomial.linear_um_per_N.value)
-    assert answer["loads"][0]["normal_load_N"] == 2.0
-    largest = max(np.abs(loop.tangential_force_N).max() for loop in run.loops)
-    assert answer["record"]["largest_force_N"] == pytest.approx(largest)
-    assert read_record(tmp_path / "corrected").name.endswith("displacement corrected for the load")
-    shown = CliRunner().invoke(cli, command)
-    assert "linear_um_per_N = " in shown.stdout

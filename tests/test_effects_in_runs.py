@@ -8,7 +8,7 @@ import pytest
 
 from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
-from wirewear import Loop, RunResult, record_of_result
+from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
@@ -85,15 +85,6 @@ def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
     # Of a sine, first order: x(t) − τ x'(t); what is read trails behind on both branches.
     expected = -20.0 * omega * 0.002 * np.cos(omega * truth.time_s)
     np.testing.assert_allclose(read.displacement_um - truth.displacement_um, expected, atol=20.0 * (omega * 0.002) ** 2)
-
-
-@pytest.mark.seconds
-def test_a_record_of_a_study_with_a_sensor_effect_holds_readings_and_states_the_nominal_model() -> None:
-    misread = result_with(effect("displacement_gain", gain=1.1), effect("friction_offset", friction=0.5))
-    record = record_of_result(misread)
-    np.testing.assert_allclose(record.loops[0].displacement_um, 1.1 * misread.loops[0].displacement_um)
-    assert record.tables.stated.friction == 0.62
-    assert "effects" not in record.tables.model_dump_json()
 
 
 @pytest.mark.seconds

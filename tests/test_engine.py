@@ -94,9 +94,3 @@ def test_a_process_that_is_lost_is_replaced_and_no_result_comes_twice(tmp_path: 
     """A task whose process is lost every time takes no other along."""
     assert lost(tmp_path, "") == [str(list(range(8))), "LostTaskError 1"]
     assert len(list(tmp_path.glob("3-*"))) == 2
-
-
-@pytest.mark.slow
-def test_a_worker_of_a_cluster_that_is_lost_is_replaced_and_no_result_comes_twice(tmp_path: Path, cluster: str) -> None:
-    assert lost(tmp_path, cluster) == [str(list(range(8)))]
-    assert len(list(tmp_path.glob("3-*"))) == 2

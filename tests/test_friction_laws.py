@@ -163,16 +163,6 @@ def study_with(tmp_path: Path, law: str) -> Path:
     return path
 
 
-def test_a_study_chooses_its_law_and_gives_it_back(tmp_path: Path) -> None:
-    study = load_study(study_with(tmp_path, '{ name = "shear-limited", shear_strength_MPa = 800 }'))
-    assert study.contact.friction_law == ShearLimited(800)
-    assert study.resolved()["contact"]["friction_law"] == {"name": "shear-limited", "shear_strength_MPa": 800}
-    assert study.stated["contact.friction_law.shear_strength_MPa"] == 800
-    plain = load_study(study_with(tmp_path, '"coulomb"'))
-    assert plain.contact.friction_law == Coulomb()
-    assert plain.resolved()["contact"]["friction_law"] == "coulomb"
-
-
 @pytest.mark.parametrize(
     ("law", "says"),
     [

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -17,7 +16,6 @@ from scipy.sparse import csr_matrix, vstack
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
 from wirewear import largest_mean_pressure_MPa
-from wirewear.faces import cli
 from wirewear.results.mean_pressure import averaging
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
@@ -84,20 +82,6 @@ def test_intervals_are_those_of_the_closed_form(tmp_path: Path, monkeypatch: pyt
     assert one.error < 1e-9
     assert "contact.friction ± 0.031" in sentence(found)
     assert "tangential force" in page(found)
-
-
-@pytest.mark.slow
-def test_the_command_prints_and_writes_intervals(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.base.cluster.engine_of", lambda *_: InPlace())
-    monkeypatch.setattr(run_uncertain, "__kwdefaults__", {**(run_uncertain.__kwdefaults__ or {}), "runs": 6})
-    path = tmp_path / "study.toml"
-    path.write_text(COARSE + HOLDER + SCATTER)
-    ended = CliRunner().invoke(cli, ["run", str(path), "--uncertain", "--output", str(tmp_path / "out")])
-    assert ended.exit_code == 0, ended.output
-    assert "max tangential force [N]" in ended.stdout
-    written = (tmp_path / "out" / "uncertain" / "uncertain.html").read_text(encoding="utf-8")
-    assert "95 % of tests" in written
-    assert "<svg" in written
 
 
 def graded(half: float, smallest: float, growth: float) -> Array:
