@@ -14,7 +14,7 @@ from studies.blind.generators.others.causes import SEAMS, SIZES, sizes
 from studies.blind.generators.others.foundation import Foundation
 from studies.blind.generators.others.half_space import HalfSpaces, HalfSpaceWires
 from studies.blind.generators.others.layers import ElasticLayer, Plane
-from studies.blind.generators.others.logger import drawn_logger, figures
+from studies.blind.generators.others.logger import drawn_logger, figures, logged_scars
 from studies.blind.generators.others.model import (
     GROWTH,
     OtherSimulators,
@@ -217,3 +217,14 @@ def test_the_kinds_of_a_large_batch_are_as_promised() -> None:
     )
     for kind, share in KINDS_OF_OTHERS.items():
         assert sum(case.kind == kind for case in planned) == pytest.approx(200 * share, abs=1)
+
+
+@pytest.mark.parametrize("angle_deg", [60.0, 90.0])
+def test_maps_hold_whole_scars_at_any_angle(angle_deg: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(GROWTH, "foundation", 1.8)
+    test = replace(WIRES, crossing_angle_deg=angle_deg, wear_mm3_per_J=3e-4)
+    course = simulated(test, world_of(test), (30, 3000))
+    logger = replace(drawn_logger(test, np.random.default_rng(1)), scar_noise_um=0.0, tilt_um=0.0)
+    for scar in logged_scars(logger, test, 1, course.scars, np.random.default_rng(1)):
+        edges = [scar.depth_um[[0, -1]], scar.depth_um[:, [0, -1]]]
+        assert max(float(edge.max()) for edge in edges) < 0.02 * scar.depth_um.max()

@@ -48,7 +48,7 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
     noise = random.uniform(0.001, 0.005) * test.amplitude_um, random.uniform(0.003, 0.015) * peak
     return Logger(
         repeats=repeats,
-        scatter=Scatter(random.uniform(0.004, 0.02), random.uniform(0.002, 0.01), random.uniform(0.02, 0.08), 0.2),
+        scatter=Scatter(random.uniform(0.004, 0.02), random.uniform(0.002, 0.01), random.uniform(0.02, 0.08), 0.0),
         displacement_noise_um=float(f"{noise[0]:.2g}"),
         force_noise_N=float(f"{noise[1]:.2g}"),
         correlation=0.0,
@@ -128,7 +128,7 @@ def logged_evolution(
 
 def scar_lines_um(test: Test, *, long: bool) -> Array:
     """Lines of a map from its middle, along or across; from what is expected of the test alone."""
-    half = 1300.0 * test.expected_scar_mm * getattr(test, "elongation", 1.0)
+    half = 1300.0 * test.expected_scar_mm * test.elongation
     step = max(round(half / LINES, 1), 0.1)
     count = int(np.ceil((half + (1.1 * test.amplitude_um if long else 0.0)) / step))
     return np.asarray(step * np.arange(-count, count + 1))

@@ -170,7 +170,7 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
         )
         shape = _circle(x, test.radius_mm)[:, None]
         return LinePair(shape, (half / cells, test.length_mm), reach, (bodies[0], bodies[1]))
-    half = WIDER * max(test.expected_scar_mm, 1.6 * test.hertz_mm) * elongation(test)
+    half = WIDER * max(test.expected_scar_mm, 1.6 * test.hertz_mm) * test.elongation
     step = half / cells
     x = step * np.arange(-cells, cells + 1.0)
     radius = 0.5 * test.diameter_mm
@@ -180,11 +180,6 @@ def contact_of(test: Test, angle_error_deg: float = 0.0) -> Contact:
     shape = _circle(x[:, None] * sin(angle) - x * cos(angle), radius) + _circle(x, radius)
     kind = HalfSpaceWires if test.simulator == "half_space" else FoundationWires
     return kind(shape, (step, step), reach, test.modulus_MPa, test.easier)
-
-
-def elongation(test: WireTest) -> float:
-    """How much longer the scar of oblique wires is than that of wires at a right angle."""
-    return float((1.0 - abs(cos(radians(test.crossing_angle_deg)))) ** -0.5)
 
 
 def _circle(x: Array, radius: float) -> Array:

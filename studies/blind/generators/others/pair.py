@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Positions of a stroke at which a loop's forces are computed, and fewest and most of a sweep.
-POSITIONS, SWEPT = 11, (7, 15)
+#: Positions of a stroke at which a loop's forces are computed, closer to its ends, and fewest and most of a sweep.
+POSITIONS, SWEPT = 13, (7, 15)
 #: Uneven part of successive sweeps' positions: the golden ratio's.
 GOLDEN = 0.6180339887
 
@@ -81,7 +81,7 @@ class Pair:
 
     def touch(self, load_N: float, half_slip_mm: float, layer: Layer) -> Touch:
         """The contact at places of a stroke as it is worn now."""
-        places = np.linspace(-half_slip_mm, half_slip_mm, POSITIONS)
+        places = half_slip_mm * np.sin(0.5 * np.pi * np.linspace(-1.0, 1.0, POSITIONS))
         slopes, approaches, areas, sheared = [], [], [], []
         rise = np.gradient(self.far, self.dx, axis=0)
         for place in places:

@@ -96,8 +96,9 @@ def _stroke(
     normal = normal * (1.0 + world.cause("bowed_guide", "share") * (off**2 - 0.5))
     coefficient = friction * world.varied(off, direction) * mobilised
     slope = np.interp(slip, touch.place_mm, touch.slope_N) / load_N + lean
-    rubbed = coefficient * normal
-    force = normal * (coefficient + slope) / (1.0 - coefficient * lean)
+    # Friction acts along the slope, tan(φ + β): the pressures' sum is larger than the load.
+    pressing = normal / (1.0 - coefficient * slope)
+    rubbed, force = coefficient * pressing, (coefficient + slope) * pressing
     limit = world.stated_friction * world.stated_load_N
     given = (world.compliance_mm_per_N + touch.shear_mm_per_N) * force
     given = given + 0.5 * world.play_mm * np.clip(force / (CROSSED * limit), -1.0, 1.0)

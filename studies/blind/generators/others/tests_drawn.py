@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import pi
+from math import cos, pi, radians
 
 import numpy as np
 
@@ -52,6 +52,11 @@ class WireTest(Nominal):
         return float((0.375 * self.load_N * self.diameter_mm / self.modulus_MPa) ** (1.0 / 3.0))
 
     @property
+    def elongation(self) -> float:
+        """How much longer the scar of oblique wires is than that of wires at a right angle."""
+        return float((1.0 - abs(cos(radians(self.crossing_angle_deg)))) ** -0.5)
+
+    @property
     def sensible(self) -> bool:
         """Whether it slides over most of its stroke and wears a scar that can be measured."""
         scar, amplitude = self.expected_scar_mm, 1e-3 * self.amplitude_um
@@ -72,6 +77,7 @@ class LineTest(LineNominal):
     """A cylinder on a flat, both shallow beside their widths, so that they are elastic layers."""
 
     simulator: str = "layers"
+    elongation: float = 1.0
     heights_mm: tuple[float, float] = (4.0, 4.0)
 
     @property
