@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
+from wirewear.records import LineRecord, MeasuredProfile
 from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.records.values import MeasuredLoop
 
 LENGTH_mm, LOAD_N, DEPTHS_um = 8.0, 160.0, {"pad": 1.5, "specimen": 2.5}
@@ -60,7 +60,7 @@ def write_german(record: LineRecord, folder: Path, noise_um: float = 0.02) -> li
         path = folder / f"Versuch{loop.repeat}_Zyklus{loop.cycle}.txt"
         path.write_bytes((head + _rows(loop.time_s, *columns)).encode("latin-1"))
         written.append(path)
-    for profile in record.profiles:
+    for profile in record.scars:
         x = profile.x_um
         height = 4.0 + 0.003 * x - profile.depth_um + noise_um * random.standard_normal(x.size)
         if profile.body == "pad":

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.records import ExperimentRecord
-from wirewear.records.values import MeasuredLoop, MeasuredScar
+from wirewear.records import ExperimentRecord, MeasuredScar
+from wirewear.records.values import MeasuredLoop
 
 Array = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ def write_english(record: ExperimentRecord, folder: Path) -> list[Path]:
 def _scars(record: ExperimentRecord, folder: Path, spelled: Callable[[str], str], delimiter: str) -> list[Path]:
     written = []
     for scar in record.scars:
-        path = folder / f"scar_{scar.wire}_{scar.repeat}.xyz"
+        path = folder / f"scar_{scar.body}_{scar.repeat}.xyz"
         x, y, height = height_points(scar, record.tables.wires.diameter_mm)
         rows = (spelled(f"{a:.6g}|{b:.6g}|{c:.7g}") for a, b, c in zip(x, y, height, strict=True))
         text = f"X [mm]{delimiter}Y [mm]{delimiter}Z [µm]\n" + "\n".join(rows).replace("|", delimiter) + "\n"
@@ -80,11 +80,11 @@ def height_points(scar: MeasuredScar, diameter_mm: float) -> tuple[Array, Array,
     x = x[0] + step_x * (np.arange(depth.shape[0]) - more_x)
     y = y[0] + step_y * (np.arange(depth.shape[1]) - more_y)
     grid_x, grid_y = np.meshgrid(x, y, indexing="ij")
-    along, across = (grid_x, grid_y) if scar.wire == "moving" else (grid_y, grid_x)
+    along, across = (grid_x, grid_y) if scar.body == "moving" else (grid_y, grid_x)
     crown = across - 4.0 - 0.004 * along
     height = 9.0 + 0.01 * along + np.sqrt(np.maximum(radius**2 - crown**2, 0.0)) - radius - depth
     height += 0.05 * np.random.default_rng(scar.repeat).standard_normal(height.shape)
     # On the profilometer's table both wires lie along the map's x.
-    table = (grid_x, grid_y, height) if scar.wire == "moving" else (grid_y, -grid_x, height)
+    table = (grid_x, grid_y, height) if scar.body == "moving" else (grid_y, -grid_x, height)
     known = np.abs(across) < 0.9 * radius
     return 1e-3 * table[0][known] + 12.0, 1e-3 * table[1][known] + 30.0, table[2][known]

@@ -16,12 +16,9 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
+from wirewear.records import LineRecord, check_record
 from wirewear.records.line_believed import assumed_heights_mm, believed_study, doubts_bodies
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_exporting import line_record_of_result
-from wirewear.records.line_files import read_line_record, write_line_record
-from wirewear.records.line_values import BODIES, LineRecord
-from wirewear.results import RunResult
+from wirewear.results import BODIES, RunResult
 from wirewear.study import load_study
 
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
@@ -43,7 +40,7 @@ def low() -> RunResult:
 
 @pytest.fixture(scope="module")
 def record(low: RunResult) -> LineRecord:
-    return line_record_of_result(low, LENGTH_mm)
+    return record_of_result(low, LENGTH_mm)
 
 
 def stating(record: LineRecord, **stated: object) -> LineRecord:
@@ -52,16 +49,16 @@ def stating(record: LineRecord, **stated: object) -> LineRecord:
 
 
 def test_a_runs_record_carries_its_bodies_into_the_model_that_is_made_of_it(record: LineRecord, tmp_path: Path) -> None:
-    read = read_line_record(write_line_record(tmp_path, record))
+    read = read_record(write_record(tmp_path, record))
     study = believed_study(read.tables)
     assert (study.pad.height_mm, study.pad.half_width_mm, study.specimen.height_mm) == (5.0, 4.0, 4.0)
-    assert not [remark for remark in check_line_record(read).remarks if remark.topic == "bodies"]
+    assert not [remark for remark in check_record(read).remarks if remark.topic == "bodies"]
 
 
 def test_what_is_assumed_of_bodies_that_are_not_described_is_said(record: LineRecord) -> None:
     pad = record.tables.pad.model_copy(update={"height_mm": None})
     bare = replace(record, tables=record.tables.model_copy(update={"pad": pad}))
-    (remark,) = (one for one in check_line_record(bare).remarks if one.topic == "bodies")
+    (remark,) = (one for one in check_record(bare).remarks if one.topic == "bodies")
     assert remark.level == "note"
     assert remark.text.startswith("The pad is taken to be 8 mm high")
 
@@ -104,7 +101,7 @@ def test_a_record_of_a_small_pad_has_no_gap_whether_or_not_it_says_how_the_pad_i
     tables["log"] = {"loop_cycles": [10, 100, 1000, 5000]}
     run = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
     sensor = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.2))
-    read = line_record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
+    read = record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
     described = stating(read, tangential_stiffness_N_per_mm=20000.0 * LENGTH_mm)
     assert diagnose(described).diagnosis.verdict == "no_gap"
     answer = diagnose(undescribed(described)).diagnosis

@@ -131,9 +131,9 @@ def test_a_record_compares_itself(run: ww.Run, tmp_path: Path) -> None:
 
 
 def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: pytest.MonkeyPatch) -> None:
-    record = ww.read_line_record(TITANIUM)
+    record = ww.read_record(TITANIUM)
     assert record.check().supports
-    assert f"{len(record.profiles)} profiles" in repr(record)
+    assert f"{len(record.scars)} profiles" in repr(record)
     assert record.name in record._repr_html_()
     asked: list[object] = []
 

@@ -15,9 +15,8 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.effects import Effect, effect_named
 from wirewear.planar.tables import of_whole_contact, per_mm
-from wirewear.records.line_files import read_line_record
+from wirewear.records import LineRecord, read_record
 from wirewear.records.line_tables import LineStated
-from wirewear.records.line_values import LineRecord
 from wirewear.reference import hertz_line
 
 
@@ -68,7 +67,7 @@ def test_effects_of_a_whole_contact_are_those_of_a_millimetre_times_its_length()
 
 @pytest.fixture(scope="module")
 def titanium() -> LineRecord:
-    return read_line_record(TITANIUM / "record_2Hz")
+    return read_record(TITANIUM / "record_2Hz")
 
 
 @pytest.fixture(scope="module")

@@ -11,9 +11,8 @@ from wirewear.fitting import FittedTest, fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records.line_exporting import line_record_of_result
+from wirewear.records import LineRecord, record_of_result
 from wirewear.records.line_tables import LineStated
-from wirewear.records.line_values import LineRecord
 
 LENGTH_mm, CYCLES = 8.0, 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
@@ -50,7 +49,7 @@ def record_of(face: str, play_um: float = 0.0) -> LineRecord:
     }
     result = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
     options: dict[str, Any] = {"sensor": NOISE, "depth_noise_um": 0.005, "repeats": 2, "seed": 1, "samples": 256}
-    record = line_record_of_result(result, LENGTH_mm, **options)
+    record = record_of_result(result, LENGTH_mm, **options)
     return replace(record, tables=record.tables.model_copy(update={"stated": LineStated()}))
 
 

@@ -10,9 +10,9 @@ from geometry import Cylinder, Flat, RoundedFlat
 from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
-from wirewear.records.importing.line_importing import import_line_record, levelled
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_files import read_line_record
+from wirewear.records import check_record, read_record
+from wirewear.records.importing import import_record
+from wirewear.records.importing.profiles import levelled
 
 
 def wirewear(*arguments: object) -> Result:
@@ -35,7 +35,7 @@ def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path
     assert guessed.exit_code == 0, guessed.output
     imported = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
     assert imported.exit_code == 0, imported.output
-    record = read_line_record(tmp_path / "record")
+    record = read_record(tmp_path / "record")
     assert record.tables.pad.profile == truth.tables.pad.profile
     assert record.tables.conditions.normal_load_N == pytest.approx(LOAD_N)
     assert record.tables.conditions.cycles == 1000
@@ -45,11 +45,11 @@ def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path
         np.testing.assert_allclose(own.displacement_um, other.displacement_um, atol=1e-3)
         np.testing.assert_allclose(own.tangential_force_N, other.tangential_force_N, atol=1e-3)
     for body in ("pad", "specimen"):
-        for made, worn in zip(record.profiles_of(body), truth.profiles_of(body), strict=True):
+        for made, worn in zip(record.scars_of(body), truth.scars_of(body), strict=True):
             assert made.depth_um.max() == pytest.approx(worn.depth_um.max(), abs=0.08)
             assert made.area_um2 == pytest.approx(worn.area_um2, rel=0.02)
             assert sum(made.edges_um) == pytest.approx(0.0, abs=12.0)
-    assert not check_line_record(record).problems
+    assert not check_record(record).problems
 
 
 @pytest.mark.parametrize("face", [Flat(), Cylinder(6.0, curved_along=True), RoundedFlat(0.3, 3.0)])
@@ -118,5 +118,5 @@ def mapped(folder: Path, text: str = MAPPING) -> Path:
 def test_a_wrong_mapping_is_one_sentence(tmp_path: Path, old: str, new: str, complaint: str) -> None:
     assert old in MAPPING
     with pytest.raises(RecordError, match=complaint) as told:
-        import_line_record(mapped(tmp_path, MAPPING.replace(old, new)))
+        import_record(mapped(tmp_path, MAPPING.replace(old, new)))
     assert "\n" not in str(told.value)

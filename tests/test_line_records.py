@@ -14,11 +14,8 @@ from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records.line_checking import check_line_record
+from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.line_comparing import compare_line
-from wirewear.records.line_exporting import line_record_of_result
-from wirewear.records.line_files import is_line_record, read_line_record, write_line_record
-from wirewear.records.line_values import LineRecord, MeasuredProfile
 from wirewear.results import RunResult, read_result
 
 pytestmark = pytest.mark.seconds
@@ -38,31 +35,31 @@ def result() -> RunResult:
 
 @pytest.fixture(scope="module")
 def record(result: RunResult) -> LineRecord:
-    return line_record_of_result(result, 8.0, sensor=NOISE, depth_noise_um=0.001, repeats=3, seed=1)
+    return record_of_result(result, 8.0, sensor=NOISE, depth_noise_um=0.001, repeats=3, seed=1)
 
 
 def test_a_record_reads_back_as_it_was_written(record: LineRecord, tmp_path: Path) -> None:
-    assert is_line_record(write_line_record(tmp_path, record))
-    again = read_line_record(tmp_path)
+    write_record(tmp_path, record)
+    again = read_record(tmp_path)
     assert again.tables.model_copy(update={"files": record.tables.files}) == record.tables
     assert again.repeats == (1, 2, 3)
     assert again.cycles == (1, 200)
     for mine, theirs in zip(again.loops, record.loops, strict=True):
         np.testing.assert_array_equal(mine.tangential_force_N, theirs.tangential_force_N)
-    for own, other in zip(again.profiles_of("pad"), record.profiles_of("pad"), strict=True):
+    for own, other in zip(again.scars_of("pad"), record.scars_of("pad"), strict=True):
         np.testing.assert_array_equal(own.depth_um, other.depth_um)
-    parts = replace(record, loops=(), evolution=(), profiles=record.profiles_of("specimen"))
-    write_line_record(tmp_path, parts)
+    parts = replace(record, loops=(), evolution=(), scars=record.scars_of("specimen"))
+    write_record(tmp_path, parts)
     assert not (tmp_path / "loops.csv").exists()
-    assert read_line_record(tmp_path).loops == ()
+    assert read_record(tmp_path).loops == ()
 
 
 def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResult, record: LineRecord) -> None:
-    report = check_line_record(record)
+    report = check_record(record)
     assert report.problems == ()
     assert len(report.supports) == 4
     assert "source: simulated" in report.metadata
-    exact = compare_line(result, line_record_of_result(result, 8.0))
+    exact = compare_line(result, record_of_result(result, 8.0))
     assert {row.cycle for row in exact.differences} == {1, 200}
     for row in exact.differences:
         # Loops are analysed from their samples, and edges lie between points.
@@ -77,7 +74,7 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResul
 def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
     x, profile = result.scar(200, "specimen").section_along_motion()
     moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
-    exact = line_record_of_result(result, 8.0)
+    exact = record_of_result(result, 8.0)
     comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
     assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
     deepest = next(row for row in comparison.differences if "depth" in row.quantity)
@@ -87,26 +84,26 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
 
 
 def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
-    loop, profile = record.loops[0], record.profiles[0]
+    loop, profile = record.loops[0], record.scars[0]
 
     def topics(changed: LineRecord) -> set[str]:
-        return {remark.topic for remark in check_line_record(changed).problems}
+        return {remark.topic for remark in check_record(changed).problems}
 
     turned = replace(loop, tangential_force_N=-loop.tangential_force_N)
     assert topics(replace(record, loops=(turned,))) == {"tangential force"}
     load = record.tables.conditions.normal_load_N
     for factor, words in ((1e3, "looks like millinewtons"), (1.0 / 8.0, "looks like the force of a millimetre")):
         other = replace(record, loops=(replace(loop, normal_force_N=np.full_like(loop.time_s, factor * load)),))
-        (problem,) = (one for one in check_line_record(other).problems if one.topic == "normal force")
+        (problem,) = (one for one in check_record(other).problems if one.topic == "normal force")
         assert words in problem.text
         assert problem.refuses
     half = profile.x_um > 0.0
     cut = MeasuredProfile(1, "pad", profile.x_um[half], profile.depth_um[half])
-    assert topics(replace(record, profiles=(cut,))) == {"profiles"}
+    assert topics(replace(record, scars=(cut,))) == {"profiles"}
     in_nm = MeasuredProfile(1, "pad", profile.x_um, 1e3 * profile.depth_um)
-    assert "check its units" in check_line_record(replace(record, profiles=(in_nm,))).problems[0].text
+    assert "check its units" in check_record(replace(record, scars=(in_nm,))).problems[0].text
     unworn = MeasuredProfile(1, "pad", profile.x_um, 0.0 * profile.depth_um)
-    assert topics(replace(record, profiles=(unworn,))) == set()
+    assert topics(replace(record, scars=(unworn,))) == set()
 
 
 @pytest.mark.parametrize(
@@ -127,20 +124,20 @@ def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path:
     (tmp_path / "experiment.toml").write_text(text.replace(old, new), encoding="utf-8")
     (tmp_path / "profile_specimen.csv").write_bytes((MCCOLL / "profile_specimen.csv").read_bytes())
     with pytest.raises(RecordError, match=complaint):
-        read_line_record(tmp_path)
+        read_record(tmp_path)
 
 
 @pytest.mark.parametrize("name", ["loops.csv", "profile_pad.csv"])
 def test_a_table_that_is_not_as_it_was_written_is_refused(record: LineRecord, tmp_path: Path, name: str) -> None:
-    write_line_record(tmp_path, record)
+    write_record(tmp_path, record)
     data = (tmp_path / name).read_bytes()
     (tmp_path / name).write_bytes(data.replace(b"1", b"2", 1))
     with pytest.raises(RecordError, match=rf"{name} is not as it was written"):
-        read_line_record(tmp_path)
+        read_record(tmp_path)
 
 
 def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -> None:
-    folder = write_line_record(tmp_path / "record", record)
+    folder = write_record(tmp_path / "record", record)
     made = CliRunner().invoke(cli, ["new", str(tmp_path / "mine"), "--from", str(folder)])
     assert made.exit_code == 0, made.output
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")

@@ -13,7 +13,7 @@ from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
 from wirewear.faces import cli
 from wirewear.faces.maps_reading import fretting_tests
-from wirewear.records.line_files import write_line_record
+from wirewear.records import write_record
 from wirewear.results import write_result
 from wirewear.views.regression import line_through_origin, line_with_threshold
 from wirewear.views.response import edge_tension, tension_at
@@ -92,7 +92,7 @@ def test_loops_in_partial_slip_and_in_gross_slip_make_a_mixed_test(tmp_path: Pat
 
 
 def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) -> None:
-    folder = write_line_record(tmp_path / "line", line_record(CYLINDER))
+    folder = write_record(tmp_path / "line", line_record(CYLINDER))
     (test,) = fretting_tests(folder)
     assert test.normal_load_N == pytest.approx(LOAD_N / LENGTH_mm)
     assert test.regime == "gross slip"

@@ -16,8 +16,8 @@ from wirewear import (
     StudyError,
 )
 from wirewear.base.processes import within
+from wirewear.records import MeasuredScar
 from wirewear.records.importing import import_record
-from wirewear.records.values import MeasuredScar
 from wirewear.simulation import ProgressBar
 from wirewear.simulation.observers import Moment
 from wirewear.study import parse_study

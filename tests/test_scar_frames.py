@@ -24,7 +24,6 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
-from wirewear.records.importing.line_importing import import_line_record
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
@@ -138,7 +137,7 @@ def test_a_table_of_depths_in_its_wires_frame_is_read_into_that_of_the_test(tmp_
     after = read_record(folder)
     for one, other in zip(before.scars, after.scars, strict=True):
         assert one.volume_mm3 == pytest.approx(other.volume_mm3, rel=0.003)
-        own = run.scars[0 if other.wire == "moving" else 1]
+        own = run.scars[0 if other.body == "moving" else 1]
         assert np.nanmax(np.abs(other.depth_um - own.sampled(other.x_um, other.y_um))) < 0.2
     toml.write_text(text + '\n[files.frames]\nscar_fixed = "holder"\n', encoding="utf-8")
     with pytest.raises(RecordError, match=r'must be "test" \(x along the motion\) or "wire"'):
@@ -233,7 +232,7 @@ pad_energy_wear_coefficient_mm3_per_J = 4e-5
 specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
     )
     mapping.write_text(mapping.read_text(encoding="utf-8").replace("= 210000.0", "= 200000.0"), encoding="utf-8")
-    record = import_line_record(mapping).record
+    record = import_record(mapping)
     comparison = compare_line(run, record)
     assert set(comparison.left_um) == {"pad", "specimen"}
     assert max(comparison.left_um.values()) < 3.0 * NOISE_um

@@ -50,7 +50,7 @@ def exchanged(one: str, other: str) -> Change:
 
 def scars(changed: Callable[[MeasuredScar], MeasuredScar], *wires: str) -> Change:
     return lambda record: replace(
-        record, scars=tuple(changed(scar) if scar.wire in wires else scar for scar in record.scars)
+        record, scars=tuple(changed(scar) if scar.body in wires else scar for scar in record.scars)
     )
 
 
@@ -67,7 +67,7 @@ def turned(scar: MeasuredScar) -> MeasuredScar:
 
 def other_wire(record: ExperimentRecord) -> ExperimentRecord:
     other = {"moving": "fixed", "fixed": "moving"}
-    return replace(record, scars=tuple(replace(scar, wire=other[scar.wire]) for scar in record.scars))
+    return replace(record, scars=tuple(replace(scar, wire=other[scar.body]) for scar in record.scars))
 
 
 def renumbered(new_cycles: Callable[[tuple[int, ...]], list[int]]) -> Change:
@@ -92,7 +92,7 @@ def copied(record: ExperimentRecord) -> ExperimentRecord:
         record,
         evolution=tuple(MeasuredEvolution(one.repeat, part.columns) for one in record.evolution),
         scars=tuple(
-            replace(next(own for own in record.scars_of(scar.wire) if own.repeat == repeat), repeat=scar.repeat)
+            replace(next(own for own in record.scars_of(scar.body) if own.repeat == repeat), repeat=scar.repeat)
             for scar in record.scars
         ),
     )

@@ -174,7 +174,7 @@ def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, fo
             assert loop.normal_force_N == pytest.approx(strangers.LOAD_N, rel=0.005)
     assert bool(record.scars) == written.scars
     for scar in record.scars:
-        assert scar.wire == "fixed"
+        assert scar.body == "fixed"
         assert scar.volume_mm3 == pytest.approx(volume_mm3(), rel=0.01)
         assert np.nanmax(scar.depth_um) == pytest.approx(DEPTH_um, rel=0.01)
     assert bool(record.evolution) == written.evolution

@@ -7,9 +7,9 @@ import pytest
 from tests.strangers_files import ENGLISH, GERMAN, SPANISH
 from tests.strangers_profiles import POINTS, PROFILES, AREA_um2, DEPTH_um
 from tests.test_strangers_files import filled_in
+from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import mapping_text
 from wirewear.records.importing.line_guessing import guessed_line_mapping
-from wirewear.records.importing.line_importing import import_line_record
 from wirewear.records.importing.mistaken import open_lines
 
 KNOWN = {"length_mm": 10.0, "radius_mm": 6.0, "pad": {"material": "steel"}, "specimen": {"material": "steel"}} | {
@@ -30,7 +30,7 @@ def test_a_strangers_line_ends_in_the_right_profile(tmp_path: Path, kind: str, f
     mapping = tmp_path / "mapping.toml"
     assert {key for _, key in open_lines(text)} == written.answers.keys()
     mapping.write_text(filled_in(text, written.answers), encoding="utf-8")
-    (profile,) = import_line_record(mapping).record.profiles
+    (profile,) = import_record(mapping).scars
     assert profile.x_um.size == POINTS
     assert profile.area_um2 == pytest.approx(AREA_um2, rel=0.01)
     assert profile.smooth_um.max() == pytest.approx(DEPTH_um, rel=0.01)

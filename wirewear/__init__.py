@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
     from wirewear.faces.looking import Run, read_result, read_results
     from wirewear.faces.measured import Record, read_record
-    from wirewear.faces.measured_lines import RecordOfLines, read_line_record
     from wirewear.faces.running import load, run, run_variants
     from wirewear.loops.sensor import Sensor, SensorNoise
     from wirewear.loops.signals import LoopSignals
@@ -35,7 +34,6 @@ __all__ = [
     "LoopSignals",
     "Record",
     "RecordError",
-    "RecordOfLines",
     "ResultError",
     "Run",
     "RunError",
@@ -54,7 +52,6 @@ __all__ = [
     "load",
     "load_study",
     "parse_study",
-    "read_line_record",
     "read_record",
     "read_result",
     "read_results",

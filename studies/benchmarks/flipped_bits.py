@@ -36,8 +36,6 @@ from wirewear.base.reading import with_checksum
 from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
-from wirewear.records.line_exporting import line_record_of_result
-from wirewear.records.line_files import read_line_record, write_line_record
 from wirewear.results import read_results as read_runs
 from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.checkpoint import read_checkpoint
@@ -111,7 +109,7 @@ def made_runs(base: Path) -> None:
     flat = load_any_study(_written(base / "flat.toml", FLAT))
     if isinstance(flat, PlanarStudy):
         line = run_planar_study(flat, fidelity="quick", output=base / "planar")
-        write_line_record(base / "line_record", line_record_of_result(line, 5.0, samples=100, repeats=2, seed=1))
+        write_record(base / "line_record", record_of_result(line, 5.0, samples=100, repeats=2, seed=1))
     write_record(base / "record", record_of_result(result, samples=100, repeats=2, seed=1))
 
 
@@ -169,7 +167,7 @@ def _kinds(base: Path) -> dict[str, Kind]:
     with suppress(ZeroDivisionError), occupied(base / "held", "a run", asked="this"):
         raise ZeroDivisionError
     noted = {"read": lambda at: read_record(at / "record"), "told": lambda record: record.notes}
-    line = {"read": lambda at: read_line_record(at / "line_record"), "told": lambda record: record.notes}
+    line = {"read": lambda at: read_record(at / "line_record"), "told": lambda record: record.notes}
     tables, line_tables = (
         sorted(path.relative_to(base).as_posix() for path in (base / name).iterdir() if path.is_file())
         for name in ("record", "line_record")

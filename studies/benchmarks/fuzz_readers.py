@@ -16,9 +16,6 @@ from wirewear.base.hdf5 import sealed
 from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
-from wirewear.records.importing.line_importing import import_line_record
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_files import read_line_record
 from wirewear.results import read_results as read_runs
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
@@ -155,9 +152,9 @@ def readers(made: Made) -> dict[str, Reader]:
         "sweep": Reader(sweep, ("sweep.toml", *sweep), lambda at: load_sweep(at / "sweep.toml").identity,
                         share=0.3),
         "record": Reader(record, tuple(record), lambda at: check_record(read_record(at)).to_json()),
-        "line record": Reader(line, tuple(line), lambda at: check_line_record(read_line_record(at / "record"))),
+        "line record": Reader(line, tuple(line), lambda at: check_record(read_record(at / "record"))),
         "mapping": Reader(mapping, tuple(mapping), lambda at: import_record(at / "mapping.toml")),
-        "line mapping": Reader(profiles, tuple(profiles), lambda at: import_line_record(at / "mapping.toml").record),
+        "line mapping": Reader(profiles, tuple(profiles), lambda at: import_record(at / "mapping.toml")),
         "loops": Reader(loops, tuple(loops), lambda at: analyse_loops(read_loops(at / "l.csv")[:3])),
         "answer": Reader(answer, tuple(answer), lambda at: read_answer(at / "d.json")),
         "batch": Reader(batch, OF_BATCH, lambda at: verified(at / "batch", at / "batch.key")),

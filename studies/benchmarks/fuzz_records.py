@@ -40,7 +40,7 @@ def contents(record: ExperimentRecord) -> list[object]:
     values += [
         (part.repeat, {name: column.tolist() for name, column in part.columns.items()}) for part in record.evolution
     ]
-    values += [(scar.wire, scar.repeat, scar.x_um.tolist(), scar.depth_um.tolist()) for scar in record.scars]
+    values += [(scar.body, scar.repeat, scar.x_um.tolist(), scar.depth_um.tolist()) for scar in record.scars]
     return values
 
 

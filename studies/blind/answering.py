@@ -13,7 +13,7 @@ import numpy as np
 from wirewear import WirewearError
 from wirewear.base.writing import write_text
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.kinds import read_any_record
+from wirewear.records import read_record
 
 DIAGNOSIS, FAILURE, COST = "diagnosis.json", "failed.txt", "cost.json"
 BASELINES = ("smallest_chi_square", "bic")
@@ -60,7 +60,7 @@ def _diagnosed(record: Path, left_out: Sequence[str]) -> Diagnosed:
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(limits=1, user_api="blas"):
-        return diagnose(read_any_record(record), left_out=left_out)
+        return diagnose(read_record(record), left_out=left_out)
 
 
 def baseline_answers(diagnosed: Diagnosed) -> dict[str, dict[str, Any]]:

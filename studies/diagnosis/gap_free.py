@@ -37,8 +37,7 @@ from wirewear import WirewearError, write_record
 from wirewear.base.cluster import engine_of
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.faces.study_script import StudyScript
-from wirewear.records import ExperimentRecord
-from wirewear.records.line_values import LineRecord
+from wirewear.records import AnyRecord, ExperimentRecord
 
 #: Ranges that tests are drawn from, those of blind batches.
 DIAMETERS_mm = (0.3, 0.8)
@@ -133,7 +132,7 @@ def with_effects(tests: tuple[Nominal, ...], names: tuple[str, ...], seed: int) 
         yield place, TrueEffect(name, drawn_parameters(name, ease, tests[place], random))
 
 
-def wires_of(record: ExperimentRecord | LineRecord) -> ExperimentRecord:
+def wires_of(record: AnyRecord) -> ExperimentRecord:
     """What references of wires make: records of wires.
 
     Raises:

@@ -17,19 +17,17 @@ from wirewear.diagnosis.observe.definitions import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.planar.tables import PlanarStudy
-from wirewear.records.checking import remarks_of, remarks_told
+from wirewear.records import AnyRecord, LineRecord
+from wirewear.records.checking import remarks_told
 from wirewear.records.line_believed import doubts_bodies
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_values import LineRecord
 from wirewear.study import Study
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
-    from wirewear.records import ExperimentRecord, Remark
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records import ExperimentRecord, LineRecord, Remark
 
 
-def mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | LineRecord, tuple[str, ...]]:
+def mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
     """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
     # Each of these takes either kind, and says so with a type variable, which takes no union.
     own, notes = of_own_definitions(cast("ExperimentRecord", record))
@@ -37,7 +35,7 @@ def mended(record: ExperimentRecord | LineRecord) -> tuple[ExperimentRecord | Li
     return without_spikes(read), ((note,) if note else ()) + notes
 
 
-def reduced_record(record: ExperimentRecord | LineRecord) -> tuple[Nominal, Observations]:
+def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
     """What is believed of a record's test without any effect, under the drive that was measured, and what is observed.
 
     Raises:
@@ -68,7 +66,7 @@ class Beginning:
     run: Callable[[ObserverOf | None], Nominal]
 
 
-def beginning_of(record: ExperimentRecord | LineRecord, model: Study | PlanarStudy | None) -> Beginning:
+def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginning:
     """The nominal model of a record, or `model` if it is of the same test.
 
     Raises:
@@ -106,7 +104,7 @@ def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
         told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance are"
         return Nominal(states, setup, (f"{told} in doubt, which height_mm of [pad] and [specimen] would settle.",))
 
-    return Beginning(study, lambda: remarks_of(check_line_record(record)), run)
+    return Beginning(study, lambda: remarks_told(record), run)
 
 
 _BEGINNINGS: dict[str, Callable[[Any, Any], Beginning]] = {"crossed-wires": _of_wires, "line-contact": _of_line}

@@ -28,7 +28,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
-from wirewear.records.line_values import LineRecord
+from wirewear.records import AnyRecord
 from wirewear.views.diagnosis_notes import (
     of_chance,
     of_hum,
@@ -43,7 +43,6 @@ from wirewear.views.diagnosis_wording import Diagnosed, sentence_of
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
-    from wirewear.records import ExperimentRecord
     from wirewear.study import Study
 
 _KNOWN = constants("diagnose")
@@ -72,7 +71,7 @@ _SEED = 20200715
 
 
 def diagnose(
-    record: ExperimentRecord | LineRecord,
+    record: AnyRecord,
     *,
     model: Study | PlanarStudy | None = None,
     observer_of: ObserverOf | None = None,
@@ -107,7 +106,7 @@ def diagnose(
 
 
 def concluded(
-    record: ExperimentRecord | LineRecord,
+    record: AnyRecord,
     study: Study | PlanarStudy,
     states: WearStates,
     observed: Observations,
@@ -122,7 +121,7 @@ def concluded(
 
 
 def judged(
-    record: ExperimentRecord | LineRecord,
+    record: AnyRecord,
     study: Study | PlanarStudy,
     states: WearStates,
     observed: Observations,
@@ -275,15 +274,13 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     return causes
 
 
-def _next(
-    record: ExperimentRecord | LineRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]
-) -> dict[str, Any] | None:
+def _next(record: AnyRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
     single: dict[str, float] = {}
     for names, probability in weighed.probabilities.items():
         for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
-    if record.has_scars:
+    if record.scars:
         present.append(measurements.SCAR_MAPS)
     if record.loops and all(loop.normal_force_N is not None for loop in record.loops):
         present.append(measurements.NORMAL_FORCE)

@@ -127,12 +127,14 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
     Raises:
         StudyError: the study is to be of a kind that is never recorded.
     """
-    from wirewear.kinds import kind_of_file
+    from wirewear.kinds import kind_of
+    from wirewear.records import read_record
 
-    own = kind_of_file(record_path)
+    record = read_record(record_path)
+    own = kind_of(record)
     if given("kind") and kind != own.name:
         raise StudyError(f"{record_path} is a record of kind {own.name}, and gives no study of --kind {kind}.")
-    return own.tables_of(own.read_record(record_path)) | {"kind": own.name}
+    return own.tables_of(record) | {"kind": own.name}
 
 
 def _new_mapping(
@@ -225,7 +227,7 @@ def fit(
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
-    from wirewear.kinds import read_any_record
+    from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import write_page
 
@@ -235,7 +237,7 @@ def fit(
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)
     with stage("reading the record"):
-        record = read_any_record(record_path)
+        record = read_record(record_path)
     with occupied(output, f"fit {record_path}"):
         fitted = fit_record(
             record,

@@ -108,7 +108,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")
     study = load_study(study_path)
     study = study if variant is None else study.variant(variant)
-    record = None if record_path is None else read_record(record_path)
+    record = None if record_path is None else read_record(record_path, "crossed-wires")
     if output is not None:
         prepared_folder(output)
     with progress_bar() as bar:

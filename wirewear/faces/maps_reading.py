@@ -15,17 +15,15 @@ from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.faces.maps_values import MappedTest, SlidingMap, WornTest, regime_of
 from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
-from wirewear.kinds import read_any_record
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.records import read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
-from wirewear.records.line_values import BODIES
-from wirewear.results import RunResult, read_loops, read_results
+from wirewear.results import BODIES, RunResult, read_loops, read_results
 from wirewear.views.run_maps import FreshContact, fresh_contact
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records import ExperimentRecord, LineRecord
     from wirewear.records.values import MeasuredLoop
 
 Read = tuple[MappedTest, list[tuple[int, LoopFigures]]]
@@ -36,7 +34,7 @@ def of_line_record(record: LineRecord, path: Path) -> Read:
     asked, length = record.tables.conditions, record.tables.contact.length_mm
     loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
     load = float(np.mean(loads)) if loads else asked.normal_load_N
-    areas = [{one.repeat: one.area_um2 for one in record.profiles_of(body)} for body in BODIES]
+    areas = [{one.repeat: one.area_um2 for one in record.scars_of(body)} for body in BODIES]
     worn = tuple(
         WornTest(energy / length, 1e-6 * (areas[0][repeat] + areas[1][repeat]))
         for repeat in sorted(set(areas[0]) & set(areas[1]))
@@ -75,7 +73,7 @@ def fretting_tests(path: Path) -> list[MappedTest]:
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
-    record = read_any_record(path)
+    record = read_record(path)
     return [completed(*_OF_RECORDS[record.contact_kind](record, path))]
 
 

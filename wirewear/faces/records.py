@@ -36,12 +36,13 @@ def diagnose_command(
     from wirewear.base.locks import occupied
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
     from wirewear.diagnosis.beginning import beginning_of
-    from wirewear.kinds import load_any_study, read_any_record
+    from wirewear.kinds import load_any_study
+    from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
 
     study = None if model is None else load_any_study(model)
     with busy("reading the record"):
-        record = read_any_record(record_path)
+        record = read_record(record_path)
         # Before a folder is made that nothing would come into.
         beginning_of(record, study)
     with occupied(output, f"diagnose {record_path}"):
@@ -64,12 +65,11 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
     from rich.console import Console
 
-    from wirewear.kinds import kind_of_file
+    from wirewear.records import check_record, read_record
     from wirewear.records.printing import report_text
 
-    kind = kind_of_file(record_path)
     with busy("reading and checking the record"):
-        report = kind.check(kind.read_record(record_path))
+        report = check_record(read_record(record_path))
     if as_json:
         click.echo(json_text(report.to_json()))
     else:
@@ -114,6 +114,7 @@ def export(
 ) -> None:
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
     from wirewear.kinds import kind_of
+    from wirewear.records import check_record, record_of_result, write_record
     from wirewear.records.as_heights import write_as_heights
 
     chosen = [one for one in (folder, heights, tables) if one is not None]
@@ -125,20 +126,21 @@ def export(
         _export_tables(_run_at(result_path, variant), tables, form)
         return
     sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
-    reading = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats, "seed": seed, "samples": samples}
+    reading: dict[str, Any] = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats}
+    reading |= {"seed": seed, "samples": samples}
     if folder is not None:
         _require_no_measurement(folder)
     with busy("exporting the record"):
         result = _run_at(result_path, variant)
-        kind = kind_of(result)
-        record = kind.record_of(result, length_mm, reading)
-        told = [problem.text for problem in kind.check(record).problems]
+        record = record_of_result(result, length_mm=length_mm, **reading)
+        told = [problem.text for problem in check_record(record).problems]
         if result.status != "complete":
             told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
         if heights is None:
-            written = [kind.write_record(folder or Path(), record)]
+            written = [write_record(folder or Path(), record)]
         else:
-            written = write_as_heights(heights, record.loops, kind.surfaces(result, depth_noise, seed), repeats)
+            surfaces = kind_of(result).surfaces(result, depth_noise, seed)
+            written = write_as_heights(heights, record.loops, surfaces, repeats)
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     _echo(written)
@@ -215,19 +217,20 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 
     With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
     """
-    from wirewear.kinds import kind_of_file
+    from wirewear.records import check_record, write_record
+    from wirewear.records.importing import import_record
+    from wirewear.records.importing.dry_run import draw_import, import_text
 
-    kind = kind_of_file(mapping_path)
     with busy("reading the files"):
-        imported = kind.imported(mapping_path)
-        problems = kind.check(imported.record).problems
-    click.echo(imported.text)
+        record = import_record(mapping_path)
+        problems = check_record(record).problems
+    click.echo(import_text(record))
     for problem in problems:
         click.echo(f"wirewear: {problem.topic}: {problem.text}", err=True)
     if dry_run:
-        _echo(imported.draw(output))
+        _echo(draw_import(record, output))
     else:
-        click.echo(kind.write_record(output, imported.record))
+        click.echo(write_record(output, record))
     if dry_run and problems:
         context.exit(1)
 
@@ -242,14 +245,15 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.base.locks import occupied
     from wirewear.base.recognised import Held, recognised
     from wirewear.faces.study_script import wide_console
-    from wirewear.kinds import kind_of_file
+    from wirewear.kinds import kind_of
+    from wirewear.records import read_record
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
         result_path, record_path = record_path, result_path
-    kind = kind_of_file(record_path)
     with busy("comparing"):
-        compared = kind.compared(_run_at(result_path, variant).of_kind(kind.name), kind.read_record(record_path))
+        record = read_record(record_path)
+        compared = kind_of(record).compared(_run_at(result_path, variant).of_kind(record.contact_kind), record)
         with occupied(output, f"compare {record_path}"):
             written = compared.write(output)
     if compared.unlike:

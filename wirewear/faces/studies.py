@@ -168,9 +168,9 @@ def _tell_unused(study: Study | PlanarStudy) -> None:
 
 def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
     """The cycles of a record's loops as far as a test of so many goes, and its last one."""
-    from wirewear.kinds import read_any_record
+    from wirewear.records import read_record
 
-    record = read_any_record(record_path)
+    record = read_record(record_path)
     return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
 
 

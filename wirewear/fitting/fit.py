@@ -13,11 +13,12 @@ from scipy.stats import t as students_t
 from wirewear.fitting.fast_fit import FastFit, fast_fit
 from wirewear.fitting.lines import LineTestFit
 from wirewear.fitting.loading import SPRING, with_spring
-from wirewear.fitting.loops_of_tests import FITTED, AnyRecord, LoopsOfTests, loops_of_tests
+from wirewear.fitting.loops_of_tests import FITTED, LoopsOfTests, loops_of_tests
 from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, FitSubject
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
 from wirewear.fitting.wires import WiresTestFit
+from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf

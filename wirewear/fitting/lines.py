@@ -17,11 +17,11 @@ from wirewear.fitting.loops_of_tests import FITTED
 from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.records.checking import remarks_of
+from wirewear.records import LineRecord
+from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.line_believed import stated_wear, tables_of_test
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_values import BODIES, LineRecord
+from wirewear.results import BODIES
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
@@ -46,14 +46,13 @@ class LineTestFit:
 
     def told(self) -> tuple[str, ...]:
         """What its check remarks."""
-        return tuple(remark.text for remark in remarks_of(check_line_record(self.record)))
+        return tuple(remark.text for remark in remarks_told(self.record))
 
     def volumes(self) -> Volumes:
         """Those of the profiles, along the whole contact."""
         length_um = 1e3 * self.record.tables.contact.length_mm
         return {
-            body: {one.repeat: 1e-9 * length_um * one.area_um2 for one in self.record.profiles_of(body)}
-            for body in BODIES
+            body: {one.repeat: 1e-9 * length_um * one.area_um2 for one in self.record.scars_of(body)} for body in BODIES
         }
 
     def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:

@@ -12,8 +12,9 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.fitting.fast_fit import EVIDENCE
-from wirewear.fitting.loops_of_tests import AnyRecord, LoopsOfTests
+from wirewear.fitting.loops_of_tests import LoopsOfTests
 from wirewear.fitting.values import FittedParameter
+from wirewear.records import AnyRecord
 from wirewear.records.normal_force import median_load_N
 
 Array = NDArray[np.float64]

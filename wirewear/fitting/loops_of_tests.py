@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError, LoopFigures, Measured
+from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    pass
 
 Array = NDArray[np.float64]
 
 #: Records that parameters are fitted to.
-AnyRecord: TypeAlias = "ExperimentRecord | LineRecord"
-
 #: Figures that are fitted, and the relative deviation of the model that they are compared with.
 FITTED = {
     "friction_geometry_independent": 0.01,

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.fitting.loops_of_tests import AnyRecord, loops_of_tests
+from wirewear.fitting.loops_of_tests import loops_of_tests
+from wirewear.records import AnyRecord
 from wirewear.records.line_believed import stated_friction, tables_of_test
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records import ExperimentRecord, LineRecord
 
 
 def tables_of_record(record: ExperimentRecord) -> dict[str, Any]:

@@ -10,9 +10,9 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.fitting.loops_of_tests import AnyRecord
     from wirewear.fitting.values import FittedParameter
     from wirewear.planar.tables import PlanarStudy
+    from wirewear.records import AnyRecord
     from wirewear.records.values import MeasuredLoop
     from wirewear.results import RunResult
     from wirewear.study import Study

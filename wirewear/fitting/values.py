@@ -13,8 +13,8 @@ from wirewear.base import notebook
 from wirewear.base.quantity import UNIT_SYMBOLS
 
 if TYPE_CHECKING:
-    from wirewear.fitting.loops_of_tests import AnyRecord
     from wirewear.planar.tables import PlanarStudy
+    from wirewear.records import AnyRecord
     from wirewear.study import Study
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.

@@ -16,8 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from wirewear.planar import PlanarStudy
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
     from wirewear.study import Study
 
 __all__ = [
@@ -25,16 +23,11 @@ __all__ = [
     "Kind",
     "any_study",
     "kind_of",
-    "kind_of_file",
     "load_any_study",
-    "read_any_record",
 ]
 
 #: The kinds by their names.
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts())}
-
-#: What no other kind holds is of the last: its reader tells what is wrong.
-_SPECIAL_FIRST = (*KINDS.values(),)[::-1]
 
 
 class OfAKind(Protocol):
@@ -48,21 +41,6 @@ class OfAKind(Protocol):
 def kind_of(told: OfAKind) -> Kind:
     """The kind of contact of a study, a record or a result."""
     return KINDS[told.contact_kind]
-
-
-def kind_of_file(path: Path) -> Kind:
-    """The kind of contact of a record's folder, its table, or of a mapping."""
-    return next(kind for kind in _SPECIAL_FIRST if kind.holds(path))
-
-
-def read_any_record(path: Path) -> ExperimentRecord | LineRecord:
-    """Read a record of whatever kind.
-
-    Raises:
-        RecordError: it cannot be read; one sentence.
-    """
-    record: ExperimentRecord | LineRecord = kind_of_file(path).read_record(path)
-    return record
 
 
 def load_any_study(path: str | Path) -> Study | PlanarStudy:
@@ -82,6 +60,6 @@ def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
     Raises:
         StudyError: the tables are no valid study of their kind; the message is one sentence.
     """
-    named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), _SPECIAL_FIRST[-1])
+    named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), next(iter(KINDS.values())))
     study: Study | PlanarStudy = named.study_from_tables(tables, where)
     return study

@@ -10,19 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-    from wirewear.records import RecordReport
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.study.template import Template
-
-
-@dataclass(frozen=True, eq=False)
-class Imported:
-    """A record that is read by a mapping: `text` shows it, `draw` its pictures beside where it would be written."""
-
-    record: Any
-    text: str
-    draw: Callable[[Path], list[Path]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,9 +39,6 @@ class Kind(Protocol):
     scatters: ClassVar[bool]
     options: ClassVar[frozenset[str]]
 
-    def holds(self, path: Path, /) -> bool:
-        """Whether a record or a mapping at a path is of this kind."""
-
     @property
     def template(self) -> Template:
         """What a new study begins with."""
@@ -69,15 +56,6 @@ class Kind(Protocol):
     def refined(self) -> Any:
         """What a study of convergence refines and watches."""
 
-    def read_record(self, path: Path) -> Any:
-        """Read a record; RecordError in one sentence."""
-
-    def check(self, record: Any) -> RecordReport:
-        """What is wrong with a record, and what it supports."""
-
-    def write_record(self, folder: Path, record: Any) -> Path:
-        """Write a record into a folder."""
-
     def tables_of(self, record: Any) -> dict[str, Any]:
         """A record's test as the tables of a study; RecordError where it tells no friction."""
 
@@ -86,14 +64,11 @@ class Kind(Protocol):
     ) -> GuessedMapping:
         """A mapping guessed from files, what is known of the test, and the elastic constants of the bodies."""
 
-    def imported(self, mapping_path: Path) -> Imported:
-        """The record that a mapping describes."""
-
-    def record_of(self, result: Any, length_mm: float | None, reading: Mapping[str, Any]) -> Any:
-        """The record that a laboratory would have taken of a run, read by a sensor with its noise."""
-
     def surfaces(self, result: Any, noise_um: float, seed: int) -> Mapping[str, Surface]:
         """Worn bodies as a profilometer sees them, by names of files."""
+
+    def comparison(self, result: Any, record: Any) -> Any:
+        """A run beside a record, for those who go on with it."""
 
     def compared(self, result: Any, record: Any) -> Compared:
         """A run beside a record."""

@@ -6,16 +6,16 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wirewear.kinds.kind import Compared, Imported
+from wirewear.kinds.kind import Compared
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
     from wirewear.planar import PlanarStudy
-    from wirewear.records import RecordReport
+    from wirewear.records import LineRecord
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records.line_comparing import LineComparison
     from wirewear.results import RunResult
     from wirewear.study.template import Template
 
@@ -27,12 +27,6 @@ class LineContacts:
     names: ClassVar[tuple[str, ...]] = (name, "cylinder-on-flat")
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
-
-    def holds(self, path: Path) -> bool:
-        """A record or a mapping with a table [contact]."""
-        from wirewear.records.line_files import is_line_record
-
-        return is_line_record(path)
 
     @property
     def template(self) -> Template:
@@ -66,24 +60,6 @@ class LineContacts:
 
         return LINES
 
-    def read_record(self, path: Path) -> LineRecord:
-        """A record with a table [contact]."""
-        from wirewear.records.line_files import read_line_record
-
-        return read_line_record(path)
-
-    def check(self, record: LineRecord) -> RecordReport:
-        """Loops, evolution and profiles."""
-        from wirewear.records.line_checking import check_line_record
-
-        return check_line_record(record)
-
-    def write_record(self, folder: Path, record: LineRecord) -> Path:
-        """The same, written."""
-        from wirewear.records.line_files import write_line_record
-
-        return write_line_record(folder, record)
-
     def tables_of(self, record: LineRecord) -> dict[str, Any]:
         """Of one millimetre."""
         from wirewear.fitting.study_of_record import tables_of_line_record
@@ -98,36 +74,25 @@ class LineContacts:
 
         return guessed_line_mapping(files, {**known, "specimen": own, "pad": pad})
 
-    def imported(self, mapping_path: Path) -> Imported:
-        """With a picture of the first loop, and of the fitted profiles."""
-        from wirewear.records.importing.line_dry_run import draw_import, import_text
-        from wirewear.records.importing.line_importing import import_line_record
-
-        imported = import_line_record(mapping_path)
-        return Imported(imported.record, import_text(imported), lambda output: draw_import(imported, output))
-
-    def record_of(self, result: RunResult, length_mm: float | None, reading: Mapping[str, Any]) -> LineRecord:
-        """Of the whole contact, whose length must be given."""
-        from wirewear.base.errors import RecordError
-        from wirewear.records.line_exporting import line_record_of_result
-
-        if length_mm is None:
-            raise RecordError("a line contact's forces are per millimetre: give its --length for a record.")
-        return line_record_of_result(result, length_mm, **reading)
-
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
         """Profiles across the scar."""
         import numpy as np
 
-        from wirewear.records.line_exporting import profile_surfaces
+        from wirewear.records.as_heights import profile_surfaces
 
         return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
 
+    def comparison(self, result: RunResult, record: LineRecord) -> LineComparison:
+        """Loops, evolution, and profiles moved onto one another."""
+        from wirewear.records.line_comparing import compare_line
+
+        return compare_line(result, record)
+
     def compared(self, result: RunResult, record: LineRecord) -> Compared:
         """Loops, evolution, and profiles moved onto one another."""
-        from wirewear.records.line_comparing import compare_line, line_differences_table, write_line_comparison
+        from wirewear.records.line_comparing import line_differences_table, write_line_comparison
 
-        comparison = compare_line(result, record)
+        comparison = self.comparison(result, record)
         aside = comparison.aside_um
         moved = [
             f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {aside[body]:+.0f} µm"

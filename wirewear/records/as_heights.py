@@ -9,12 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Profile
+from geometry import Flat, Profile
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import prepared_folder, write_csv, writing
-from wirewear.records.exporting import SCAR_STEP_um
+from wirewear.planar.tables import FACE_KEYS, PadFace
+from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.values import MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame
+from wirewear.results import BODIES
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult, Scar
@@ -49,6 +51,17 @@ def scar_surfaces(result: RunResult, noise_um: float, random: np.random.Generato
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
     return {f"scar_{scar.body}": surface_of_wire(scar, noise_um, random) for scar in ends}
+
+
+def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+    """Both bodies of a run at its end across the scar, by names of files."""
+    last = max(scar.cycle for scar in result.scars)
+    pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
+    found = {}
+    for body, face in zip(BODIES, (pad, Flat()), strict=True):
+        own = result.scar(last, body)
+        found[f"profile_{body}"] = surface_of_profile(own.axial_um, own.depth_um[:, 0], face, noise_um, random)
+    return found
 
 
 def surface_of_wire(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:

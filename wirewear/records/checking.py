@@ -1,6 +1,6 @@
 """What is wrong with a record, and what it can and cannot support, in plain words."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -9,22 +9,24 @@ from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
 from wirewear.records.loop_statistics import loop_statistics
-from wirewear.records.remarks import CheckedRecord, LoggedTest, RecordReport, Remark
-from wirewear.records.scar_checks import scar_findings
+from wirewear.records.profile_checks import profile_remarks
+from wirewear.records.remarks import CheckedRecord, RecordReport, Remark
+from wirewear.records.scar_checks import scar_remarks
 from wirewear.records.support import Support, support
-from wirewear.records.values import ExperimentRecord, MeasuredLoop
+from wirewear.records.surfaces import PROFILES, SCARS
+from wirewear.records.values import AnyRecord, MeasuredLoop
 
 #: Loops that are analysed in full; in a larger record the others are checked by their statistics alone.
 MOST_ANALYSED = 30
 
 
-def check_record(record: ExperimentRecord) -> RecordReport:
+def check_record(record: AnyRecord) -> RecordReport:
     """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
     checked = looked_at(record)
     remarks = [Remark("note", TABLE_FILE_NAME, f"{note}.") for note in record.notes]
     remarks += loop_remarks(checked)
-    remarks += [Remark(found.level, "scars", found.text, found.refuses) for found in scar_findings(record)]
-    can: Support = support(checked, record, any(remark.level == "problem" for remark in remarks))
+    remarks += _OF_SURFACES[record.tables.worn.name](checked)
+    can: Support = support(checked, any(remark.level == "problem" for remark in remarks))
     return RecordReport(
         name=record.name,
         repeats=record.repeats,
@@ -38,7 +40,7 @@ def check_record(record: ExperimentRecord) -> RecordReport:
     )
 
 
-def looked_at(record: LoggedTest, length_mm: float | None = None) -> CheckedRecord:
+def looked_at(record: AnyRecord) -> CheckedRecord:
     """The loops of a record, all by their statistics and some analysed in full."""
     figures: dict[tuple[int, int], LoopFigures] = {}
     refused: dict[tuple[int, int], str] = {}
@@ -47,7 +49,7 @@ def looked_at(record: LoggedTest, length_mm: float | None = None) -> CheckedReco
             figures[loop.repeat, loop.cycle] = loop.figures(record.tables.conditions.normal_load_N)
         except LoopError as error:
             refused[loop.repeat, loop.cycle] = str(error)
-    return CheckedRecord(record, loop_statistics(record.loops), figures, refused, length_mm)
+    return CheckedRecord(record, loop_statistics(record.loops), figures, refused)
 
 
 def loop_remarks(checked: CheckedRecord) -> list[Remark]:
@@ -55,7 +57,7 @@ def loop_remarks(checked: CheckedRecord) -> list[Remark]:
     return [remark for check in _CHECKS for remark in check(checked)] if checked.record.loops else []
 
 
-def problems_told(record: ExperimentRecord) -> tuple[str, ...]:
+def problems_told(record: AnyRecord) -> tuple[str, ...]:
     """The problems of a record from which something is to be concluded all the same, as sentences.
 
     Raises:
@@ -64,21 +66,13 @@ def problems_told(record: ExperimentRecord) -> tuple[str, ...]:
     return tuple(remark.text for remark in remarks_told(record) if remark.level == "problem")
 
 
-def remarks_told(record: ExperimentRecord) -> tuple[Remark, ...]:
+def remarks_told(record: AnyRecord) -> tuple[Remark, ...]:
     """All that is odd in a record from which something is to be concluded all the same.
 
     Raises:
         RecordError: something forbids any conclusion.
     """
-    return remarks_of(check_record(record))
-
-
-def remarks_of(report: RecordReport) -> tuple[Remark, ...]:
-    """The remarks of a report from which something is to be concluded all the same.
-
-    Raises:
-        RecordError: one of them forbids any conclusion.
-    """
+    report = check_record(record)
     for problem in report.problems:
         if problem.refuses:
             text = problem.text[:1].lower() + problem.text[1:].rstrip(".")
@@ -95,6 +89,12 @@ def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
     places = sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
     return [loops[place] for place in places]
 
+
+#: What is checked of maps of scars, and of profiles.
+_OF_SURFACES: Mapping[str, Callable[[CheckedRecord], Iterator[Remark]]] = {
+    SCARS.name: scar_remarks,
+    PROFILES.name: profile_remarks,
+}
 
 _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     loop_checks.too_short,

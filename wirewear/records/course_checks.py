@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from wirewear.base.course import enclosed_energy
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.records.remarks import CheckedRecord, LoggedTest, Remark, listed, plural
-from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.records.remarks import CheckedRecord, Remark, listed, plural
+from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
 
 Array = NDArray[np.float64]
 
@@ -238,7 +238,7 @@ def _other_stroke(checked: CheckedRecord) -> Iterator[Remark]:
             yield Remark("problem", "evolution", text)
 
 
-def accumulated_energy_J(record: LoggedTest, repeat: int) -> float | None:
+def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
     """ΣE_d of one test, from its evolution, or from its loops' areas; None where neither has an energy.
 
     Between two logged cycles the energy per cycle is a power of the cycles; before the first and after the last it
@@ -252,7 +252,7 @@ def accumulated_energy_J(record: LoggedTest, repeat: int) -> float | None:
     return 1e-3 * (float(energies[0] * cycles[0]) + steps)
 
 
-def energy_per_cycle(record: LoggedTest, repeat: int) -> tuple[Array, Array]:
+def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:
     """Cycles (n,), increasing, and their energies in mJ; of the evolution, or where it has none of the loops."""
     for part in record.evolution:
         cycle, energy = part.columns["cycle"], part.columns["dissipated_energy_mJ"]

@@ -1,9 +1,9 @@
 """A finished simulation as an experiment record: read by sensors, so that simulated and measured data go one way."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -12,70 +12,81 @@ from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.records.tables import Noise, RecordConditions, RecordTables, RecordWires, Stated
-from wirewear.records.values import (
-    WIRES,
-    Array,
-    ExperimentRecord,
-    MeasuredEvolution,
-    MeasuredLoop,
-    MeasuredScar,
-)
-from wirewear.results import Loop, RunResult, Scar, age_at, sensor_of
+from wirewear.loops.sensor import Sensor
+from wirewear.records.line_tables import TABLES, LineRecordTables
+from wirewear.records.tables import Noise, RecordTables, known_of
+from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.results import Loop, RunResult, age_at, sensor_of
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
-from wirewear.study.tables import Wires
-
-#: Distance of a scar map's points, and unworn margin around the scar.
-SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
 
 #: Memory that a sample of a record takes until it is written; measured.
 BYTES_PER_SAMPLE = 250
-
-#: Keys of wires that a record states where they are not what is taken without a word.
-_GRIPS = ("length_mm", "grip_angle_deg", "grip_length_mm", "grip_stiffness_N_per_mm3")
 
 _IDEAL = Sensor()
 
 
 def record_of_result(
     result: RunResult,
+    length_mm: float | None = None,
     *,
     sensor: Sensor = _IDEAL,
     depth_noise_um: float = 0.0,
     repeats: int = 1,
     seed: int = 0,
     samples: int | None = None,
-) -> ExperimentRecord:
+) -> AnyRecord:
     """The record that a laboratory would have taken of a simulated test, by sensors with the effects of its study.
 
     Each repeat is the same test read anew. `samples` re-samples each loop evenly; without it, the simulation's own
     increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
-    figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle.
+    figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle. Of a line
+    contact, the record is that of `length_mm`, as is the noise of forces.
 
     Raises:
-        RecordError: the result has logged no loops, or its study says too little or has unequal wires.
+        RecordError: the result has logged no loops, its study says too little or has unequal wires, or the length of a
+            line contact is missing, or that of another one is given.
     """
+    if (length_mm is None) != (result.length_mm is None):
+        raise RecordError(
+            "a line contact's forces are per millimetre: give its --length for a record."
+            if length_mm is None
+            else f"--length does not apply to {result.label}, which is a run of crossed wires."
+        )
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
-    sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
-    tables = _tables(result, sensors[0])
+    # Studies of line contacts state effects, as of sensors, as they are of one millimetre.
+    one = result if length_mm is None else result.of_length(1.0)
+    sensors = [_of_length(sensor_of(one.study, sensor, age_at(one, loop.cycle)), length_mm) for loop in one.loops]
+    whole = one if length_mm is None else one.of_length(length_mm)
+    tables = _tables(whole, sensors[0])
     random = np.random.default_rng(seed)
     period = 1.0 / tables.conditions.frequency_Hz
-    true_loops = [true_loop(loop, period, samples) for loop in result.loops]
+    true_loops = [true_loop(loop, period, samples) for loop in whole.loops]
     loops: list[MeasuredLoop] = []
     evolution: list[MeasuredEvolution] = []
-    _require_room(result, repeats, samples)
-    scars: list[MeasuredScar] = []
-    last = max((scar.cycle for scar in result.scars), default=0)
+    _require_room(whole, repeats, samples)
+    scars: list[Any] = []
+    last = max((scar.cycle for scar in whole.scars), default=0)
     for repeat in range(1, repeats + 1):
-        read = [_read(loop, repeat, one, period, random) for loop, one in zip(true_loops, sensors, strict=True)]
+        read = [_read(loop, repeat, own, period, random) for loop, own in zip(true_loops, sensors, strict=True)]
         loops += read
-        if result.evolution["cycle"].size:
-            evolution.append(_evolution(result, repeat, true_loops, read))
-        scars += [_scar(scar, repeat, depth_noise_um, random) for scar in result.scars if scar.cycle == last]
+        if whole.evolution["cycle"].size:
+            evolution.append(_evolution(whole, repeat, true_loops, read))
+        ends = (scar for scar in whole.scars if scar.cycle == last)
+        scars += [tables.worn.surface.of_run(scar, repeat, depth_noise_um, random) for scar in ends]
     return ExperimentRecord(tables, tuple(loops), tuple(evolution), tuple(scars))
+
+
+def _of_length(sensor: Sensor, length_mm: float | None) -> Sensor:
+    """A sensor that reads of a contact of that length what this one reads of a millimetre."""
+    share = 1.0 / (length_mm or 1.0)
+    return replace(
+        sensor,
+        remote_compliance_um_per_N=sensor.remote_compliance_um_per_N * share,
+        linear_um_per_N=sensor.linear_um_per_N * share,
+        quadratic_um_per_N2=sensor.quadratic_um_per_N2 * share**2,
+    )
 
 
 def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
@@ -94,44 +105,23 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
         )
 
 
-def _tables(result: RunResult, sensor: Sensor) -> RecordTables:
-    study = result.study
-    wires = _table(study, "wires")
-    for wire in WIRES:
-        if own := {key: value for key, value in _table(wires, wire).items() if value != wires.get(key)}:
-            raise RecordError(
-                f"the {wire} wire of the result {result.label!r} has its own {', '.join(own)}, but a record of "
-                "format 1 knows two equal wires only."
-            )
-    described = {**wires, "motion_angle_deg": _table(study, "conditions").get("motion_angle_deg")}
-    believed = {**_table(study, "contact"), **_table(study, "wear"), **_table(study, "holder")}
+def _tables(result: RunResult, sensor: Sensor) -> RecordTables | LineRecordTables:
+    study, model = result.study, TABLES[result.contact_kind]
+    stated = model.stated_by(study, result.length_mm)
+    conditions, believed = (cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated"))
     data = {
         "format": 1,
         "name": result.full_name,
-        "wires": {
-            key: value
-            for key, value in _known(RecordWires, described).items()
-            if key not in _GRIPS or value != Wires.model_fields[key].default
-        },
+        **model.bodies_of(study, result.label, result.length_mm),
         # The simulation imposes the true motion, whatever its sensors read.
-        "conditions": {**_known(RecordConditions, _table(study, "conditions")), "drive": "stroke"},
+        "conditions": {**known_of(conditions, stated), "drive": "stroke"},
         # What is ideal is not stated.
-        "stated": {k: v for k, v in _known(Stated, believed).items() if v != Stated.model_fields[k].default},
-        "noise": _stated_noise(sensor.noise),
+        "stated": {k: v for k, v in known_of(believed, stated).items() if v != believed.model_fields[k].default},
+        "noise": {name: getattr(sensor.noise, name) for name in Noise.model_fields},
         "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
-    return validated(RecordTables, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
-
-
-def _known(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Those values of which a table of the record knows the key."""
-    return {key: values[key] for key in table.model_fields if values.get(key) is not None}
-
-
-def _table(data: Mapping[str, Any], key: str) -> Mapping[str, Any]:
-    table = data.get(key)
-    return table if isinstance(table, Mapping) else {}
+    return validated(model, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
 
 
 def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> MeasuredLoop:
@@ -143,10 +133,6 @@ def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> 
         x, q, p = (np.interp(even, time, channel, period=period_s) for channel in (x, q, p))
         time = even
     return MeasuredLoop(0, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
-
-
-def _stated_noise(noise: SensorNoise) -> dict[str, float]:
-    return {name: getattr(noise, name) for name in Noise.model_fields}
 
 
 def _read(
@@ -190,19 +176,6 @@ def _figures(loop: MeasuredLoop) -> LoopFigures | None:
 
 def _figure(figures: LoopFigures, name: str) -> float:
     return float(getattr(figures, {"max_tangential_force_N": "friction_max"}.get(name, name)).value)
-
-
-def _scar(scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> MeasuredScar:
-    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
-    worn = scar.depth_um > 0.01 * scar.max_depth_um
-    if not worn.any():
-        worn = np.ones_like(worn)
-    lines = []
-    for coordinate in (x, y):
-        half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
-        lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
-    depth = scar.sampled(*lines)
-    return MeasuredScar(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
 
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:

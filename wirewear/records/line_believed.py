@@ -8,14 +8,8 @@ from typing import Any
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import KINDS, Pad, PlanarStudy, Specimen
-from wirewear.records.line_tables import LineStated, LineTest
-from wirewear.records.line_values import BODIES
-
-_LAWS = {
-    "energy_wear_coefficient_mm3_per_J": "energy_mm3_per_J",
-    "archard_wear_coefficient_mm3_per_N_m": "archard_mm3_per_N_m",
-}
+from wirewear.planar.tables import KINDS, Pad, PlanarHolder, PlanarStudy, Specimen
+from wirewear.records.line_tables import OF_WHOLE, LineStated, LineTest
 
 
 def believed_study(tables: LineTest, more: Mapping[str, Any] | None = None) -> PlanarStudy:
@@ -54,10 +48,9 @@ def stated_friction(tables: LineTest) -> float | None:
 def stated_wear(stated: LineStated) -> dict[str, float]:
     """The stated wear coefficients by the keys of a study's `[wear]`."""
     return {
-        f"{body}_{own}": value
-        for body in BODIES
-        for key, own in _LAWS.items()
-        if (value := getattr(stated, f"{body}_{key}")) is not None
+        own: value
+        for own, (key, per_length) in OF_WHOLE.items()
+        if not per_length and (value := getattr(stated, key)) is not None
     }
 
 
@@ -117,15 +110,11 @@ def tables_of_test(tables: LineTest, friction: float) -> dict[str, Any]:
 
 def _holder(tables: LineTest, test: Mapping[str, Any]) -> dict[str, Any]:
     stated, length = tables.stated, tables.contact.length_mm
-
-    def of_one_mm(stiffness: float | str) -> float | str:
-        return stiffness if isinstance(stiffness, str) else stiffness / length
-
-    holder: dict[str, Any] = {
-        "tangential_stiffness_N_per_mm2": of_one_mm(stated.tangential_stiffness_N_per_mm),
-        "rotational_stiffness_N_per_rad": of_one_mm(stated.rotational_stiffness_N_mm_per_rad),
-        "normal_spring_stiffness_N_per_mm2": of_one_mm(stated.normal_spring_stiffness_N_per_mm),
-    }
+    holder: dict[str, Any] = {}
+    for own, (key, _) in OF_WHOLE.items():
+        if own in PlanarHolder.model_fields:
+            value = getattr(stated, key)
+            holder[own] = value if isinstance(value, str) else value / length
     if stated.pivot_height_mm is not None:
         holder["pivot_height_mm"] = stated.pivot_height_mm
     if stated.stiffness_includes == "bodies" and holder["tangential_stiffness_N_per_mm2"] != "rigid":

@@ -19,11 +19,11 @@ from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.records.checking import remarks_of
-from wirewear.records.line_checking import check_line_record
-from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
+from wirewear.records.checking import remarks_told
 from wirewear.records.remarks import unlike_conditions
-from wirewear.results import RunResult, Scar, read_loops
+from wirewear.records.surfaces import MeasuredProfile
+from wirewear.records.values import LineRecord
+from wirewear.results import BODIES, RunResult, Scar, read_loops
 
 _MOST_ASIDE_um, _STEP_um = 50.0, 1.0
 
@@ -67,7 +67,7 @@ def compare_line(result: RunResult, record: LineRecord) -> LineComparison:
         RecordError: they have nothing in common, or the result has no profile at the record's last cycle; or the
             record is such that nothing can be concluded from it.
     """
-    remarks_of(check_line_record(record))
+    remarks_told(record)
     result = result.of_length(record.tables.contact.length_mm)
     aside: dict[str, float] = {}
     left: dict[str, float] = {}
@@ -137,7 +137,7 @@ def _profile_differences(
 ) -> Iterator[LineDifference]:
     end = record.tables.conditions.cycles
     for body in BODIES:
-        own = record.profiles_of(body)
+        own = record.scars_of(body)
         if not own:
             continue
         if end not in result.scar_cycles():
@@ -208,7 +208,7 @@ def _picture(comparison: LineComparison) -> Figure:
 def _profiles(axes: Axes, comparison: LineComparison, body: str) -> None:
     result, record = comparison.result, comparison.record
     end = record.tables.conditions.cycles
-    for profile in record.profiles_of(body):
+    for profile in record.scars_of(body):
         x = profile.x_um - comparison.aside_um[body]
         axes.plot(x, profile.depth_um, ".", ms=2, color=GREY, label=record.name)
     if end in result.scar_cycles():

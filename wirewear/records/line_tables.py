@@ -1,32 +1,33 @@
 """The tables of a line contact's experiment.toml (format 1, second edition)."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.tables import KINDS, Extent, PadFace
+from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, PadFace
 from wirewear.records.metadata import Metadata
+from wirewear.records.surfaces import PROFILES
 from wirewear.records.tables import (
     DisplacementNoise,
     FileName,
     Noise,
+    OfTest,
     RecordConditions,
-    StatedFrictionEvolution,
+    RecordTables,
+    StatedFriction,
+    StatedRig,
     StatedScatter,
-    StatedWearRateEvolution,
+    known_of,
 )
+from wirewear.results.scar import BODIES
 from wirewear.study.keys import (
     FORMAT,
     ArchardCoefficient,
-    Friction,
-    HolderStiffness,
     MaterialName,
     OfMaterial,
-    PivotHeight,
     PoissonsRatio,
-    RotationalStiffness,
-    SpringStiffness,
     Table,
     WearCoefficient,
     YoungsModulus,
@@ -34,6 +35,19 @@ from wirewear.study.keys import (
     checked_text,
     one_of,
 )
+
+#: Keys of a study of one millimetre by those of a record, and whether the record's are of the whole length.
+OF_WHOLE = {
+    "normal_load_N_per_mm": ("normal_load_N", True),
+    "tangential_stiffness_N_per_mm2": ("tangential_stiffness_N_per_mm", True),
+    "rotational_stiffness_N_per_rad": ("rotational_stiffness_N_mm_per_rad", True),
+    "normal_spring_stiffness_N_per_mm2": ("normal_spring_stiffness_N_per_mm", True),
+    **{
+        f"{body}_{law}_{unit}": (f"{body}_{law}_wear_coefficient_{unit}", False)
+        for body in BODIES
+        for law, unit in (("energy", "mm3_per_J"), ("archard", "mm3_per_N_m"))
+    },
+}
 
 
 class RecordContact(Table):
@@ -70,10 +84,9 @@ class LineConditions(RecordConditions):
     )
 
 
-class LineStated(Table):
-    """What the rig's owner believes; what is not stated is believed ideal."""
+class LineStatedWear(Table):
+    """The wear that the rig's owner believes, of either body."""
 
-    friction: Friction | None = Field(None, description="coefficient of friction", examples=[0.9])
     pad_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
         None, description="worn volume of the pad per dissipated energy"
     )
@@ -86,26 +99,14 @@ class LineStated(Table):
     specimen_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
         None, description="worn volume of the specimen per load and sliding distance"
     )
-    tangential_stiffness_N_per_mm: HolderStiffness = Field(
-        "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[5000.0]
-    )
+
+
+class LineStated(StatedRig, LineStatedWear, StatedFriction):
+    """What the rig's owner believes; what is not stated is believed ideal."""
+
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(one_of("rig only", "bodies"))] = Field(
         "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'
     )
-    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
-        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
-    )
-    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
-    normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
-        0.0, description="stiffness of the loading spring; 0 is a dead weight"
-    )
-    friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
-    wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
-
-    @property
-    def final_friction(self) -> float | None:
-        """Coefficient of friction once it has run in; None where it is not stated."""
-        return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
 
 class LineNoise(Noise):
@@ -125,8 +126,11 @@ class LineFiles(Table):
     profile_specimen: FileName | None = Field(None, description="file of the specimen's worn profile at the end")
 
 
-class LineTest(Table):
+class LineTest(OfTest):
     """What is said of a line contact's test beside its data."""
+
+    contact_kind, described_by, bodies = KINDS[0], "contact", BODIES
+    worn, needs_loops = PROFILES, False
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the record's format", examples=[FORMAT]
@@ -143,7 +147,33 @@ class LineTest(Table):
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
 
-    def require_face(self, where: str) -> None:
+    @property
+    def length_mm(self) -> float:
+        """Length of the contact."""
+        return self.contact.length_mm
+
+    @classmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+        """What touches, the pad and the specimen."""
+        del label
+        round_pad = study["pad"].get("radius_mm") is not None
+        return {
+            "contact": {"kind": CYLINDER_ON_FLAT if round_pad else KINDS[0], "length_mm": length_mm},
+            "pad": known_of(RecordPad, {**study["pad"], "material": None}),
+            "specimen": known_of(RecordBody, {**study["specimen"], "material": None}),
+        }
+
+    @classmethod
+    def stated_by(cls, study: Mapping[str, Any], length_mm: float | None) -> dict[str, Any]:
+        """The same with what is per length times the length; a body without a coefficient does not wear."""
+        found = super().stated_by(study, length_mm)
+        for own, (key, per_length) in OF_WHOLE.items():
+            value = found.pop(own, None)
+            if value is not None and (value != 0.0 or per_length):
+                found[key] = value * (length_mm or 1.0) if per_length and not isinstance(value, str) else value
+        return found
+
+    def require_whole(self, where: str) -> None:
         """See that the pad has one face.
 
         Raises:
@@ -152,8 +182,26 @@ class LineTest(Table):
         if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """What [stated] lacks for a simulation."""
+        worn = any(getattr(self.stated, key) is not None for key in LineStatedWear.model_fields)
+        needs = {"friction": self.stated.final_friction is not None, "a wear coefficient of pad or specimen": worn}
+        return tuple(key for key, given in needs.items() if not given)
+
+    @property
+    def assumed(self) -> str:
+        """What a simulation takes of the bodies is a remark of its own."""
+        return ""
+
 
 class LineRecordTables(LineTest):
     """The whole of a line contact's experiment.toml."""
 
     files: LineFiles = Field(description="names of the data files")
+
+
+#: Tables of records by the names of kinds of contact.
+TABLES: dict[str, type[RecordTables | LineRecordTables]] = {
+    model.contact_kind: model for model in (RecordTables, LineRecordTables)
+}

@@ -143,7 +143,7 @@ def normal_force(checked: CheckedRecord) -> Iterator[Remark]:
         return
     if absent.any():
         yield Remark("note", "normal force", f"No normal force was measured in {where(checked, absent)}.")
-    impossible = tuple(impossible_loads(checked.record.loops, load, checked.length_mm))
+    impossible = tuple(impossible_loads(checked.record.loops, load, checked.record.tables.length_mm))
     for words, wrong in impossible:
         yield Remark("problem", "normal force", f"{words}, in {where(checked, wrong)}.", refuses=True)
     odd = np.abs(s.normal_force_N / load - 1.0) > ODD_LOAD

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,10 +13,12 @@ from wirewear.base.errors import RecordError
 from wirewear.base.reading import read_toml, require_within
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
+from wirewear.records.surfaces import SCARS, Worn
 from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables, require_unchanged
-from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.study.keys import Table
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
@@ -39,21 +42,26 @@ EVOLUTION_COLUMNS = (
     Column("max_tangential_force_N", -1e5, 1e5),
     Column("dissipated_energy_mJ", -1e6, 1e6),
 )
-SCAR_COLUMNS = (
-    _REPEAT,
-    Column("x_um", -1e5, 1e5, complete=True),
-    Column("y_um", -1e5, 1e5, complete=True),
-    Column("depth_um", -1e4, 1e4),
-)
 #: Of all tables, by name.
-RECORD_COLUMNS = {column.name: column for column in (*LOOP_COLUMNS, *EVOLUTION_COLUMNS, *SCAR_COLUMNS)}
+RECORD_COLUMNS = {column.name: column for column in (*LOOP_COLUMNS, *EVOLUTION_COLUMNS, *SCARS.columns)}
 
 
-def read_record(folder: str | Path) -> ExperimentRecord:
-    """Read and check a record. What can be coped with is kept and told in `notes`.
+def tables_of_file(path: Path) -> type[RecordTables | LineRecordTables]:
+    """The tables of a record's folder, its experiment.toml or a mapping, by the kind of contact that it describes."""
+    table = path / TABLE_FILE_NAME if path.is_dir() else path
+    try:
+        found = read_toml(table, RecordError) if table.is_file() else {}
+    except RecordError:
+        found = {}  # to be told by whoever reads it
+    # A study has such a table, too, and says of which kind it is.
+    return LineRecordTables if LineRecordTables.described_by in found and "kind" not in found else RecordTables
+
+
+def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
+    """Read and check a record, of whatever kind or of one. What can be coped with is kept and told in `notes`.
 
     Raises:
-        RecordError: the record cannot be read; one sentence with file, line and column.
+        RecordError: the record cannot be read, or is of another kind; one sentence with file, line and column.
     """
     folder = Path(folder)
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
@@ -62,35 +70,30 @@ def read_record(folder: str | Path) -> ExperimentRecord:
     if not folder.is_dir():
         what = "is a file" if folder.is_file() else "does not exist"
         raise RecordError(f"{folder} {what}: a record is a folder with {TABLE_FILE_NAME} and CSV files.")
-    _refuse_line_contacts(folder)
-    tables, notes = read_tables(folder / TABLE_FILE_NAME, RecordTables)
-    notes = (*notes, *require_unchanged(folder / TABLE_FILE_NAME))
-    files = tables.files
-    loops, turned = pressing(tuple(loops_in(read_columns(data_file(folder, files, "loops"), LOOP_COLUMNS))))
-    evolution: tuple[MeasuredEvolution, ...] = ()
-    if files.evolution is not None:
-        evolution = tuple(evolution_in(read_columns(data_file(folder, files, "evolution"), EVOLUTION_COLUMNS)))
-    scars: list[MeasuredScar] = []
-    for wire in WIRES:
-        key = f"scar_{wire}"
-        if getattr(files, key) is not None:
-            own = _scars(read_columns(data_file(folder, files, key), SCAR_COLUMNS), wire)
-            askew = tables.wires.axis_angle_deg(wire) if getattr(files.frames, key) == "wire" else 0.0
-            scars += [scar.turned(askew) for scar in own]
+    path = folder / TABLE_FILE_NAME
+    model = tables_of_file(folder)
+    if contact_kind not in (None, model.contact_kind):
+        raise RecordError(f"{path} is the record of a {model.contact_kind}, where one of {contact_kind} is needed.")
+    tables, notes = read_tables(path, model)
+    tables.require_whole(str(path))
+    notes = (*notes, *require_unchanged(path))
+    given = {key for key in type(tables.files).model_fields if key != "frames" and getattr(tables.files, key)}
+    if not given:
+        raise RecordError(f"{path}: [files] names no file, so there is nothing recorded.")
+
+    def columns(key: str, wanted: Sequence[Column]) -> ColumnTable:
+        return read_columns(_data_file(folder, tables.files, key), wanted)
+
+    loops, turned = pressing(tuple(loops_in(columns("loops", LOOP_COLUMNS))) if "loops" in given else ())
+    evolution = tuple(evolution_in(columns("evolution", EVOLUTION_COLUMNS))) if "evolution" in given else ()
+    scars: list[Any] = []
+    for body in tables.bodies:
+        if (key := f"{tables.worn.name}_{body}") in given:
+            scars += map(tables.placed, _surfaces(columns(key, tables.worn.columns), tables.worn, body))
     return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned), folder)
 
 
-def _refuse_line_contacts(folder: Path) -> None:
-    """See that a record is not that of a line contact, which only some commands take."""
-    path = folder / TABLE_FILE_NAME
-    if path.is_file() and "contact" in read_toml(path, RecordError):
-        raise RecordError(
-            f"{path} is the record of a line contact: `wirewear check`, `compare`, `diagnose` and `loops` take it, "
-            "others only crossed wires."
-        )
-
-
-def data_file(folder: Path, files: Table, key: str) -> Path:
+def _data_file(folder: Path, files: Table, key: str) -> Path:
     """The data file that a key of `[files]` names.
 
     Raises:
@@ -132,16 +135,15 @@ def evolution_in(table: ColumnTable) -> Iterator[MeasuredEvolution]:
         yield MeasuredEvolution(int(columns["repeat"][part.start]), own)
 
 
-def _scars(table: ColumnTable, wire: str) -> Iterator[MeasuredScar]:
-    table = sorted_rows(table, ("repeat", "x_um", "y_um"))
-    columns = table.columns
-    for part in _groups(columns["repeat"]):
-        repeat = int(columns["repeat"][part.start])
-        x, y = columns["x_um"][part], columns["y_um"][part]
+def _surfaces(table: ColumnTable, worn: Worn, body: str) -> Iterator[Any]:
+    places = [name for name in ("x_um", "y_um") if name in table.columns]
+    table = sorted_rows(table, ("repeat", *places))
+    for part in _groups(table.columns["repeat"]):
+        own = {name: values[part] for name, values in table.columns.items() if name != "repeat"}
         try:
-            yield MeasuredScar.from_points(repeat, wire, x, y, columns["depth_um"][part])
+            yield worn.surface.from_points(int(table.columns["repeat"][part.start]), body, **own)
         except RecordError as problem:
-            where = f"{table.path}, line {table.line(part.start)}, columns x_um and y_um"
+            where = f"{table.path}, line {table.line(part.start)}, columns {' and '.join(places)}"
             raise RecordError(f"{where}: {problem}") from None
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
-from typing import Any, Literal, Protocol
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from wirewear.base.quantity import counted
 from wirewear.loops import LoopFigures
 from wirewear.records.loop_statistics import LoopStatistics
-from wirewear.records.metadata import Metadata
-from wirewear.records.tables import Noise, RecordConditions
-from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.records.values import AnyRecord
 
 MOST_LISTED = 8
 
@@ -86,58 +84,17 @@ class RecordReport:
         return asdict(self)
 
 
-class LoggedTables(Protocol):
-    """What the record of any contact states of its loops."""
-
-    @property
-    def conditions(self) -> RecordConditions:
-        """What was asked of the rig."""
-
-    @property
-    def noise(self) -> Noise:
-        """Noise of one sample."""
-
-    @property
-    def metadata(self) -> Metadata:
-        """Where the test comes from."""
-
-
-class LoggedTest(Protocol):
-    """The record of any contact as far as its loops and their course over the cycles go."""
-
-    @property
-    def tables(self) -> LoggedTables:
-        """What is stated."""
-
-    @property
-    def loops(self) -> Sequence[MeasuredLoop]:
-        """Its loops, ordered by repeat and cycle."""
-
-    @property
-    def evolution(self) -> Sequence[MeasuredEvolution]:
-        """Figures over the cycles."""
-
-    @property
-    def repeats(self) -> tuple[int, ...]:
-        """Numbers of its repeats."""
-
-    @property
-    def cycles(self) -> tuple[int, ...]:
-        """Cycles of which there are loops."""
-
-
 @dataclass(frozen=True, eq=False)
 class CheckedRecord:
     """A record, statistics of all its loops, and of those that are analysed in full the figures or why not.
 
-    Loops of figures and refusals are named (repeat, cycle). `length_mm` is that of a line contact.
+    Loops of figures and refusals are named (repeat, cycle).
     """
 
-    record: LoggedTest
+    record: AnyRecord
     statistics: LoopStatistics
     figures: dict[tuple[int, int], LoopFigures]
     refused: dict[tuple[int, int], str]
-    length_mm: float | None = None
 
 
 def where(checked: CheckedRecord, wrong: NDArray[np.bool_]) -> str:

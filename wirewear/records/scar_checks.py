@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exchanges import copied_scars
-from wirewear.records.remarks import listed
+from wirewear.records.remarks import CheckedRecord, Remark, listed
 from wirewear.records.scar_geometry import unlike_sizes
-from wirewear.records.values import WIRES, ExperimentRecord, MeasuredScar
+from wirewear.records.surfaces import MeasuredScar
+from wirewear.records.values import ExperimentRecord
+from wirewear.results.scar import WIRES
 
 Array = NDArray[np.float64]
 
@@ -34,37 +34,29 @@ BEYOND_NOISE_um = 1.0
 OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
 
 
-@dataclass(frozen=True)
-class ScarFinding:
-    """Something odd about a map; `refuses` as in a remark on a record."""
-
-    level: Literal["problem", "note"]
-    text: str
-    refuses: bool = False
-
-
-def scar_findings(record: ExperimentRecord) -> Iterator[ScarFinding]:
+def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
     """What is odd, one after another."""
+    record = checked.record
     diameter_um = 1e3 * record.tables.wires.diameter_mm
     for wire in WIRES:
         scars = record.scars_of(wire)
         without = sorted(set(record.repeats) - {scar.repeat for scar in scars})
         if not scars:
-            yield ScarFinding("note", f"There is no scar of the {wire} wire.")
+            yield Remark("note", "scars", f"There is no scar of the {wire} wire.")
         elif without:
-            yield ScarFinding("note", f"There is no scar of the {wire} wire for the repeats {listed(without)}.")
+            yield Remark("note", "scars", f"There is no scar of the {wire} wire for the repeats {listed(without)}.")
         for scar in scars:
             yield from _findings(scar, diameter_um)
     for text in unlike_sizes(record):
-        yield ScarFinding("problem", text)
+        yield Remark("problem", "scars", text)
     noisy = record.tables.noise.displacement_um or record.tables.noise.tangential_force_N
     simulated = record.tables.metadata.source == "simulated"
     for text in copied_scars(record.scars):
-        yield ScarFinding("problem" if noisy and not simulated else "note", text)
+        yield Remark("problem" if noisy and not simulated else "note", "scars", text)
     yield from _unlike_wear(record)
 
 
-def _unlike_wear(record: ExperimentRecord) -> Iterator[ScarFinding]:
+def _unlike_wear(record: ExperimentRecord) -> Iterator[Remark]:
     """Worn volumes that are far from what the tests' energies and the stated coefficient make them."""
     stated = record.tables.stated.energy_wear_coefficient_mm3_per_J
     for repeat in record.repeats if stated else ():
@@ -78,34 +70,33 @@ def _unlike_wear(record: ExperimentRecord) -> Iterator[ScarFinding]:
                 f"The scars of repeat {repeat} have lost {ratio:.3g} times what {energy_J:.3g} J of friction wear at "
                 f"the stated {stated:g} mm³/J: they may be of another test, or in another unit."
             )
-            yield ScarFinding("problem" if not 1.0 / IMPOSSIBLE_WEAR < ratio < IMPOSSIBLE_WEAR else "note", text)
+            yield Remark("problem" if not 1.0 / IMPOSSIBLE_WEAR < ratio < IMPOSSIBLE_WEAR else "note", "scars", text)
 
 
-def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[ScarFinding]:
-    name = f"the {scar.wire} wire's scar of repeat {scar.repeat}"
+def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
+    name = f"the {scar.body} wire's scar of repeat {scar.repeat}"
     depth = scar.depth_um
     if not np.isfinite(depth).any():
-        yield ScarFinding("problem", f"All depths are missing in {name}.")
+        yield Remark("problem", "scars", f"All depths are missing in {name}.")
         return
     if scar.gaps > GAPS:
-        yield ScarFinding("note", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
+        yield Remark("note", "scars", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
     # A single wild point should neither make nor hide a scar.
     lowest, deepest = (float(np.nanpercentile(depth, share)) for share in (0.5, 99.5))
     if deepest > diameter_um:
         text = f"Depths reach {deepest:.3g} µm in {name}, more than the wire's diameter of {diameter_um:.3g} µm."
-        yield ScarFinding("problem", text, refuses=True)
+        yield Remark("problem", "scars", text, refuses=True)
         return
     if lowest < -BEYOND_NOISE_um and -lowest > deepest:
         text = f"Depths fall to {lowest:.3g} µm in {name} and rise to {deepest:.3g} µm only: their sign seems wrong."
-        yield ScarFinding("problem", text, refuses=True)
+        yield Remark("problem", "scars", text, refuses=True)
     elif lowest < -max(RAISED * deepest, BEYOND_NOISE_um):
-        yield ScarFinding(
-            "note", f"Depths fall to {lowest:.3g} µm in {name}: material is piled up there, or the zero is off."
-        )
+        text = f"Depths fall to {lowest:.3g} µm in {name}: material is piled up there, or the zero is off."
+        yield Remark("note", "scars", text)
     if deepest <= 0.0:
-        yield ScarFinding("note", f"Nothing is worn in {name}.")
+        yield Remark("note", "scars", f"Nothing is worn in {name}.")
         return
     edge = float(np.percentile(scar.rim_um, 98))
     if edge > CUT_OFF * deepest:
         text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
-        yield ScarFinding("problem", text)
+        yield Remark("problem", "scars", text)

@@ -19,7 +19,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry import Elastic
-from wirewear.records.values import ExperimentRecord, MeasuredScar
+from wirewear.records.surfaces import MeasuredScar
+from wirewear.records.values import ExperimentRecord
 from wirewear.reference.hertz import hertz_crossed_cylinders
 
 #: Of the deepest point: what is less deep may be noise.
@@ -71,7 +72,7 @@ def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
     """What the scars of each repeat cannot be, sentences."""
     # Across its own axis the moving wire carries the contact about on the fixed one.
     for repeat in record.repeats if not record.tables.wires.motion_angle_deg else ():
-        sizes = {scar.wire: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
+        sizes = {scar.body: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
         known = {wire: size for wire, size in sizes.items() if size is not None}
         if found := next(_unlike(record, known), None):
             yield f"{found} in repeat {repeat}: {_WHY}"

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from wirewear.base.quantity import counted
 from wirewear.records.remarks import CheckedRecord, plural
-from wirewear.records.values import WIRES, ExperimentRecord
+from wirewear.records.values import AnyRecord
 
 #: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
 RESOLVED = 4
@@ -18,8 +18,9 @@ class Support:
     cannot: tuple[str, ...]
 
 
-def support(checked: CheckedRecord, record: ExperimentRecord, spoilt: bool) -> Support:
+def support(checked: CheckedRecord, spoilt: bool) -> Support:
     """Judge a record by what it holds."""
+    record = checked.record
     verdicts = [*_loops(checked), *_repeats(record), *_channels(record), *_wear(record), *_model(record)]
     if spoilt:
         verdicts.append(
@@ -68,7 +69,7 @@ def _loops(checked: CheckedRecord) -> list[tuple[bool, str]]:
     return verdicts
 
 
-def _repeats(record: ExperimentRecord) -> list[tuple[bool, str]]:
+def _repeats(record: AnyRecord) -> list[tuple[bool, str]]:
     count = len(record.repeats)
     if count == 1:
         text = (
@@ -83,29 +84,23 @@ def _repeats(record: ExperimentRecord) -> list[tuple[bool, str]]:
     return [(True, f"Scatter between tests, from {plural(count, 'repeat')}{known}.")]
 
 
-def _channels(record: ExperimentRecord) -> list[tuple[bool, str]]:
+def _channels(record: AnyRecord) -> list[tuple[bool, str]]:
     if any(loop.normal_force_N is not None for loop in record.loops):
         return [(True, "Telling a wrong or drifting normal load from a change of friction.")]
     text = (
         "Telling a wrong or drifting normal load from a change of friction: the normal force was not measured. A load "
-        "cell under the fixed wire tells it."
+        "cell under the body at rest tells it."
     )
     return [(False, text)]
 
 
-def _wear(record: ExperimentRecord) -> list[tuple[bool, str]]:
-    verdicts: list[tuple[bool, str]] = []
-    absent = [wire for wire in WIRES if not record.scars_of(wire)]
-    if not absent:
-        verdicts.append(
-            (True, "Worn volume, depth and shape of both scars at the end; the crossing angle by their skew.")
-        )
-    else:
-        text = (
-            f"Worn volume and shape, and the crossing angle: there is no scar of the {' and the '.join(absent)} wire. "
-            "A profilometer's map of it, or its points x, y, height, can be imported ([scars.*] of a mapping)."
-        )
-        verdicts.append((False, text))
+def _wear(record: AnyRecord) -> list[tuple[bool, str]]:
+    worn = record.tables.worn
+    present = [body for body in record.tables.bodies if record.scars_of(body)]
+    absent = [body for body in record.tables.bodies if body not in present]
+    verdicts = [(True, worn.support.format(" and ".join(present)))] if len(present) >= worn.fewest else []
+    if absent:
+        verdicts.append((False, worn.lacking.format(" and the ".join(absent))))
     if record.evolution:
         verdicts.append((True, "The course of amplitudes, force and energy between the logged loops."))
     else:
@@ -117,18 +112,12 @@ def _wear(record: ExperimentRecord) -> list[tuple[bool, str]]:
     return verdicts
 
 
-def _model(record: ExperimentRecord) -> list[tuple[bool, str]]:
-    stated = record.tables.stated
-    needs = (
-        ("friction", stated.final_friction),
-        ("energy_wear_coefficient_mm3_per_J", stated.energy_wear_coefficient_mm3_per_J),
-    )
-    absent = [key for key, value in needs if value is None]
-    if absent:
+def _model(record: AnyRecord) -> list[tuple[bool, str]]:
+    if absent := record.tables.missing:
         text = (
             f"A simulation from the record alone: [stated] does not give {' and '.join(absent)}. `wirewear fit RECORD` "
             "finds friction and rig stiffness from the loops, and the wear coefficient from scars and energy."
         )
         return [(False, text)]
-    held = "" if record.tables.wires.grip_angle_deg else "; wires are held rigidly over 90° of their backs, all along"
-    return [(True, f"A simulation from the record alone, with all that is not stated taken as ideal{held}.")]
+    text = f"A simulation from the record alone, with all that is not stated taken as ideal{record.tables.assumed}."
+    return [(True, text)]

@@ -1,11 +1,15 @@
 """The tables of experiment.toml: every key with its unit, sensible range, default and meaning."""
 
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, PlainValidator
 
+from wirewear.base.errors import RecordError
 from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
+from wirewear.records.surfaces import SCARS, MeasuredScar, Worn
+from wirewear.results.scar import WIRES
 from wirewear.study.keys import (
     FORMAT,
     Amplitude,
@@ -31,8 +35,12 @@ from wirewear.study.keys import (
     checked_format,
     checked_text,
 )
+from wirewear.study.tables import Wires
 
 DRIVES = ("sensor", "stroke")
+
+#: Keys of wires that a record states where they are not what is taken without a word.
+GRIPS = ("length_mm", "grip_angle_deg", "grip_length_mm", "grip_stiffness_N_per_mm3")
 
 #: What x of a scar's map runs along: the motion of the test, or the axis of that wire.
 FRAMES = ("test", "wire")
@@ -123,14 +131,15 @@ class StatedWearRateEvolution(Table):
     cycles: RunningIn = Field(description="cycles after which 63 % of the change has happened", examples=[10000])
 
 
-class Stated(Table):
-    """What the rig's owner believes; what is not stated is believed ideal."""
+class StatedFriction(Table):
+    """The friction that the rig's owner believes."""
 
     friction: Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
-    energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
-        None, description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
-    )
-    moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+
+
+class StatedRig(StatedFriction):
+    """What the rig's owner believes of it, and of what changes over the cycles."""
+
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
     )
@@ -148,6 +157,19 @@ class Stated(Table):
     def final_friction(self) -> float | None:
         """Coefficient of friction once it has run in; None where it is not stated."""
         return self.friction if self.friction_evolution is None else self.friction_evolution.final
+
+
+class StatedWear(Table):
+    """The wear that the rig's owner believes."""
+
+    energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+        None, description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
+    )
+    moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+
+
+class Stated(StatedRig, StatedWear, StatedFriction):
+    """What the rig's owner believes; what is not stated is believed ideal."""
 
 
 class Noise(Table):
@@ -185,8 +207,62 @@ class Files(Table):
     frames: Frames = Field(Frames(), description="what x of the scars runs along")
 
 
-class RecordTables(Table):
+def known_of(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Those values of which a table of the record knows the key."""
+    return {key: values[key] for key in table.model_fields if values.get(key) is not None}
+
+
+class OfTest(Table):
+    """What the tables of an experiment.toml are asked, of whatever kind of contact.
+
+    Attributes:
+        contact_kind: its name.
+        described_by: the table that only records of the kind have.
+        bodies: their names.
+        worn: how the worn surfaces stand in the record.
+        needs_loops: whether there is no record without loops.
+    """
+
+    contact_kind: ClassVar[str]
+    described_by: ClassVar[str]
+    bodies: ClassVar[tuple[str, str]]
+    worn: ClassVar[Worn]
+    needs_loops: ClassVar[bool]
+
+    @property
+    def length_mm(self) -> float | None:
+        """Length of the contact, where it has one."""
+        return None
+
+    @classmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+        """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
+
+        Raises:
+            RecordError: a record cannot describe them.
+        """
+        raise NotImplementedError
+
+    @classmethod
+    def stated_by(cls, study: Mapping[str, Any], length_mm: float | None) -> dict[str, Any]:
+        """What such a study says of conditions, friction, wear and rig, of the whole contact, by keys of a record."""
+        del length_mm  # of a line contact alone
+        parts = ("conditions", "contact", "wear", "holder")
+        return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
+
+    def require_whole(self, where: str) -> None:
+        """See that the tables of a file say all that they must; RecordError where they do not."""
+
+    def placed(self, surface: Any) -> Any:
+        """A surface of a file with x along the motion."""
+        return surface
+
+
+class RecordTables(OfTest):
     """The whole of experiment.toml."""
+
+    contact_kind, described_by, bodies = "crossed-wires", "wires", WIRES
+    worn, needs_loops = SCARS, True
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the record's format", examples=[FORMAT]
@@ -201,3 +277,40 @@ class RecordTables(Table):
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     files: Files = Field(description="names of the data files")
+
+    @classmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+        """The wires; RecordError where they differ."""
+        del length_mm
+        wires = study.get("wires") or {}
+        for wire in WIRES:
+            own = {key: value for key, value in (wires.get(wire) or {}).items() if value != wires.get(key)}
+            if own:
+                raise RecordError(
+                    f"the {wire} wire of the result {label!r} has its own {', '.join(own)}, but a record of format 1 "
+                    "knows two equal wires only."
+                )
+        described = {**wires, "motion_angle_deg": (study.get("conditions") or {}).get("motion_angle_deg")}
+        own = known_of(RecordWires, described)
+        return {
+            "wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default},
+        }
+
+    def placed(self, surface: MeasuredScar) -> MeasuredScar:
+        """The map turned where its file has it along the wire."""
+        of_wire = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
+        return surface.turned(self.wires.axis_angle_deg(surface.body) if of_wire else 0.0)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Keys of [stated] without which there is no simulation."""
+        needs = {
+            "friction": self.stated.final_friction,
+            "energy_wear_coefficient_mm3_per_J": self.stated.energy_wear_coefficient_mm3_per_J,
+        }
+        return tuple(key for key, value in needs.items() if value is None)
+
+    @property
+    def assumed(self) -> str:
+        """What a simulation takes of the bodies that is not stated, after a semicolon."""
+        return "" if self.wires.grip_angle_deg else "; wires are held rigidly over 90° of their backs, all along"

@@ -12,41 +12,42 @@ from wirewear.base.reading import toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.reading import EVOLUTION_COLUMNS, LOOP_COLUMNS
-from wirewear.records.tables import Files
+from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.toml_file import with_checksums
-from wirewear.records.values import WIRES, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
 
 if TYPE_CHECKING:
     import polars as pl
 
 
-def write_record(folder: str | Path, record: ExperimentRecord) -> Path:
+def write_record(folder: str | Path, record: AnyRecord) -> Path:
     """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
 
     The files take the names of format 1; what a record before had there goes. A killed writer leaves no file half
     written.
 
     Raises:
-        RecordError: the record has no loops, or a file cannot be written.
+        RecordError: the record has no loops and must have some, or nothing at all, or a file cannot be written.
         RunError: the folder cannot be made, or another command is writing to it.
     """
-    folder = Path(folder)
-    if not record.loops:
-        raise RecordError(f"the record {record.name!r} has no loops, so it cannot be written.")
-    frames = {"loops": loops_frame(record.loops)}
+    folder, tables = Path(folder), record.tables
+    frames = {"loops": loops_frame(record.loops)} if record.loops else {}
     if record.evolution:
         frames["evolution"] = evolution_frame(record.evolution)
-    for wire in WIRES:
-        if record.scars_of(wire):
-            frames[f"scar_{wire}"] = _scars(record, wire)
+    for body in tables.bodies:
+        if own := record.scars_of(body):
+            frames[f"{tables.worn.name}_{body}"] = _surfaces(own)
+    if not frames or (tables.needs_loops and not record.loops):
+        what = "has no loops" if tables.needs_loops else "holds nothing"
+        raise RecordError(f"the record {record.name!r} {what}, so it cannot be written.")
     files = {key: f"{key}.csv" for key in frames}
-    tables = record.tables.model_copy(update={"files": Files(**files)})
+    tables = tables.model_copy(update={"files": type(tables.files)(**files)})
     with occupied(folder, f"the record {record.name}"), writing(RecordError, f"cannot write the record to {folder}"):
         for key, frame in frames.items():
             write_csv(folder / files[key], frame)
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         write_text(folder / TABLE_FILE_NAME, with_checksums(text, folder, files))
-        for key in Files.model_fields:
+        for key in type(tables.files).model_fields:
             if key not in files and key != "frames":
                 (folder / f"{key}.csv").unlink(missing_ok=True)
     return folder
@@ -80,19 +81,8 @@ def evolution_frame(evolution: Sequence[MeasuredEvolution]) -> "pl.DataFrame":
     return frame_of(columns)
 
 
-def _scars(record: ExperimentRecord, wire: str) -> "pl.DataFrame":
-    parts = []
-    for scar in record.scars_of(wire):
-        x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
-        known = np.isfinite(scar.depth_um)
-        parts.append(
-            {
-                "repeat": np.full(np.count_nonzero(known), scar.repeat),
-                "x_um": x[known],
-                "y_um": y[known],
-                "depth_um": scar.depth_um[known],
-            }
-        )
+def _surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.DataFrame":
+    parts = [{"repeat": np.full(one.points["x_um"].size, one.repeat), **one.points} for one in surfaces]
     return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
 
 

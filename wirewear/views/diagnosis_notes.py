@@ -15,12 +15,12 @@ from wirewear.diagnosis.model.candidates import effect_of, unforeseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.effects import all_effects
+from wirewear.records import AnyRecord
 from wirewear.views.diagnosis_values import Cause
 from wirewear.views.diagnosis_wording import plain
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    pass
 
 _KNOWN = constants("diagnose")
 
@@ -57,7 +57,7 @@ def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
 
 
 def of_the_record(
-    record: ExperimentRecord | LineRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
+    record: AnyRecord, setup: Setup, observed: Observations, shrink: Shrink, wrong: Fit | None
 ) -> tuple[str, ...]:
     """What the record lacks, and what its answer cannot say for that."""
     notes = list(observed.notes[:5])
@@ -90,7 +90,7 @@ def of_the_record(
             "the model does not wear, so that what a scar does to the loops counts as a gap: give it a wear "
             "coefficient, from the scars of both bodies (`wirewear fit` for wires) or from other tests of such bodies"
         )
-    if not record.has_scars:
+    if not record.scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
     return tuple(notes)
 

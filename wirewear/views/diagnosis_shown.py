@@ -26,8 +26,7 @@ from wirewear.views.diagnosis_wording import plain
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records import ExperimentRecord, LineRecord
     from wirewear.views.diagnosis_values import Cause, Diagnosis
     from wirewear.views.diagnosis_wording import Diagnosed
 
@@ -251,7 +250,7 @@ def _of_profiles(record: LineRecord, curves: Sequence[tuple[str, str, LoopCourse
             ],
         }
         for body in curves[0][2].profiles
-        if (own := [read_profile(one) for one in record.profiles_of(body)])
+        if (own := [read_profile(one) for one in record.scars_of(body)])
     ]
 
 

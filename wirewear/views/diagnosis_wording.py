@@ -17,8 +17,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.planar.tables import PlanarStudy
-from wirewear.records import ExperimentRecord
-from wirewear.records.line_values import LineRecord
+from wirewear.records import AnyRecord
 from wirewear.study import Study
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
 
@@ -33,7 +32,7 @@ class Diagnosed:
     """A diagnosis with all that pictures of it need."""
 
     diagnosis: Diagnosis
-    record: ExperimentRecord | LineRecord
+    record: AnyRecord
     study: Study | PlanarStudy
     states: WearStates
     setup: Setup

@@ -1,6 +1,5 @@
 """Where loops come from: a logger's file, an experiment record, or a result."""
 
-from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,10 +9,8 @@ import h5py
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import guessed_layout
 from wirewear.base.quantity import FIELD_UNITS, nearest, shown
-from wirewear.base.reading import read_toml, require_within
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.records import read_record
-from wirewear.records.columns import read_columns
 from wirewear.records.exporting import chosen_run
 from wirewear.records.importing.guessed_conditions import frequency_of
 from wirewear.records.importing.guessed_files import GuessedFile, looked_into
@@ -21,9 +18,7 @@ from wirewear.records.importing.importing import loops_of
 from wirewear.records.importing.mapping import LoopSource
 from wirewear.records.importing.registry import kind_of
 from wirewear.records.importing.text import TextReader
-from wirewear.records.normal_force import pressing, require_pressing
-from wirewear.records.reading import LOOP_COLUMNS, loops_in
-from wirewear.records.values import MeasuredLoop
+from wirewear.records.normal_force import require_pressing
 from wirewear.results import read_results
 from wirewear.views.loops_csv import SampledLoop, Spelling, csv_loops
 
@@ -199,30 +194,12 @@ def _no_variant(path: Path, variant: str | None) -> None:
 
 
 def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
-    folder = path.parent if path.name == TABLE_FILE_NAME else path
-    tables = read_toml(folder / TABLE_FILE_NAME, RecordError)
-    if "contact" in tables:
-        stated, loops = _line_loops(folder, tables)
-    else:
-        record = read_record(path)
-        stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
-        require_pressing(loops, stated)
+    record = read_record(path)
+    stated, loops = record.tables.conditions.normal_load_N, [loop.complete for loop in record.loops]
+    if not loops:
+        raise RecordError(f"the record {record.name!r} holds no loops.")
+    require_pressing(loops, stated, record.tables.length_mm)
     return tuple(SampledLoop.of(loop, stated) for loop in loops)
-
-
-def _line_loops(folder: Path, tables: Mapping[str, Any]) -> tuple[float, Sequence[MeasuredLoop]]:
-    """The load and the loops of a line contact's record, of the whole contact."""
-    name = tables.get("files", {}).get("loops")
-    if name is None:
-        raise RecordError(f"the record of a line contact in {folder} holds no loops.")
-    load = tables.get("conditions", {}).get("normal_load_N")
-    if not isinstance(load, int | float):
-        raise RecordError(f"{folder / TABLE_FILE_NAME}: normal_load_N in [conditions] is missing or no number.")
-    path = folder / name
-    require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: loops in [files]")
-    loops, _ = pressing([loop.complete for loop in loops_in(read_columns(path, LOOP_COLUMNS))])
-    require_pressing(loops, load, tables.get("contact", {}).get("length_mm"))
-    return float(load), loops
 
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:

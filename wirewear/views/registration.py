@@ -8,9 +8,10 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
 from wirewear.base.errors import ResultError
-from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredScar
+from wirewear.records import MeasuredScar
+from wirewear.records.values import Array, ExperimentRecord
 from wirewear.results import RunResult, Scar
-from wirewear.results.scar import worn_volume_mm3
+from wirewear.results.scar import WIRES, worn_volume_mm3
 
 #: The deviation of a rotation from which on a scar is too round to have one.
 VAGUE_deg = 4.0

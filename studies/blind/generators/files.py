@@ -19,11 +19,7 @@ from studies.blind.generators.cases import Case
 from studies.blind.generators.nominal import Nominal
 from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
-from wirewear.records import ExperimentRecord, RecordTables
-from wirewear.records.line_tables import LineFiles
-from wirewear.records.line_values import BODIES, LineRecord
-from wirewear.records.tables import Files
-from wirewear.records.values import WIRES
+from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
 
 Array = NDArray[np.float64]
 
@@ -99,7 +95,7 @@ def _lines(half: float, step: float) -> Array:
     return step * np.arange(-count, count + 1.0)
 
 
-def write_traceless(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+def write_traceless(folder: Path, record: AnyRecord) -> str:
     """Write a record in one step and return its SHA-256.
 
     Raises:
@@ -109,18 +105,11 @@ def write_traceless(folder: Path, record: ExperimentRecord | LineRecord) -> str:
         names = {"loops": _loops(partial, record)}
         if record.evolution:
             names["evolution"] = _evolution(partial, record)
-        files: Files | LineFiles
-        if isinstance(record, LineRecord):
-            for body in BODIES:
-                if record.profiles_of(body):
-                    names[f"profile_{body}"] = _profiles(partial, record, body)
-            files = LineFiles(**names)
-        else:
-            for wire in WIRES:
-                if record.scars_of(wire):
-                    names[f"scar_{wire}"] = _scars(partial, record, wire)
-            files = Files(**names)
-        tables = record.tables.model_copy(update={"files": files})
+        worn = record.tables.worn
+        for body in record.tables.bodies:
+            if own := record.scars_of(body):
+                names[f"{worn.name}_{body}"] = _surfaces(partial, f"{worn.name}_{body}.csv", own)
+        tables = record.tables.model_copy(update={"files": type(record.tables.files)(**names)})
         text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         (partial / "experiment.toml").write_text(text, encoding="utf-8")
         for path in (*partial.iterdir(), partial):
@@ -143,7 +132,7 @@ def record_hash(folder: Path) -> str:
     return digest.hexdigest()
 
 
-def _loops(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+def _loops(folder: Path, record: AnyRecord) -> str:
     has_normal = record.loops[0].normal_force_N is not None
     formats = {**LOOP_FORMATS, **(NORMAL_FORMAT if has_normal else {})}
     blocks = []
@@ -155,7 +144,7 @@ def _loops(folder: Path, record: ExperimentRecord | LineRecord) -> str:
     return _write(folder, "loops.csv", {"repeat": "%d", "cycle": "%d", "sample": "%d", **formats}, blocks)
 
 
-def _evolution(folder: Path, record: ExperimentRecord | LineRecord) -> str:
+def _evolution(folder: Path, record: AnyRecord) -> str:
     blocks = [
         (
             np.full(part.columns["cycle"].size, part.repeat),
@@ -166,18 +155,10 @@ def _evolution(folder: Path, record: ExperimentRecord | LineRecord) -> str:
     return _write(folder, "evolution.csv", {"repeat": "%d", "cycle": "%d", **EVOLUTION_FORMATS}, blocks)
 
 
-def _scars(folder: Path, record: ExperimentRecord, wire: str) -> str:
-    blocks = []
-    for scar in record.scars_of(wire):
-        x, y = np.meshgrid(scar.x_um, scar.y_um, indexing="ij")
-        blocks.append((np.full(x.size, scar.repeat), x.ravel(), y.ravel(), scar.depth_um.ravel()))
-    return _write(folder, f"scar_{wire}.csv", {"repeat": "%d", **SCAR_FORMATS}, blocks)
-
-
-def _profiles(folder: Path, record: LineRecord, body: str) -> str:
-    formats = {name: SCAR_FORMATS[name] for name in ("x_um", "depth_um")}
-    blocks = [(np.full(one.x_um.size, one.repeat), one.x_um, one.depth_um) for one in record.profiles_of(body)]
-    return _write(folder, f"profile_{body}.csv", {"repeat": "%d", **formats}, blocks)
+def _surfaces(folder: Path, name: str, surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> str:
+    formats = {key: form for key, form in SCAR_FORMATS.items() if key in surfaces[0].points}
+    blocks = [(np.full(one.points["x_um"].size, one.repeat), *one.points.values()) for one in surfaces]
+    return _write(folder, name, {"repeat": "%d", **formats}, blocks)
 
 
 def _write(

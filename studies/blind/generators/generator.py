@@ -11,8 +11,7 @@ import numpy as np
 from studies.blind.generators.cases import Case
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances
-from wirewear.records import ExperimentRecord
-from wirewear.records.line_values import LineRecord
+from wirewear.records import AnyRecord
 
 #: The effects of the diagnosis' contract.
 LIBRARY_EFFECTS = (
@@ -51,7 +50,7 @@ class MadeRecord:
     The differences belong into the key.
     """
 
-    record: ExperimentRecord | LineRecord
+    record: AnyRecord
     nuisances: Nuisances
     differences: Mapping[str, float]
 

@@ -14,7 +14,6 @@ from studies.blind.generators.cases import Case
 from studies.blind.generators.generator import Generator, MadeRecord
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import DISPLACEMENT_ZERO, FORCE_ZERO, Nuisances
-from wirewear.records.line_values import LineRecord
 from wirewear.records.tables import StatedScatter
 
 #: Earlier tests that an owner has a standard deviation from: of n tests it is off as the root of χ² of n − 1 is.
@@ -62,7 +61,7 @@ class OwnersWhoKnow:
             RunError: as the model's.
         """
         made, random = self.model.make(case), np.random.default_rng((case.seed, _STREAM))
-        if random.random() >= self.share or isinstance(made.record, LineRecord):
+        if random.random() >= self.share or made.record.tables.length_mm is not None:
             return made
         tables = made.record.tables.model_copy(update={"scatter": estimated(made.nuisances, random)})
         return replace(made, record=replace(made.record, tables=tables))

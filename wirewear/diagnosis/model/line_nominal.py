@@ -13,7 +13,7 @@ from wirewear.diagnosis.model.nominal import SAME, half_decades, kept_or_made
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.planar.tables import PlanarStudy
-    from wirewear.records.line_values import LineRecord
+    from wirewear.records import LineRecord
     from wirewear.results import RunResult
 
 _KNOWN = constants("model.line_nominal")

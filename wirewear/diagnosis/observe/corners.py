@@ -8,20 +8,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TypeVar
 
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
 from wirewear.loops.noise import outliers, sample_noise
-from wirewear.records import ExperimentRecord, MeasuredLoop
-from wirewear.records.line_values import LineRecord
+from wirewear.records import AnyRecord, MeasuredLoop
 from wirewear.records.loop_statistics import of_equal_times
 
 _KNOWN = constants("observe.corners")
-
-AnyRecord = TypeVar("AnyRecord", ExperimentRecord, LineRecord)
 
 #: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
 FEWEST_CORNERS, MOST_CORNERS = _KNOWN.count("fewest_corners"), _KNOWN.count("most_corners")

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirewear.diagnosis.observe.corners import AnyRecord
 from wirewear.loops import LoopError
+from wirewear.records import AnyRecord
 from wirewear.records.checking import analysed
 from wirewear.records.course_checks import other_definitions
 

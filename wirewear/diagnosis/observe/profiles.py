@@ -14,7 +14,7 @@ from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import Site, Sites
-from wirewear.records.line_values import MeasuredProfile
+from wirewear.records import MeasuredProfile
 
 _KNOWN = constants("observe.profiles")
 

@@ -13,10 +13,10 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
 from wirewear.loops import LoopError
+from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredScar
-    from wirewear.records.line_values import LineRecord, MeasuredProfile
+    from wirewear.records import ExperimentRecord, LineRecord, MeasuredEvolution, MeasuredProfile, MeasuredScar
 
 _KNOWN = constants("observe.reading")
 
@@ -72,7 +72,7 @@ class Reading:
         return [loop for loop in self.loops if loop.cycle == cycle]
 
 
-def read(record: ExperimentRecord | LineRecord) -> Reading:
+def read(record: AnyRecord) -> Reading:
     """The loops, evolution and scars or profiles of a record; profiles alone suffice.
 
     Raises:
@@ -92,7 +92,7 @@ def _of_wires(record: ExperimentRecord, loops: list[ReducedLoop], last: int, not
 
 def _of_line(record: LineRecord, loops: list[ReducedLoop], last: int, notes: list[str]) -> Reading:
     conditions, friction = record.tables.conditions, record.tables.stated.final_friction
-    if not loops and not record.profiles:
+    if not loops and not record.scars:
         raise RecordError(
             f"nothing of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'no loop, no profile'}"
         )
@@ -102,7 +102,7 @@ def _of_line(record: LineRecord, loops: list[ReducedLoop], last: int, notes: lis
         (),
         last,
         tuple(notes),
-        record.profiles,
+        record.scars,
         conditions.displacement_amplitude_um,
         (friction or 1.0) * conditions.normal_load_N,
         record.tables.noise.depth_um or 0.0,
@@ -124,7 +124,7 @@ def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
     return sorted({cycles[int(np.argmin(np.abs(known - at)))] for at in wanted})
 
 
-def _loops(record: ExperimentRecord | LineRecord, notes: list[str]) -> Iterator[ReducedLoop]:
+def _loops(record: AnyRecord, notes: list[str]) -> Iterator[ReducedLoop]:
     for cycle in spread_cycles([cycle for cycle in record.cycles if cycle > 0], MOST_CYCLES):
         for loop in (one for one in record.loops if one.cycle == cycle):
             try:

@@ -18,10 +18,10 @@ from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.registry import all_observables
 from wirewear.diagnosis.observe.sites import Sites
+from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
-    from wirewear.records.line_values import LineRecord
+    pass
 
 
 #: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.
@@ -59,7 +59,7 @@ class Observations:
         return np.asarray(np.outer(deviations, deviations) * self.alike[repeat][np.ix_(seen, seen)])
 
 
-def reduce(record: ExperimentRecord | LineRecord, observables: Sequence[Observable] | None = None) -> Observations:
+def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
     """All that is observed of a record, by all observables there are unless some are named.
 
     Raises:
@@ -102,7 +102,7 @@ def _common(reading: Reading, layout: Layout) -> Array:
     return columns[:, np.abs(columns).max(axis=0, initial=0.0) > 0.0]
 
 
-def _stated_scatter(record: ExperimentRecord | LineRecord) -> dict[str, float]:
+def _stated_scatter(record: AnyRecord) -> dict[str, float]:
     stated, load = record.tables.scatter, record.tables.conditions.normal_load_N
     known = {
         "friction": stated.friction,

@@ -54,7 +54,7 @@ class ScarFigures(_OfScars):
 
     def sites(self, reading: Reading) -> list[Site]:
         """All figures of the wires that have maps."""
-        wires = [wire for wire in WIRES if any(scar.wire == wire for scar in reading.scars)]
+        wires = [wire for wire in WIRES if any(scar.body == wire for scar in reading.scars)]
         return [Site(reading.last_cycle, wire=wire, figure=figure) for wire in wires for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
@@ -66,7 +66,7 @@ class ScarFigures(_OfScars):
                 # That nothing is worn says that nothing is deeper than the error of a depth.
                 least = DEPTH_ERROR_um if site.figure == "depth" else 0.0
                 figure = max(figures[site.figure], least)
-                if site.wire == scar.wire and figure > 0.0:
+                if site.wire == scar.body and figure > 0.0:
                     values[place] = np.log(figure)
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
@@ -97,7 +97,7 @@ class ScarSkew(_OfScars):
     def sites(self, reading: Reading) -> list[Site]:
         """One a wire that has maps."""
         return [
-            Site(reading.last_cycle, wire=wire) for wire in WIRES if any(scar.wire == wire for scar in reading.scars)
+            Site(reading.last_cycle, wire=wire) for wire in WIRES if any(scar.body == wire for scar in reading.scars)
         ]
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
@@ -105,8 +105,8 @@ class ScarSkew(_OfScars):
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
             depth = above_ground(scar)
-            values[sites.wire == scar.wire] = scar_skew(scar.x_um, scar.y_um, depth)
-            noise[sites.wire == scar.wire] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
+            values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, depth)
+            noise[sites.wire == scar.body] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
         return values, noise
 
     def predict(self, course: LoopCourse, sites: Sites) -> Array:

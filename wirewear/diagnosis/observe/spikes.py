@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.observe.corners import AnyRecord
 from wirewear.loops.noise import spikes
-from wirewear.records import MeasuredLoop
+from wirewear.records import AnyRecord, MeasuredLoop
 from wirewear.records.loop_statistics import of_equal_times
 
 _KNOWN = constants("observe.spikes")

@@ -1,38 +1,35 @@
 """From a laboratory's files to a record, by a mapping."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirewear.base.errors import RecordError
 from wirewear.loops.area import enclosed_area
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
-from wirewear.records.importing.mapping import (
-    PROFILOMETER,
-    ColumnMapping,
-    EvolutionSource,
-    LoopSource,
-    Mapping,
-    ScarSource,
-    Source,
-)
+from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.mistaken import require_mapping
-from wirewear.records.importing.profilometry import MapOfWire, scar_of_heights, scar_of_map
-from wirewear.records.importing.sources import files_of, numbers_in_name, read_source
+from wirewear.records.importing.profiles import profiles_of
+from wirewear.records.importing.profilometry import scars_of_source
+from wirewear.records.importing.sources import (
+    equal_rows,
+    files_of,
+    numbers_in_name,
+    read_source,
+    require_recorded,
+    wanted_columns,
+)
+from wirewear.records.line_tables import TABLES
 from wirewear.records.normal_force import pressing
-from wirewear.records.reading import RECORD_COLUMNS
-from wirewear.records.tables import Files, RecordTables, RecordWires
+from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
+from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.toml_file import read_tables
-from wirewear.records.values import WIRES, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
-from wirewear.study.keys import Table
-
-#: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
-WIDEST = 3
+from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
 WHOLE_CYCLE = 0.9
@@ -52,48 +49,8 @@ TURNED = (
 #: In place of the number of a cycle where a sample belongs to none.
 _NO_CYCLE = -1.0
 
-_EVOLUTION = (
-    "cycle",
-    "displacement_amplitude_um",
-    "slip_amplitude_um",
-    "max_tangential_force_N",
-    "dissipated_energy_mJ",
-)
 
-
-def bridged(scar: MeasuredScar) -> tuple[MeasuredScar, tuple[str, ...]]:
-    """The scar with small gaps interpolated along its lines, and a sentence on how many points that were."""
-    depth = np.array(scar.depth_um)
-    both = np.stack([_along(scar.y_um, depth), _along(scar.x_um, depth.T).T])
-    known = np.isfinite(both)
-    means = np.where(known, both, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-    fill = ~np.isfinite(depth) & known.any(axis=0)
-    if not fill.any():
-        return scar, ()
-    depth[fill] = means[fill]
-    depth.setflags(write=False)
-    told = (
-        f"{np.mean(fill):.1%} of the points of the {scar.wire} wire's map, repeat {scar.repeat}, were not measured: "
-        f"gaps of up to {WIDEST} points are interpolated"
-    )
-    return replace(scar, depth_um=depth), (told,)
-
-
-def _along(line: Array, depth: Array) -> Array:
-    """Depths (n, m) over a line (m,) between the known ones beside a gap; NaN elsewhere."""
-    known, place = np.isfinite(depth), np.arange(line.size)
-    before = np.maximum.accumulate(np.where(known, place, -1), axis=1)
-    after = np.minimum.accumulate(np.where(known, place, line.size)[:, ::-1], axis=1)[:, ::-1]
-    small = ~known & (before >= 0) & (after < line.size) & (after - before - 1 <= WIDEST)
-    rows, columns = np.nonzero(small)
-    left, right = before[small], after[small]
-    share = (line[columns] - line[left]) / (line[right] - line[left])
-    found = np.full(depth.shape, np.nan)
-    found[small] = (1.0 - share) * depth[rows, left] + share * depth[rows, right]
-    return found
-
-
-def import_record(mapping_path: str | Path) -> ExperimentRecord:
+def import_record(mapping_path: str | Path) -> AnyRecord:
     """The record that a mapping file describes; file names in it are relative to its folder.
 
     Raises:
@@ -101,28 +58,35 @@ def import_record(mapping_path: str | Path) -> ExperimentRecord:
     """
     path = Path(mapping_path)
     require_mapping(path)
-    mapping, notes = read_tables(path, Mapping)
-    home = path.parent
-    loops, turned = mapped_loops(mapping.loops, path, mapping.conditions.frequency_Hz)
-    scars: list[MeasuredScar] = []
-    for wire in WIRES:
-        source: ScarSource | None = getattr(mapping.scars, wire)
-        if source is not None:
-            for scar, told in map(bridged, _scars(source, wire, home, mapping.wires)):
-                scars.append(scar)
-                notes = (*notes, *told)
-    tables = RecordTables(
-        format=1,
-        name=mapping.name,
-        wires=mapping.wires,
-        conditions=mapping.conditions,
-        stated=mapping.stated,
-        noise=mapping.noise,
-        metadata=mapping.metadata,
-        files=Files(loops="loops.csv"),
-    )
-    evolution = () if mapping.evolution is None else mapped_evolution(mapping.evolution, home)
-    return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned))
+    mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind])
+    mapping.require_whole(str(path))
+    home, length, model = path.parent, mapping.length_mm, TABLES[mapping.contact_kind]
+    conditions = mapping.asked(path)
+    loops: tuple[MeasuredLoop, ...] = ()
+    turned: tuple[str, ...] = ()
+    if mapping.loops is not None:
+        loops, turned = mapped_loops(mapping.loops, path, conditions.frequency_Hz, length)
+    evolution = () if mapping.evolution is None else tuple(_evolution(mapping.evolution, home, length))
+    found: list[Any] = []
+    for body in mapping.bodies:
+        if (source := getattr(mapping.surfaces, body)) is not None:
+            found += _SURFACES[mapping.worn.name](source, body, home, mapping)
+    scars, told = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
+    if not loops and not evolution and not scars:
+        raise RecordError(
+            f"{path} maps nothing: give [loops], [evolution], [{mapping.worn.name}s.{mapping.bodies[0]}] or "
+            f"[{mapping.worn.name}s.{mapping.bodies[1]}] with its files."
+        )
+    taken_over = {name: getattr(mapping, name) for name in model.model_fields if hasattr(mapping, name)}
+    files = {"loops": "loops.csv"} if loops else {}
+    tables = model.model_validate(taken_over | {"conditions": conditions, "files": files})
+    return ExperimentRecord(tables, loops, evolution, scars, (*notes, *filter(None, told), *turned))
+
+
+_SURFACES: dict[str, Callable[[Any, str, Path, Any], Iterable[Any]]] = {
+    SCARS.name: scars_of_source,
+    PROFILES.name: profiles_of,
+}
 
 
 def mapped_loops(
@@ -161,11 +125,6 @@ def drives_motion(loop: MeasuredLoop) -> bool:
     if abs(area) > AGAINST_MOTION * box:
         return area < 0.0
     return bool(np.corrcoef(x, force)[0, 1] < FALLING)
-
-
-def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
-    """The columns that a table of columns names."""
-    return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
 
 
 def loops_of(
@@ -273,17 +232,6 @@ def _cut(file: Path, source: LoopSource, time: Array, frequency_Hz: float) -> Ar
     return cycle
 
 
-def mapped_evolution(
-    source: EvolutionSource, home: Path, length_mm: float | None = None
-) -> tuple[MeasuredEvolution, ...]:
-    """The evolutions of a source's files; `length_mm` as of `mapped_loops`.
-
-    Raises:
-        RecordError: a file cannot be read or lacks something.
-    """
-    return tuple(_evolution(source, home, length_mm))
-
-
 def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> Iterator[MeasuredEvolution]:
     columns_wanted = wanted_columns(source.columns)
     for file in files_of(source, home):
@@ -292,82 +240,9 @@ def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> 
         default = float(numbers_in_name(file, source).get("repeat", source.repeat))
         repeat = columns.pop("repeat", np.full(count, default))
         require_recorded(file, repeat=repeat, **columns)
-        complete = {name: columns.get(name, np.full(count, np.nan)) for name in _EVOLUTION}
+        wanted = [column.name for column in EVOLUTION_COLUMNS[1:]]
+        complete = {name: columns.get(name, np.full(count, np.nan)) for name in wanted}
         for number in np.unique(repeat):
             own = np.flatnonzero(repeat == number)
             own = own[np.unique(complete["cycle"][own], return_index=True)[1]]
             yield MeasuredEvolution(int(number), {name: values[own] for name, values in complete.items()})
-
-
-def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
-    """Columns (n,).
-
-    Raises:
-        RecordError: they differ in length.
-    """
-    count = columns[first].size
-    for name, values in columns.items():
-        if values.size != count:
-            raise RecordError(f"{file}: {name} has {values.size} values where {first} has {count}.")
-    return {name: values.ravel() for name, values in columns.items()}
-
-
-def columns_of_levels(
-    file: Path, source: Source, columns: Table | None, table: str, repeat: int, step_um: float | None = None
-) -> tuple[str, dict[str, Array]]:
-    """Which of depth_um and height_um a file of worn surfaces gives, and its columns (n,), "repeat" among them.
-
-    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.  step_um: from
-    row to row, where there is no column of positions.
-
-    Raises:
-        RecordError: the mapping gives no columns, none or both of the levels, or the file's do not fit together.
-    """
-    if columns is None:
-        raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
-    given = [key for key in ("depth_um", "height_um") if getattr(columns, key) is not None]
-    if len(given) != 1:
-        raise RecordError(f"{file}: [{table}.columns] must give either depth_um or height_um.")
-    read = equal_rows(file, read_source(file, source, wanted_columns(columns)), given[0])
-    if "x_um" not in read:
-        if step_um is None:
-            raise RecordError(f"{file}: [{table}] must give x_um among its columns, or step_um.")
-        read["x_um"] = step_um * np.arange(float(read[given[0]].size))
-    repeats = read.get("repeat", np.full(read["x_um"].size, float(repeat)))
-    read |= {"repeat": repeats}
-    require_recorded(file, **read)
-    return given[0], read
-
-
-def _scars(source: ScarSource, wire: str, home: Path, wires: RecordWires) -> Iterator[MeasuredScar]:
-    for place, file in enumerate(files_of(source, home)):
-        # Without a pattern, files stand for repeats in their order.
-        repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
-        if source.kind == PROFILOMETER:
-            yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
-            continue
-        given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
-        for number in np.unique(columns["repeat"]):
-            own: NDArray[np.bool_] = columns["repeat"] == number
-            x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
-            if given == "height_um":
-                yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
-                continue
-            try:
-                scar = MeasuredScar.from_points(int(number), wire, x, y, level)
-                yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
-            except RecordError as problem:
-                raise RecordError(f"{file}: {problem}") from None
-
-
-def require_recorded(file: Path, **columns: Array) -> None:
-    """See that columns hold what a record's columns of these names can.
-
-    Raises:
-        RecordError: a value is none.
-    """
-    for name, values in columns.items():
-        column = RECORD_COLUMNS.get(name)
-        place = None if column is None else column.first_wrong(values)
-        if column is not None and place is not None:
-            raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")

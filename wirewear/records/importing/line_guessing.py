@@ -22,7 +22,7 @@ from wirewear.records.importing.guessing import (
 )
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.line_tables import RecordContact
-from wirewear.records.line_values import BODIES
+from wirewear.results import BODIES
 from wirewear.study.messages import validated
 
 #: Words in a file's name that tell whose profile it holds.

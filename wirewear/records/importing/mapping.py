@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
+from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.planar.tables import LineLoad
@@ -13,7 +14,16 @@ from wirewear.records.importing.map_scale import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata
-from wirewear.records.tables import Frame, Noise, RecordConditions, RecordWires, Stated, StatedScatter
+from wirewear.records.tables import (
+    Frame,
+    Noise,
+    OfTest,
+    RecordConditions,
+    RecordTables,
+    RecordWires,
+    Stated,
+    StatedScatter,
+)
 from wirewear.study.keys import FORMAT, NormalLoad, Table, checked_format, checked_text
 
 #: Kind of the files that hold a height map, which SurfaceTopography reads.
@@ -235,8 +245,11 @@ class Scars(Table):
     fixed: ScarSource | None = Field(None, description="scars of the fixed wire")
 
 
-class Mapping(Table):
+class Mapping(OfTest):
     """A whole mapping file."""
+
+    contact_kind, described_by, bodies = RecordTables.contact_kind, RecordTables.described_by, RecordTables.bodies
+    worn, needs_loops = RecordTables.worn, RecordTables.needs_loops
 
     format: Annotated[Literal[1], PlainValidator(checked_format)] = Field(
         description="version of this file's format", examples=[FORMAT]
@@ -252,6 +265,16 @@ class Mapping(Table):
     loops: LoopSource = Field(description="where the loops are")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
     scars: Scars = Field(Scars(), description="where the scar maps are")
+
+    @property
+    def surfaces(self) -> Scars:
+        """Where the worn surfaces are."""
+        return self.scars
+
+    def asked(self, path: Path) -> RecordConditions:
+        """The conditions of the record."""
+        del path
+        return self.conditions
 
 
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
@@ -324,3 +347,29 @@ class LineMapping(LineTest):
     loops: LoopSource | None = Field(None, description="where the loops are; forces may be in N/mm")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
     profiles: Profiles = Field(Profiles(), description="where the profiles are")
+
+    @property
+    def surfaces(self) -> Profiles:
+        """Where the worn surfaces are."""
+        return self.profiles
+
+    def asked(self, path: Path) -> LineConditions:
+        """The conditions of the record, with the load of the whole contact.
+
+        Raises:
+            RecordError: the load is given twice, or not at all.
+        """
+        whole, per_mm = self.conditions.normal_load_N, self.conditions.normal_load_N_per_mm
+        if (whole is None) == (per_mm is None):
+            what = "both" if whole is not None else "neither"
+            raise RecordError(
+                f"[conditions] of {path} gives {what} of normal_load_N, of the whole contact, and "
+                "normal_load_N_per_mm: give one of the two."
+            )
+        load = whole if per_mm is None else per_mm * self.length_mm
+        rest = self.conditions.model_dump(exclude={"normal_load_N", "normal_load_N_per_mm"})
+        return LineConditions(**rest, normal_load_N=load)
+
+
+#: Mappings by the names of kinds of contact.
+MAPPINGS: dict[str, type[Mapping | LineMapping]] = {model.contact_kind: model for model in (Mapping, LineMapping)}

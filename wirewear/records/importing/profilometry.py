@@ -1,5 +1,6 @@
 """Worn depth from a profilometer's height map of a wire: the unworn cylinder is fitted and subtracted."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,9 +10,11 @@ from scipy.optimize import least_squares
 
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
-from wirewear.records.importing.mapping import ScarSource
+from wirewear.records.importing.mapping import PROFILOMETER, Mapping, ScarSource
+from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
+from wirewear.records.surfaces import MeasuredScar
 from wirewear.records.tables import RecordWires
-from wirewear.records.values import Array, MeasuredScar
+from wirewear.records.values import Array
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 MOST_POINTS = 20_000
@@ -210,3 +213,30 @@ def wire_direction_deg(x: Array, y: Array, height: Array, radius_um: float) -> f
         return float(np.median(np.abs(rest)))
 
     return float(min(np.arange(-85.0, 91.0, 5.0), key=left))
+
+
+def scars_of_source(source: ScarSource, wire: str, home: Path, tables: Mapping) -> Iterator[MeasuredScar]:
+    """The scars of a wire that a source's files hold, x along the motion.
+
+    Raises:
+        RecordError: a file cannot be read, or lacks something.
+    """
+    wires = tables.wires
+    for place, file in enumerate(files_of(source, home)):
+        # Without a pattern, files stand for repeats in their order.
+        repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
+        if source.kind == PROFILOMETER:
+            yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
+            continue
+        given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
+        for number in np.unique(columns["repeat"]):
+            own: NDArray[np.bool_] = columns["repeat"] == number
+            x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
+            if given == "height_um":
+                yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
+                continue
+            try:
+                scar = MeasuredScar.from_points(int(number), wire, x, y, level)
+                yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
+            except RecordError as problem:
+                raise RecordError(f"{file}: {problem}") from None

@@ -4,14 +4,18 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.processes import within
 from wirewear.base.reading import DELIMITERS, require_within
-from wirewear.records.importing.mapping import ColumnMapping, Source, unit_factor
+from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.text import TextReader
+from wirewear.records.reading import RECORD_COLUMNS
 from wirewear.records.values import Array
+from wirewear.study.keys import Table
 
 #: A pattern that needs longer for a file's name would need for ever.
 PATTERN_s = 2.0
@@ -103,3 +107,61 @@ def _layout(source: Source) -> DelimitedLayout:
         lines_after_names=source.lines_after_names,
         most_rows=source.rows,
     )
+
+
+def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
+    """The columns that a table of columns names."""
+    return {name: getattr(columns, name) for name in type(columns).model_fields if getattr(columns, name) is not None}
+
+
+def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
+    """Columns (n,).
+
+    Raises:
+        RecordError: they differ in length.
+    """
+    count = columns[first].size
+    for name, values in columns.items():
+        if values.size != count:
+            raise RecordError(f"{file}: {name} has {values.size} values where {first} has {count}.")
+    return {name: values.ravel() for name, values in columns.items()}
+
+
+def columns_of_levels(
+    file: Path, source: Source, columns: Table | None, table: str, repeat: int, step_um: float | None = None
+) -> tuple[str, dict[str, Array]]:
+    """Which of depth_um and height_um a file of worn surfaces gives, and its columns (n,), "repeat" among them.
+
+    columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.  step_um: from
+    row to row, where there is no column of positions.
+
+    Raises:
+        RecordError: the mapping gives no columns, none or both of the levels, or the file's do not fit together.
+    """
+    if columns is None:
+        raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
+    given = [key for key in ("depth_um", "height_um") if getattr(columns, key) is not None]
+    if len(given) != 1:
+        raise RecordError(f"{file}: [{table}.columns] must give either depth_um or height_um.")
+    read = equal_rows(file, read_source(file, source, wanted_columns(columns)), given[0])
+    if "x_um" not in read:
+        if step_um is None:
+            raise RecordError(f"{file}: [{table}] must give x_um among its columns, or step_um.")
+        read["x_um"] = step_um * np.arange(float(read[given[0]].size))
+    repeats = read.get("repeat", np.full(read["x_um"].size, float(repeat)))
+    read |= {"repeat": repeats}
+    require_recorded(file, **read)
+    return given[0], read
+
+
+def require_recorded(file: Path, **columns: Array) -> None:
+    """See that columns hold what a record's columns of these names can.
+
+    Raises:
+        RecordError: a value is none.
+    """
+    for name, values in columns.items():
+        column = RECORD_COLUMNS.get(name)
+        place = None if column is None else column.first_wrong(values)
+        if column is not None and place is not None:
+            raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")

@@ -13,8 +13,7 @@ from studies.blind.generators.lines.readings import profile_at, read_test
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels, loop_figures
 from wirewear.effects import Effect
-from wirewear.records.line_values import BODIES
-from wirewear.results import RunResult
+from wirewear.results import BODIES, RunResult
 
 #: Noise of a profile's points.
 PROFILE_NOISE_um = 0.03

@@ -25,10 +25,9 @@ from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam, effect_named
 from wirewear.planar.tables import PlanarStudy, per_mm
-from wirewear.records import MeasuredEvolution, MeasuredLoop
+from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
 from wirewear.records.line_believed import believed_study
-from wirewear.records.line_values import BODIES, LineRecord, MeasuredProfile
-from wirewear.results import RunResult
+from wirewear.results import BODIES, RunResult
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)

@@ -11,8 +11,7 @@ from studies.blind.generators.nuisances import Nuisances, Scatter
 from studies.blind.generators.others.pair import Array
 from studies.blind.generators.others.tests_drawn import LineTest, Test
 from studies.blind.generators.waveform import Waveform
-from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredScar
-from wirewear.records.line_values import MeasuredProfile
+from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredProfile, MeasuredScar
 
 #: Displacement [µm], tangential and normal force [N] over a cycle (n,).
 Channels = tuple[Array, Array, Array]

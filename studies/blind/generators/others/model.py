@@ -32,9 +32,8 @@ from studies.blind.generators.others.tests_drawn import (
 )
 from studies.blind.generators.others.world import World
 from wirewear.base.errors import RunError
-from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables
+from wirewear.records import ExperimentRecord, LineRecord, MeasuredProfile, MeasuredScar, RecordTables
 from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.line_values import LineRecord, MeasuredProfile
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
 
@@ -122,7 +121,7 @@ class OtherSimulators:
                 rows.append(logs.logged_evolution(logger, repeat, read, random))
             if logger.has_scars:
                 scars.extend(logs.logged_scars(logger, test, repeat, course.scars, random))
-        record: ExperimentRecord | LineRecord
+        record: AnyRecord
         tables, maps = tables_of(case, test, logger), [one for one in scars if isinstance(one, MeasuredScar)]
         if isinstance(tables, LineRecordTables):
             profiles = [one for one in scars if isinstance(one, MeasuredProfile)]

@@ -1,9 +1,9 @@
-"""The first loop of an import, in numbers and as a picture, before anything is written."""
+"""An import before anything is written: its first loop and its worn surfaces, in numbers and as pictures."""
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TypeVar
+from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -12,37 +12,32 @@ from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
 from wirewear.pictures.style import WIDTH_in, new_figure, save
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.remarks import listed, plural
-from wirewear.records.values import WIRES, ExperimentRecord, MeasuredLoop, MeasuredScar
+from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
+from wirewear.records.tables import RecordTables
+from wirewear.records.values import AnyRecord, MeasuredLoop
 
 FEW = 5
 
 #: Scars of one wire, or profiles of one body, that are drawn.
 MOST_DRAWN = 3
 
-Measured = TypeVar("Measured")
 
-
-def first_loop_text(record: ExperimentRecord) -> str:
-    """What would be imported, the first samples of the first loop, and its figures."""
-    counted_parts = (
+def import_text(record: AnyRecord) -> str:
+    """What would be imported, the first samples of the first loop and its figures, and those of worn surfaces."""
+    parts = (
         (record.repeats, "repeat"),
         (record.loops, "loop"),
         (record.evolution, "evolution table"),
-        (record.scars, "scar map"),
+        (record.scars, record.tables.worn.noun),
     )
-    return "\n".join(
-        [
-            *parts_lines(record.notes, [(len(items), noun) for items, noun in counted_parts], record.cycles),
-            *loop_lines(record.loops[0], record.tables.conditions.normal_load_N),
-        ]
-    )
-
-
-def parts_lines(notes: Sequence[str], parts: Sequence[tuple[int, str]], cycles: Sequence[int]) -> list[str]:
-    """How much of what would be imported, and which cycles."""
-    counts = ", ".join(plural(count, noun) for count, noun in parts)
-    return [*(f"note: {note}" for note in notes), f"{counts}; cycles {listed(cycles)}" if cycles else counts]
+    counts = ", ".join(plural(len(items), noun) for items, noun in parts)
+    lines = [f"note: {note}" for note in record.notes]
+    lines.append(f"{counts}; cycles {listed(record.cycles)}" if record.cycles else counts)
+    if record.loops:
+        lines += loop_lines(record.loops[0], record.tables.conditions.normal_load_N)
+    return "\n".join([*lines, *(f"{one.body}, repeat {one.repeat}: {one.sizes}" for one in record.scars)])
 
 
 def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
@@ -66,36 +61,25 @@ def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
     return [*lines, *figures.notes]
 
 
-def draw_first_loop(loop: MeasuredLoop, path: Path) -> Path:
-    """Write the picture of the first loop; its folder is made if need be."""
-    prepared_folder(path.parent)
-    return save(lambda: _picture(loop), path)
+def draw_import(record: AnyRecord, output: Path) -> list[Path]:
+    """Draw the first loop, and of each body the first worn surfaces as they would be imported; the pictures' paths.
 
-
-def draw_scars(record: ExperimentRecord, output: Path) -> list[Path]:
-    """Draw each wire's scars as they would be imported: depth below the fitted cylinder, on one scale."""
-    wires = record.tables.wires
-    scars = {wire: record.scars_of(wire) for wire in WIRES}
-    return draw_each(scars, "scar", lambda own, wire: _scar_picture(own, wire, wires.axis_angle_deg(wire)), output)
-
-
-def draw_each(
-    measured: Mapping[str, Sequence[Measured]],
-    what: str,
-    picture: Callable[[Sequence[Measured], str], Figure],
-    output: Path,
-) -> list[Path]:
-    """Draw the first of what was measured of each body, beside where the record would be; the pictures' paths."""
+    They stand beside where the record would be, whose folder is made if need be.
+    """
+    prepared_folder(output.parent)
     drawn = []
-    for body, items in measured.items():
-        if items:
-            path = output.with_name(f"{output.name}_{what}_{body}.png")
-            prepared_folder(path.parent)
-            drawn.append(save(partial(picture, items[:MOST_DRAWN], body), path))
+    if record.loops:
+        drawn.append(save(lambda: _picture(record.loops[0]), output.with_name(f"{output.name}_first_loop.png")))
+    name = record.tables.worn.name
+    for body in record.tables.bodies:
+        if own := record.scars_of(body)[:MOST_DRAWN]:
+            path = output.with_name(f"{output.name}_{name}_{body}.png")
+            drawn.append(save(partial(_PICTURES[name], own, body, record.tables), path))
     return drawn
 
 
-def _scar_picture(scars: Sequence[MeasuredScar], wire: str, axis_angle_deg: float) -> Figure:
+def _scar_picture(scars: Sequence[MeasuredScar], wire: str, tables: RecordTables) -> Figure:
+    """Depth below the fitted cylinder, on one scale."""
     # As wide as its panels: one alone would stand aside.
     figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
@@ -103,13 +87,43 @@ def _scar_picture(scars: Sequence[MeasuredScar], wire: str, axis_angle_deg: floa
     for axes, scar in zip(panels, scars, strict=True):
         image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
         axes.set_aspect("equal")
-        along = np.radians(axis_angle_deg)
+        along = np.radians(tables.wires.axis_angle_deg(wire))
         axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
         axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
         axes.set_xlabel("x, along the motion [µm]")
     panels[0].set_ylabel(f"{wire} wire (its axis dash-dotted), y [µm]")
     figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
     return figure
+
+
+def _profile_picture(profiles: Sequence[MeasuredProfile], body: str, _: LineRecordTables) -> Figure:
+    heights = any(one.face_um is not None for one in profiles)
+    figure = new_figure(5.0 if heights else 3.0)
+    panels = figure.subplots(2 if heights else 1, len(profiles), sharex="col", sharey="row", squeeze=False)
+    for (upper, axes), one in zip(((column[0], column[-1]) for column in panels.T), profiles, strict=True):
+        profile, (left, right) = one, one.edges_um
+        worn = (profile.x_um >= left) & (profile.x_um <= right)
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+        axes.plot(profile.x_um, profile.depth_um, color=VARIANT_COLOURS[0], linewidth=0.8)
+        axes.fill_between(profile.x_um[worn], profile.depth_um[worn], color=VARIANT_COLOURS[0], alpha=0.25)
+        axes.set_xlabel("x, along the motion [µm]")
+        upper.set_title(f"{body}, repeat {profile.repeat}\n{profile.area_um2:.4g} µm²")
+        if one.height_um is not None and one.face_um is not None:
+            upper.plot(profile.x_um, one.height_um, color=VARIANT_COLOURS[0], linewidth=0.8, label="measured")
+            fitted = {"color": VARIANT_COLOURS[1], "linestyle": "--", "linewidth": 1.2}
+            upper.plot(profile.x_um, one.face_um, **fitted, label="fitted face")
+    panels[-1][0].invert_yaxis()
+    if heights:
+        panels[0][0].set_ylabel("height [µm]")
+        panels[0][0].legend(fontsize="small")
+    panels[-1][0].set_ylabel("worn depth [µm]")
+    return figure
+
+
+_PICTURES: Mapping[str, Callable[[Any, str, Any], Figure]] = {
+    SCARS.name: _scar_picture,
+    PROFILES.name: _profile_picture,
+}
 
 
 def _picture(loop: MeasuredLoop) -> Figure:

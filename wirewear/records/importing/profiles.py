@@ -1,9 +1,8 @@
-"""From a laboratory's files to a record of a line contact, by a mapping."""
+"""From a laboratory's files to the worn profiles of a line contact: levelled against the unworn face."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -14,19 +13,12 @@ from geometry import Cylinder, Flat
 from wirewear.base.errors import RecordError
 from wirewear.planar.tables import Face
 from wirewear.records.importing.height_maps import height_map
-from wirewear.records.importing.importing import (
-    columns_of_levels,
-    mapped_evolution,
-    mapped_loops,
-)
-from wirewear.records.importing.mapping import PROFILOMETER, LineMapping, MappedConditions, ProfileSource
-from wirewear.records.importing.mistaken import require_mapping
+from wirewear.records.importing.mapping import PROFILOMETER, ProfileSource
 from wirewear.records.importing.profilometry import ABOUT, LEAST_UNWORN, deviation
-from wirewear.records.importing.sources import files_of, numbers_in_name
-from wirewear.records.line_tables import LineConditions, LineFiles, LineRecordTables
-from wirewear.records.line_values import BODIES, Array, LineRecord, MeasuredProfile
-from wirewear.records.toml_file import read_tables
-from wirewear.records.values import MeasuredEvolution, MeasuredLoop
+from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
+from wirewear.records.line_tables import LineTest
+from wirewear.records.surfaces import Array, MeasuredProfile
+from wirewear.results import BODIES
 
 #: Fewer points tell no face.
 FEWEST_POINTS = 20
@@ -34,21 +26,10 @@ FEWEST_POINTS = 20
 #: Shares of a profile at either end that are taken to be unworn at first.
 MARGIN = 0.15
 
-_TAKEN_OVER = ("format", "name", "contact", "pad", "specimen", "stated", "noise", "scatter", "metadata")
-
-
-@dataclass(frozen=True, eq=False)
-class LevelledProfile:
-    """A profile with what it was made of: heights (n,) and the fitted face (n,) in µm, None where depths were given."""
-
-    profile: MeasuredProfile
-    height_um: Array | None = None
-    face_um: Array | None = None
-
 
 def levelled(
     file: Path, repeat: int, body: str, face: Face | Flat, heights: tuple[Array, Array], *, subtract: bool
-) -> LevelledProfile:
+) -> MeasuredProfile:
     """The worn depth of heights over places, both (n,) in µm, their zero at the scar's middle.
 
     The ends are taken to be unworn. From there the fit goes on to all points beside the scar, of which those that lie
@@ -68,7 +49,7 @@ def levelled(
     depth = fitted - height
     weight = np.maximum(depth, 0.0) ** 2
     scar = float(weight @ x) / float(weight.sum()) if weight.any() else middle
-    return LevelledProfile(MeasuredProfile(repeat, body, x - scar, depth), height, fitted)
+    return MeasuredProfile(repeat, body, x - scar, depth, height, fitted)
 
 
 def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
@@ -100,69 +81,19 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
     return surface(fit(bare if np.mean(bare) > LEAST_UNWORN else np.ones_like(bare), start, rough), x)
 
 
-@dataclass(frozen=True, eq=False)
-class ImportedLine:
-    """A record with its profiles as they were fitted, in the same order."""
-
-    record: LineRecord
-    fitted: tuple[LevelledProfile, ...]
-
-
-def import_line_record(mapping_path: str | Path) -> ImportedLine:
-    """The record of a line contact that a mapping file describes; file names in it are relative to its folder.
+def profiles_of(source: ProfileSource, body: str, home: Path, tables: LineTest) -> Iterator[MeasuredProfile]:
+    """The profiles of a body that a source's files hold, below their unworn faces.
 
     Raises:
-        RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
+        RecordError: a file cannot be read or lacks something, or a repeat is there twice.
     """
-    path = Path(mapping_path)
-    require_mapping(path)
-    mapping, notes = read_tables(path, LineMapping)
-    mapping.require_face(str(path))
-    home, length = path.parent, mapping.contact.length_mm
-    conditions = _conditions(mapping.conditions, length, path)
-    loops: tuple[MeasuredLoop, ...] = ()
-    evolution: tuple[MeasuredEvolution, ...] = ()
-    if mapping.loops is not None:
-        loops, turned = mapped_loops(mapping.loops, path, conditions.frequency_Hz, length)
-        notes = (*notes, *turned)
-    if mapping.evolution is not None:
-        evolution = mapped_evolution(mapping.evolution, home, length)
-    fitted: list[LevelledProfile] = []
-    for body, face in zip(BODIES, (mapping.pad.profile, Flat()), strict=True):
-        source: ProfileSource | None = getattr(mapping.profiles, body)
-        if source is not None:
-            fitted += _profiles(source, body, face, home)
-    if not loops and not evolution and not fitted:
-        raise RecordError(
-            f"{path} maps nothing: give [loops], [evolution], [profiles.pad] or [profiles.specimen] with its files."
-        )
-    tables = LineRecordTables(
-        **{name: getattr(mapping, name) for name in _TAKEN_OVER}, conditions=conditions, files=LineFiles()
-    )
-    return ImportedLine(
-        LineRecord(tables, loops, evolution, tuple(one.profile for one in fitted), notes), tuple(fitted)
-    )
-
-
-def _conditions(mapped: MappedConditions, length_mm: float, path: Path) -> LineConditions:
-    whole, per_mm = mapped.normal_load_N, mapped.normal_load_N_per_mm
-    if (whole is None) == (per_mm is None):
-        what = "both" if whole is not None else "neither"
-        raise RecordError(
-            f"[conditions] of {path} gives {what} of normal_load_N, of the whole contact, and normal_load_N_per_mm: "
-            "give one of the two."
-        )
-    load = whole if per_mm is None else per_mm * length_mm
-    return LineConditions(**mapped.model_dump(exclude={"normal_load_N", "normal_load_N_per_mm"}), normal_load_N=load)
-
-
-def _profiles(source: ProfileSource, body: str, face: Face | Flat, home: Path) -> Iterator[LevelledProfile]:
+    face = dict(zip(BODIES, (tables.pad.profile, Flat()), strict=True))[body]
     seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.
         repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
         for one in _profiles_in(file, source, body, face, repeat):
-            number = one.profile.repeat
+            number = one.repeat
             if number in seen:
                 raise RecordError(
                     f"{file}: [profiles.{body}] finds repeat {number} twice, first in {seen[number].name}: "
@@ -174,7 +105,7 @@ def _profiles(source: ProfileSource, body: str, face: Face | Flat, home: Path) -
 
 def _profiles_in(
     file: Path, source: ProfileSource, body: str, face: Face | Flat, repeat: int
-) -> Iterator[LevelledProfile]:
+) -> Iterator[MeasuredProfile]:
     if source.kind == PROFILOMETER:
         heights = _line_of_map(file, source)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
@@ -186,7 +117,7 @@ def _profiles_in(
         if x.size < 3:
             raise RecordError(f"{file}: the {body}'s profile of repeat {number:g} has fewer than three points.")
         if given == "depth_um":
-            yield LevelledProfile(MeasuredProfile(int(number), body, x, level))
+            yield MeasuredProfile(int(number), body, x, level)
         else:
             yield levelled(file, int(number), body, face, (x, level), subtract=source.subtract_face)
 

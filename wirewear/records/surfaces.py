@@ -1,0 +1,340 @@
+"""Worn surfaces as they were measured at the end of a test: maps of wires' scars, profiles across a line's."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirewear.base.errors import RecordError
+from wirewear.records.columns import Column
+from wirewear.results.scar import Scar, worn_volume_mm3
+
+Array = NDArray[np.float64]
+
+#: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
+WIDEST = 3
+
+#: Distance of a scar map's points, and unworn margin around the scar.
+SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
+
+#: A map of which fewer points are given than this share of its grid is no grid.
+LEAST_FILLED = 0.25
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredScar:
+    """Worn depth of one repeat's wire at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
+
+    x is the sliding direction. NaN stands where the map has no point.
+    """
+
+    repeat: int
+    body: str
+    x_um: Array
+    y_um: Array
+    depth_um: Array
+
+    @property
+    def points(self) -> dict[str, Array]:
+        """The known points, columns (n,) of a file."""
+        x, y = np.meshgrid(self.x_um, self.y_um, indexing="ij")
+        known = np.isfinite(self.depth_um)
+        return {"x_um": x[known], "y_um": y[known], "depth_um": self.depth_um[known]}
+
+    @classmethod
+    def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
+        """The map of points (n,) that lie on the lines of a grid, in any order.
+
+        Raises:
+            RecordError: they do not.
+        """
+        lines = np.unique(x_um).size, np.unique(y_um).size
+        # Before a grid is made of them: points at random would need a huge one.
+        if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
+            raise RecordError(
+                f"the {x_um.size} points of repeat {repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
+            )
+        x, x_place = np.unique(x_um, return_inverse=True)
+        y, y_place = np.unique(y_um, return_inverse=True)
+        depth = np.full((x.size, y.size), np.nan)
+        depth[x_place, y_place] = depth_um
+        depth.setflags(write=False)
+        return cls(repeat, body, x, y, depth)
+
+    @classmethod
+    def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredScar":
+        """The map that a profilometer takes of a simulated scar, in the test's frame."""
+        x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+        worn = scar.depth_um > 0.01 * scar.max_depth_um
+        if not worn.any():
+            worn = np.ones_like(worn)
+        lines = []
+        for coordinate in (x, y):
+            half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
+            lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
+        depth = scar.sampled(*lines)
+        return cls(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))
+
+    def turned(self, angle_deg: float) -> "MeasuredScar":
+        """The map turned about its origin, on lines of the new x and y that are as dense as its own.
+
+        Quarters of a turn keep every point. The rest is left out where it moves no point by half of a line's distance.
+        """
+        quarters, rest_deg = divmod(angle_deg + 45.0, 90.0)
+        x, y, depth = self.x_um, self.y_um, self.depth_um
+        for _ in range(int(quarters) % 4):
+            x, y, depth = -y[::-1], x, depth[:, ::-1].T
+        rest = np.radians(rest_deg - 45.0)
+        step = min(float(np.median(np.diff(line))) for line in (x, y))
+        if abs(rest) * np.hypot(np.abs(x).max(), np.abs(y).max()) > 0.5 * step:
+            x, y, depth = _turned(x, y, depth, float(rest), step)
+        depth = np.ascontiguousarray(depth)
+        depth.setflags(write=False)
+        return replace(self, x_um=x, y_um=y, depth_um=depth)
+
+    def bridged(self) -> "tuple[MeasuredScar, str]":
+        """The scar with small gaps interpolated along its lines, and a sentence on how many points that were."""
+        depth = np.array(self.depth_um)
+        both = np.stack([_along(self.y_um, depth), _along(self.x_um, depth.T).T])
+        known = np.isfinite(both)
+        means = np.where(known, both, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        fill = ~np.isfinite(depth) & known.any(axis=0)
+        if not fill.any():
+            return self, ""
+        depth[fill] = means[fill]
+        depth.setflags(write=False)
+        told = (
+            f"{np.mean(fill):.1%} of the points of the {self.body} wire's map, repeat {self.repeat}, were not "
+            f"measured: gaps of up to {WIDEST} points are interpolated"
+        )
+        return replace(self, depth_um=depth), told
+
+    @property
+    def sizes(self) -> str:
+        """Its figures for a sentence."""
+        return f"{np.nanmax(self.depth_um, initial=0.0):.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
+
+    @property
+    def volume_mm3(self) -> float:
+        """Worn volume [mm³]."""
+        return worn_volume_mm3(self.x_um, self.y_um, self.depth_um)
+
+    @property
+    def rim_um(self) -> Array:
+        """Depths (n,) at which the map ends: the first and the last known one of every line along x and along y."""
+        known = np.isfinite(self.depth_um)
+        ends = [depth[has][[0, -1]] for depth, has in zip(self.depth_um, known, strict=True) if has.any()]
+        ends += [depth[has][[0, -1]] for depth, has in zip(self.depth_um.T, known.T, strict=True) if has.any()]
+        return np.concatenate(ends) if ends else np.array([])
+
+    @property
+    def gaps(self) -> float:
+        """Share of the map's points that are missing, of those with known ones on all four sides along the lines."""
+        known = np.isfinite(self.depth_um)
+        within = np.ones_like(known)
+        for axis in (0, 1):
+            for sign in (1, -1):
+                flipped = np.flip(known, axis) if sign < 0 else known
+                before = np.logical_or.accumulate(flipped, axis=axis)
+                within &= np.flip(before, axis) if sign < 0 else before
+        return float(np.mean(~known[within])) if within.any() else 0.0
+
+
+def _along(line: Array, depth: Array) -> Array:
+    """Depths (n, m) over a line (m,) between the known ones beside a gap; NaN elsewhere."""
+    known, place = np.isfinite(depth), np.arange(line.size)
+    before = np.maximum.accumulate(np.where(known, place, -1), axis=1)
+    after = np.minimum.accumulate(np.where(known, place, line.size)[:, ::-1], axis=1)[:, ::-1]
+    small = ~known & (before >= 0) & (after < line.size) & (after - before - 1 <= WIDEST)
+    rows, columns = np.nonzero(small)
+    left, right = before[small], after[small]
+    share = (line[columns] - line[left]) / (line[right] - line[left])
+    found = np.full(depth.shape, np.nan)
+    found[small] = (1.0 - share) * depth[rows, left] + share * depth[rows, right]
+    return found
+
+
+def _turned(x: Array, y: Array, depth: Array, angle: float, step: float) -> tuple[Array, Array, Array]:
+    """A map between points interpolated at those of a grid that is turned by an angle [rad]; NaN beyond the map."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    cosine, sine = np.cos(angle), np.sin(angle)
+    corner_x, corner_y = np.meshgrid(x[[0, -1]], y[[0, -1]])
+    corners = (corner_x * cosine - corner_y * sine, corner_x * sine + corner_y * cosine)
+    lines = [step * np.arange(np.ceil(at.min() / step), np.floor(at.max() / step) + 1) for at in corners]
+    new_x, new_y = np.meshgrid(*lines, indexing="ij")
+    at = (new_x * cosine + new_y * sine, new_y * cosine - new_x * sine)
+    found: Array = RegularGridInterpolator((x, y), depth, bounds_error=False, fill_value=np.nan)(at)
+    return lines[0], lines[1], found
+
+
+#: Depth, relative to the deepest point, that bounds the scar.
+EDGE = 0.01
+
+#: Noise (three deviations) is small below this share of the depth; a profile keeps so many means beside one another.
+CLEAR, FEWEST_ACROSS = 0.1, 8
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredProfile:
+    """Worn depth of one repeat's body along the sliding direction at the end, arrays (n,); negative: piled up.
+
+    It was made of the heights and the fitted face, None where depths were given.
+    """
+
+    repeat: int
+    body: str
+    x_um: Array
+    depth_um: Array
+    height_um: Array | None = None
+    face_um: Array | None = None
+
+    @classmethod
+    def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
+        """The profile of points (n,) in their order.
+
+        Raises:
+            RecordError: there are fewer than three.
+        """
+        if x_um.size < 3:
+            raise RecordError(f"the profile of repeat {repeat} has fewer than three points.")
+        return cls(repeat, body, x_um, depth_um)
+
+    @classmethod
+    def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredProfile":
+        """The profile that a stylus takes of a simulated scar."""
+        rough = noise_um * random.standard_normal(scar.axial_um.size)
+        return cls(repeat, scar.body, scar.axial_um, scar.depth_um[:, 0] + rough)
+
+    @property
+    def points(self) -> dict[str, Array]:
+        """Its columns (n,) in a file."""
+        return {"x_um": self.x_um, "depth_um": self.depth_um}
+
+    def bridged(self) -> "tuple[MeasuredProfile, str]":
+        """The profile itself, which knows no gaps."""
+        return self, ""
+
+    @property
+    def sizes(self) -> str:
+        """Its figures for a sentence."""
+        return f"{self.smooth_um.max():.3g} µm deep, {self.width_um:.4g} µm wide, {self.area_um2:.4g} µm²"
+
+    @property
+    def edges_um(self) -> tuple[float, float]:
+        """Where the depth first falls to 1 % of its largest, to either side of the deepest point; or the ends.
+
+        In a shallow scar noise alone would do that anywhere: there it is the mean of neighbours that falls.
+        """
+        deepest = int(self.smooth_um.argmax())
+        out = np.flatnonzero(self.smooth_um <= self._level_um)
+        left, right = out[out < deepest], out[out > deepest]
+        return (
+            self._crossing(int(left[-1]), int(left[-1]) + 1) if len(left) else float(self.x_um[0]),
+            self._crossing(int(right[0]), int(right[0]) - 1) if len(right) else float(self.x_um[-1]),
+        )
+
+    @cached_property
+    def smooth_um(self) -> Array:
+        """Depths (n,) as means of so many neighbours that noise is small beside the scar; as they are in a deep one."""
+        depth = self.depth_um
+        # Of a straight line nothing is left in second differences, of noise √6 times its deviation.
+        noise = 1.4826 * float(np.median(np.abs(np.diff(depth, 2)))) / np.sqrt(6.0) if depth.size > 2 else 0.0
+        deep, smooth = float(depth.max()), depth
+        for _ in range(2):
+            count = min(int((3.0 * noise / (CLEAR * deep)) ** 2), depth.size // FEWEST_ACROSS) if deep > 0.0 else 0
+            if count < 2:
+                return smooth
+            padded = np.pad(depth, (count // 2, (count - 1) // 2), mode="reflect")
+            smooth = np.convolve(padded, np.full(count, 1.0 / count), mode="valid")
+            deep = float(smooth.max())
+        return smooth
+
+    @property
+    def width_um(self) -> float:
+        """Distance of the edges."""
+        left, right = self.edges_um
+        return right - left
+
+    @property
+    def area_um2(self) -> float:
+        """Worn cross-section between the edges."""
+        x, depth = self._worn
+        return float(np.trapezoid(depth, x))
+
+    @property
+    def centre_um(self) -> float:
+        """Centre of the worn cross-section; NaN where nothing is worn."""
+        x, depth = self._worn
+        return float(np.trapezoid(x * depth, x)) / self.area_um2 if self.area_um2 > 0.0 else float("nan")
+
+    @property
+    def _level_um(self) -> float:
+        return EDGE * float(self.smooth_um.max())
+
+    @property
+    def _worn(self) -> tuple[Array, Array]:
+        """Places and depths from edge to edge."""
+        left, right = self.edges_um
+        inside = (self.x_um > left) & (self.x_um < right)
+        ends = np.interp((left, right), self.x_um, self.depth_um)
+        return np.r_[left, self.x_um[inside], right], np.r_[ends[0], self.depth_um[inside], ends[1]]
+
+    def _crossing(self, out: int, worn: int) -> float:
+        """The place between two neighbours at which the depth passes the edges' level."""
+        rise = float(self.smooth_um[worn] - self.smooth_um[out])
+        share = (self._level_um - float(self.smooth_um[out])) / rise if rise > 0.0 else 0.0
+        return float(self.x_um[out] + share * (self.x_um[worn] - self.x_um[out]))
+
+
+@dataclass(frozen=True)
+class Worn:
+    """How the worn surfaces of a kind of contact stand in a record, and what sentences say of them.
+
+    Attributes:
+        name: files are named by it and the body, such as scar_moving.
+        noun: what one is called among what an import holds.
+        columns: of such a file.
+        surface: what each is.
+        support: what surfaces tell.
+        fewest: of so many bodies.
+        lacking: what is not known without those of some, and how they are had.
+    """
+
+    name: str
+    noun: str
+    columns: tuple[Column, ...]
+    surface: type[MeasuredScar] | type[MeasuredProfile]
+    support: str
+    fewest: int
+    lacking: str
+
+
+_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
+
+SCARS = Worn(
+    "scar",
+    "scar map",
+    (
+        _REPEAT,
+        Column("x_um", -1e5, 1e5, complete=True),
+        Column("y_um", -1e5, 1e5, complete=True),
+        Column("depth_um", -1e4, 1e4),
+    ),
+    MeasuredScar,
+    "Worn volume, depth and shape of both scars at the end; the crossing angle by their skew.",
+    2,
+    "Worn volume and shape, and the crossing angle: there is no scar of the {} wire. A profilometer's map of it, or "
+    "its points x, y, height, can be imported ([scars.*] of a mapping).",
+)
+PROFILES = Worn(
+    "profile",
+    "profile",
+    (_REPEAT, Column("x_um", -1e6, 1e6, complete=True), Column("depth_um", -1e4, 1e4, complete=True)),
+    MeasuredProfile,
+    "Depth, width and worn area of the {} at the end.",
+    1,
+    "Depth, width and worn area of the {}: there is no profile of it. A stylus's line or a profilometer's map across "
+    "the scar can be imported ([profiles.*] of a mapping).",
+)
