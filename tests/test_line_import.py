@@ -58,7 +58,7 @@ def test_a_fitted_face_does_not_follow_the_scar_nor_what_is_piled_up_beside_it(f
     worn = 3.0 * np.maximum(1.0 - (x / 380.0) ** 2, 0.0) - 0.8 * np.exp(-(((x - 420.0) / 25.0) ** 2))
     own = 1e3 * face.height(np.column_stack([1e-3 * (x + 15.0), 0.0 * x]))
     height = own + 7.0 - 0.004 * x - worn + 0.02 * np.random.default_rng(2).standard_normal(x.size)
-    found = levelled(Path("x"), 1, "pad", face, (x, height), subtract=True).profile.depth_um
+    found = levelled(Path("x"), 1, "pad", face, (x, height), subtract=True).depth_um
     np.testing.assert_allclose(found, worn, atol=0.12)
     assert found.min() == pytest.approx(worn.min(), abs=0.1)
 

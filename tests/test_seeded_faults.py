@@ -67,7 +67,7 @@ def turned(scar: MeasuredScar) -> MeasuredScar:
 
 def other_wire(record: ExperimentRecord) -> ExperimentRecord:
     other = {"moving": "fixed", "fixed": "moving"}
-    return replace(record, scars=tuple(replace(scar, wire=other[scar.body]) for scar in record.scars))
+    return replace(record, scars=tuple(replace(scar, body=other[scar.body]) for scar in record.scars))
 
 
 def renumbered(new_cycles: Callable[[tuple[int, ...]], list[int]]) -> Change:

@@ -22,7 +22,7 @@ from wirewear.base.verdicts import Comparison, Finding, comparison_table, findin
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
-from wirewear.records import MeasuredProfile, read_record
+from wirewear.records import LineRecord, MeasuredProfile, read_record
 from wirewear.results import RunResult, Scar, read_results
 
 Array = NDArray[np.float64]
@@ -49,7 +49,8 @@ _ROUGH = 1.5
 
 def measured_scar() -> MeasuredProfile:
     """The measured flat, from the zero of McColl's figure."""
-    return read_record(_HERE / "record").scars[0]
+    record: LineRecord = read_record(_HERE / "record")
+    return record.scars[0]
 
 
 def published_scar() -> MeasuredProfile:

@@ -208,7 +208,7 @@ def _rotation_um_per_N(record: AnyRecord) -> float:
     stated = record.tables.stated
     if isinstance(stated.rotational_stiffness_N_mm_per_rad, str) or stated.pivot_height_mm is None:
         return 0.0
-    return 1e3 * stated.pivot_height_mm**2 / stated.rotational_stiffness_N_mm_per_rad
+    return float(1e3 * stated.pivot_height_mm**2 / stated.rotational_stiffness_N_mm_per_rad)
 
 
 def _play(tests: LoopsOfTests) -> dict[str, FittedParameter]:

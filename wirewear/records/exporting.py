@@ -47,12 +47,7 @@ def record_of_result(
         RecordError: the result has logged no loops, its study says too little or has unequal wires, or the length of a
             line contact is missing, or that of another one is given.
     """
-    if (length_mm is None) != (result.length_mm is None):
-        raise RecordError(
-            "a line contact's forces are per millimetre: give its --length for a record."
-            if length_mm is None
-            else f"--length does not apply to {result.label}, which is a run of crossed wires."
-        )
+    TABLES[result.contact_kind].require_length(length_mm, result.label)
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     # Studies of line contacts state effects, as of sensors, as they are of one millimetre.

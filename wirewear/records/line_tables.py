@@ -153,6 +153,12 @@ class LineTest(OfTest):
         return self.contact.length_mm
 
     @classmethod
+    def require_length(cls, length_mm: float | None, label: str) -> None:
+        """See that it is given; RecordError otherwise."""
+        if not length_mm:
+            raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
+
+    @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
         """What touches, the pad and the specimen."""
         del label

@@ -15,7 +15,7 @@ from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
-from wirewear.records.surfaces import SCARS, Worn
+from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables, require_unchanged
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
@@ -135,7 +135,7 @@ def evolution_in(table: ColumnTable) -> Iterator[MeasuredEvolution]:
         yield MeasuredEvolution(int(columns["repeat"][part.start]), own)
 
 
-def _surfaces(table: ColumnTable, worn: Worn, body: str) -> Iterator[Any]:
+def _surfaces(table: ColumnTable, worn: WornSurfaces, body: str) -> Iterator[Any]:
     places = [name for name in ("x_um", "y_um") if name in table.columns]
     table = sorted_rows(table, ("repeat", *places))
     for part in _groups(table.columns["repeat"]):

@@ -289,7 +289,7 @@ class MeasuredProfile:
 
 
 @dataclass(frozen=True)
-class Worn:
+class WornSurfaces:
     """How the worn surfaces of a kind of contact stand in a record, and what sentences say of them.
 
     Attributes:
@@ -313,7 +313,7 @@ class Worn:
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 
-SCARS = Worn(
+SCARS = WornSurfaces(
     "scar",
     "scar map",
     (
@@ -328,7 +328,7 @@ SCARS = Worn(
     "Worn volume and shape, and the crossing angle: there is no scar of the {} wire. A profilometer's map of it, or "
     "its points x, y, height, can be imported ([scars.*] of a mapping).",
 )
-PROFILES = Worn(
+PROFILES = WornSurfaces(
     "profile",
     "profile",
     (_REPEAT, Column("x_um", -1e6, 1e6, complete=True), Column("depth_um", -1e4, 1e4, complete=True)),

@@ -8,7 +8,7 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
-from wirewear.records.surfaces import SCARS, MeasuredScar, Worn
+from wirewear.records.surfaces import SCARS, MeasuredScar, WornSurfaces
 from wirewear.results.scar import WIRES
 from wirewear.study.keys import (
     FORMAT,
@@ -226,13 +226,19 @@ class OfTest(Table):
     contact_kind: ClassVar[str]
     described_by: ClassVar[str]
     bodies: ClassVar[tuple[str, str]]
-    worn: ClassVar[Worn]
+    worn: ClassVar[WornSurfaces]
     needs_loops: ClassVar[bool]
 
     @property
     def length_mm(self) -> float | None:
         """Length of the contact, where it has one."""
         return None
+
+    @classmethod
+    def require_length(cls, length_mm: float | None, label: str) -> None:
+        """See that a length is given of a contact that has one alone; RecordError otherwise."""
+        if length_mm:
+            raise RecordError(f"--length does not apply to {label}, which is a run of crossed wires.")
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
