@@ -167,7 +167,7 @@ def judged(
     if stays is not None and verdict == "unexplained":
         resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     unnamed = verdict == "unexplained" and best.names in failing
-    said_of_wires = verdict == "no_gap" and setup.contact_kind == "crossed-wires"
+    said_of_wires = verdict == "no_gap" and not setup.length_mm
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,

@@ -14,9 +14,10 @@ from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Sequence
+    from collections.abc import Callable, Iterable, Mapping, Sequence
 
     from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.kinds import Kind
     from wirewear.results import ContactForces, RunResult
 
 
@@ -52,7 +53,7 @@ def fields(
     """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
     from wirewear.faces.looking import one_run
     from wirewear.faces.study_script import progress_bar
-    from wirewear.interior.writing import WIRES, write_fields
+    from wirewear.kinds import kind_of
 
     folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
     chosen = None if "all" in at else at or ("mid-forward",)
@@ -64,44 +65,36 @@ def fields(
             return bar.track(each, description=doing)
 
         result = one_run(result_path)
-        if result.length_mm is not None:
-            from wirewear.planar.fields import write_planar_fields
-
-            _require_wires(result_path, "--wire", wire != "both")
-            _require_wires(result_path, "--integration-points", integration_points)
-            _require_wires(result_path, "--no-pictures", no_pictures)
-            _require_wires(result_path, "--animate", animate)
-            _tell_taken(cycle, result, result.bodies)
-            usable_folder(folder)
-            written = write_planar_fields(
-                result, folder, cycle=round(cycle), at=chosen, worn=not fresh_nodes, tracked=tracked
-            )
-        else:
-            wires = WIRES if wire == "both" else (wire,)
-            _tell_taken(cycle, result, wires)
-            usable_folder(folder)
-            written = write_fields(
-                result,
-                folder,
-                cycle=cycle,
-                at=chosen,
-                wires=wires,
-                worn=not fresh_nodes,
-                integration_points=integration_points,
-                pictures=not no_pictures and "all" not in at,
-                animation=animate,
-                tracked=tracked,
-            )
+        kind = kind_of(result)
+        given = {
+            "--wire": wire != "both",
+            "--integration-points": integration_points,
+            "--no-pictures": no_pictures,
+            "--animate": animate,
+        }
+        _require_known(result_path, kind, given)
+        bodies = kind.bodies if wire == "both" else (wire,)
+        _tell_taken(cycle, result, bodies)
+        usable_folder(folder)
+        shown = {
+            "wires": bodies,
+            "integration_points": integration_points,
+            "pictures": not no_pictures and "all" not in at,
+            "animation": animate,
+        }
+        written = kind.write_fields(
+            result, folder, shown, cycle=cycle, at=chosen, worn=not fresh_nodes, tracked=tracked
+        )
     for path in written:
         click.echo(path)
     if not no_pictures and not any(path.suffix in (".png", ".gif") for path in written):
         click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
 
 
-def _require_wires(path: Path, option: str, given: bool) -> None:
-    """Raise ResultError if an option is given that files of line contacts do not know."""
-    if given:
-        raise ResultError(f"{option} does not apply to {path}, which is a line contact.")
+def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
+    """Raise ResultError if an option is given that files of a kind of contact do not know."""
+    for option in (one for one, is_given in given.items() if is_given and one not in kind.inside_options):
+        raise ResultError(f"{option} does not apply to {path}, which is a {kind.name.replace('-', ' ')}.")
 
 
 @cli.command()
@@ -177,37 +170,17 @@ def _assessing(
     What is refused is refused here, before anything is computed.
     """
     from wirewear.faces.looking import one_run
-    from wirewear.interior.strength import assessable, strength_of
-    from wirewear.interior.writing import WIRES
+    from wirewear.kinds import kind_of
 
     result = one_run(path)
-    if result.length_mm is not None:
-        from wirewear.planar.fields import planar_assessable, planar_strength
-        from wirewear.results import BODIES
-
-        _require_wires(path, "--wire", wire != "both")
-        wanted = [round(cycle) for cycle in cycles] or _recorded(result.contact_forces)
-        chosen = {
-            body: _each_once(planar_assessable(result, body, cycle, asked) for cycle in wanted) for body in BODIES
-        }
-        return chosen, lambda body, cycle: planar_strength(result, body, cycle, asked)
+    kind = kind_of(result)
+    _require_known(path, kind, {"--wire": wire != "both"})
     every = cycles or _recorded(result.contact_forces)
-    wires = WIRES if wire == "both" else (wire,)
+    bodies = kind.bodies if wire == "both" else (wire,)
     for cycle in cycles:
-        _tell_taken(cycle, result, wires)
-    chosen = {one: _each_once(assessable(result, one, cycle, asked) for cycle in every) for one in wires}
-
-    def at(one: str, cycle: int) -> Strength:
-        return strength_of(
-            result,
-            one,
-            cycle,
-            yield_strength_MPa=asked.yield_strength_MPa,
-            crossland_slope=asked.crossland_slope,
-            averaging_length_um=asked.averaging_length_um,
-        )
-
-    return chosen, at
+        _tell_taken(cycle, result, bodies)
+    chosen = {one: _each_once(kind.assessable(result, one, cycle, asked) for cycle in every) for one in bodies}
+    return chosen, lambda one, cycle: kind.strength(result, one, cycle, asked)
 
 
 def _tell_taken(cycle: float, result: RunResult, wires: Iterable[str]) -> None:

@@ -2,55 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.faces.maps_values import MappedTest, SlidingMap, WornTest, regime_of
-from wirewear.fitting.study_of_record import tables_of_record
 from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
+from wirewear.kinds import kind_of
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.records import read_record
+from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
-from wirewear.results import BODIES, RunResult, read_loops, read_results
+from wirewear.results import RunResult, read_loops, read_results
 from wirewear.views.run_maps import FreshContact, fresh_contact
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord, LineRecord
     from wirewear.records.values import MeasuredLoop
 
 Read = tuple[MappedTest, list[tuple[int, LoopFigures]]]
-
-
-def of_line_record(record: LineRecord, path: Path) -> Read:
-    """A measured test, and the figures of its loops by cycle."""
-    asked, length = record.tables.conditions, record.tables.contact.length_mm
-    loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
-    load = float(np.mean(loads)) if loads else asked.normal_load_N
-    areas = [{one.repeat: one.area_um2 for one in record.scars_of(body)} for body in BODIES]
-    worn = tuple(
-        WornTest(energy / length, 1e-6 * (areas[0][repeat] + areas[1][repeat]))
-        for repeat in sorted(set(areas[0]) & set(areas[1]))
-        if (energy := accumulated_energy_J(record, repeat)) is not None
-    )
-    test = MappedTest(
-        name=record.name,
-        source=record.tables.metadata.source or "record",
-        path=str(path),
-        normal_load_N=load / length,
-        displacement_amplitude_um=asked.displacement_amplitude_um,
-        worn=worn,
-        cracks=record.tables.metadata.cracks,
-        per_mm=True,
-    )
-    return test, _figures(record.loops, asked.normal_load_N)
 
 
 def _figures(loops: Sequence[MeasuredLoop], load_N: float) -> list[tuple[int, LoopFigures]]:
@@ -74,43 +49,33 @@ def fretting_tests(path: Path) -> list[MappedTest]:
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)
         return [_of_result(result, path) for result in read_results(path)]
     record = read_record(path)
-    return [completed(*_OF_RECORDS[record.contact_kind](record, path))]
+    return [completed(*_of_record(record, path))]
 
 
-def _of_record(record: ExperimentRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
-    loops: list[tuple[int, LoopFigures]] = []
-    asked = record.tables.conditions
-    for loop in record.loops:
-        with suppress(LoopError):
-            loops.append((loop.cycle, loop.figures(asked.normal_load_N)))
+def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[int, LoopFigures]]]:
+    asked, length_mm = record.tables.conditions, record.tables.length_mm
+    loops = _figures(record.loops, asked.normal_load_N)
     loads = [float(np.nanmedian(one.normal_force_N)) for one in record.loops if one.normal_force_N is not None]
+    load = float(np.mean(loads)) if loads else asked.normal_load_N
     contact = None
     with suppress(RecordError):
-        contact = fresh_contact(tables_of_record(record))
-    return (
-        MappedTest(
-            name=record.name,
-            source=record.tables.metadata.source or "record",
-            path=str(path),
-            normal_load_N=float(np.mean(loads)) if loads else asked.normal_load_N,
-            displacement_amplitude_um=asked.displacement_amplitude_um,
-            worn=_worn(record),
-            cracks=record.tables.metadata.cracks,
-            contact=None if contact is None else _behind_measured_rig(contact, record, loops),
-        ),
-        loops,
+        contact = fresh_contact(kind_of(record).tables_of(record))
+    test = MappedTest(
+        name=record.name,
+        source=record.tables.metadata.source or "record",
+        path=str(path),
+        normal_load_N=load / (length_mm or 1.0),
+        displacement_amplitude_um=asked.displacement_amplitude_um,
+        worn=_worn(record),
+        cracks=record.tables.metadata.cracks,
+        contact=None if contact is None else _behind_measured_rig(contact, record, loops),
+        per_mm=bool(length_mm),
     )
-
-
-#: Tests of records, by their kind of contact.
-_OF_RECORDS: dict[str, Callable[[Any, Path], tuple[MappedTest, Sequence[tuple[int, LoopFigures]]]]] = {
-    "crossed-wires": _of_record,
-    "line-contact": of_line_record,
-}
+    return test, loops
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:
-    evolution, per_mm = result.evolution, result.length_mm is not None
+    evolution, per_mm = result.evolution, bool(result.length_mm)
     worn: tuple[WornTest, ...] = ()
     if evolution["cycle"].size and (volume := float(result.worn_volume_mm3[-1])) > 0.0:
         worn = (WornTest(float(evolution["accumulated_energy_J"][-1]), volume),)
@@ -154,18 +119,19 @@ def _sliding(cycle: int, loops: Sequence[LoopFigures]) -> SlidingMap:
     return SlidingMap(cycle, *(_mean([one.value for one in own if one is not None]) for own in ratios))
 
 
-def _worn(record: ExperimentRecord) -> tuple[WornTest, ...]:
-    """Repeats of which both wires' scars and an energy are known."""
-    volumes = {wire: {scar.repeat: scar.volume_mm3 for scar in record.scars_of(wire)} for wire in ("moving", "fixed")}
+def _worn(record: AnyRecord) -> tuple[WornTest, ...]:
+    """Repeats of which both bodies' scars and an energy are known, each per mm where the contact has a length."""
+    first, second = record.worn_volumes_mm3.values()
+    per = 1.0 / (record.tables.length_mm or 1.0)
     return tuple(
-        WornTest(energy, volumes["moving"][repeat] + volumes["fixed"][repeat])
-        for repeat in sorted(set(volumes["moving"]) & set(volumes["fixed"]))
+        WornTest(per * energy, per * (first[repeat] + second[repeat]))
+        for repeat in sorted(set(first) & set(second))
         if (energy := accumulated_energy_J(record, repeat)) is not None
     )
 
 
 def _behind_measured_rig(
-    contact: FreshContact, record: ExperimentRecord, loops: Sequence[tuple[int, LoopFigures]]
+    contact: FreshContact, record: AnyRecord, loops: Sequence[tuple[int, LoopFigures]]
 ) -> FreshContact:
     """The contact behind the rig that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c, if they show one."""
     known = [(cycle, one.measured_stiffness_N_per_um) for cycle, one in loops]

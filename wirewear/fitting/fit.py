@@ -19,6 +19,7 @@ from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
 from wirewear.fitting.wires import WiresTestFit
 from wirewear.records import AnyRecord
+from wirewear.records.checking import remarks_told
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
@@ -64,7 +65,7 @@ def fit_record(
     """
     subject = subject_of(record)
     with stage("checking the record"):
-        told = subject.told()
+        told = tuple(remark.text for remark in remarks_told(record))
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
         worn, found, notes = fitted_wear(subject)

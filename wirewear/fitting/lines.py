@@ -18,7 +18,6 @@ from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord
-from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.line_believed import stated_wear, tables_of_test
 from wirewear.results import BODIES
@@ -43,17 +42,6 @@ class LineTestFit:
     #: Stiffer than what a record may state.
     rigid_N_per_mm: float = 1e7
     where_volumes: str = "measure both profiles ([profiles.pad] and [profiles.specimen] of the mapping)"
-
-    def told(self) -> tuple[str, ...]:
-        """What its check remarks."""
-        return tuple(remark.text for remark in remarks_told(self.record))
-
-    def volumes(self) -> Volumes:
-        """Those of the profiles, along the whole contact."""
-        length_um = 1e3 * self.record.tables.contact.length_mm
-        return {
-            body: {one.repeat: 1e-9 * length_um * one.area_um2 for one in self.record.scars_of(body)} for body in BODIES
-        }
 
     def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:
         """A coefficient for each body that a profile is known of."""

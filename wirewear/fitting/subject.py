@@ -46,12 +46,6 @@ class FitSubject(Protocol):
     def where_volumes(self) -> str:
         """How a laboratory gets the worn volumes into its record, for a sentence."""
 
-    def told(self) -> tuple[str, ...]:
-        """What is odd in the record, as sentences; RecordError where something forbids any conclusion."""
-
-    def volumes(self) -> Volumes:
-        """Worn volumes."""
-
     def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:
         """Wear from volumes and friction energies by repeat."""
 

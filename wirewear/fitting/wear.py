@@ -26,7 +26,7 @@ def fitted_wear(subject: FitSubject) -> tuple[dict[str, FittedParameter], dict[s
     record = subject.record
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
-    volumes = subject.volumes()
+    volumes = subject.record.worn_volumes_mm3
     found = {
         f"worn_volume_{body}_mm3": FittedParameter.of_repeats([*own.values()], "mm3")
         for body, own in volumes.items()

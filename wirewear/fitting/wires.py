@@ -16,7 +16,6 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.fitting.subject import Volumes, Worn
 from wirewear.fitting.values import FittedParameter
 from wirewear.loops.branches import remaining_force
-from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.values import MeasuredLoop
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
@@ -68,16 +67,6 @@ class WiresTestFit:
     #: Stiffer than the contact of any wire.
     rigid_N_per_mm: float = 1e6
     where_volumes: str = "measure both scars ([scars.moving] and [scars.fixed] of the mapping)"
-
-    def told(self) -> tuple[str, ...]:
-        """What its check remarks."""
-        return tuple(remark.text for remark in remarks_told(self.record))
-
-    def volumes(self) -> Volumes:
-        """Those of the scar maps."""
-        return {
-            wire: {scar.repeat: scar.volume_mm3 for scar in self.record.scars_of(wire)} for wire in ("moving", "fixed")
-        }
 
     def worn(self, volumes: Volumes, energies_J: Mapping[int, float]) -> Worn:
         """The coefficient of both wires, and the moving one's share."""

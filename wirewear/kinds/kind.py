@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.study.template import Template
@@ -30,12 +31,16 @@ class Kind(Protocol):
     Attributes:
         name: as `kind` in a study and `contact_kind` of studies, records and results say it.
         names: all that `kind` in a study may be, older names too.
+        bodies: names of both, as files inside them are written.
+        inside_options: options of `wirewear fields` and `strength` that not all kinds know.
         scatters: whether studies state the scatter of their inputs.
         options: keys of its records alone that `wirewear new --mapping` takes as options.
     """
 
     name: ClassVar[str]
     names: ClassVar[tuple[str, ...]]
+    bodies: ClassVar[tuple[str, str]]
+    inside_options: ClassVar[frozenset[str]]
     scatters: ClassVar[bool]
     options: ClassVar[frozenset[str]]
 
@@ -72,3 +77,12 @@ class Kind(Protocol):
 
     def compared(self, result: Any, record: Any) -> Compared:
         """A run beside a record."""
+
+    def write_fields(self, result: Any, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
+        """Stresses inside both bodies; `shown` is what `inside_options` say, the rest as of `write_fields`."""
+
+    def assessable(self, result: Any, body: str, cycle: float, asked: StrengthAsked) -> int:
+        """The recorded cycle nearest to one; ResultError where it does not allow what is asked of a body."""
+
+    def strength(self, result: Any, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+        """The strength of a body at a recorded cycle."""

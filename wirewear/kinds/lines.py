@@ -11,6 +11,7 @@ from wirewear.kinds.kind import Compared
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
     from wirewear.records.as_heights import Surface
@@ -25,6 +26,8 @@ class LineContacts:
 
     name: ClassVar[str] = "line-contact"
     names: ClassVar[tuple[str, ...]] = (name, "cylinder-on-flat")
+    bodies: ClassVar[tuple[str, str]] = ("pad", "specimen")
+    inside_options: ClassVar[frozenset[str]] = frozenset()
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
 
@@ -100,3 +103,22 @@ class LineContacts:
         ]
         shown: list[RenderableType] = [line_differences_table(comparison), *moved]
         return Compared(comparison.unlike, shown, lambda folder: write_line_comparison(comparison, folder))
+
+    def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
+        """With a picture of the section at each position."""
+        from wirewear.planar.fields import write_planar_fields
+
+        del shown
+        return write_planar_fields(result, folder, **asked | {"cycle": round(asked["cycle"])})
+
+    def assessable(self, result: RunResult, body: str, cycle: float, asked: StrengthAsked) -> int:
+        """Where contact forces are recorded, of a body that is large enough."""
+        from wirewear.planar.fields import planar_assessable
+
+        return planar_assessable(result, body, round(cycle), asked)
+
+    def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+        """At all positions of the cycle, averaged over discs."""
+        from wirewear.planar.fields import planar_strength
+
+        return planar_strength(result, body, cycle, asked)

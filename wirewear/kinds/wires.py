@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from wirewear.kinds.kind import Compared
 
 if TYPE_CHECKING:
+    from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records import ExperimentRecord
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -23,6 +24,10 @@ class CrossedWires:
 
     name: ClassVar[str] = "crossed-wires"
     names: ClassVar[tuple[str, ...]] = (name,)
+    bodies: ClassVar[tuple[str, str]] = ("moving", "fixed")
+    inside_options: ClassVar[frozenset[str]] = frozenset(
+        ("--wire", "--integration-points", "--no-pictures", "--animate")
+    )
     scatters: ClassVar[bool] = True
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
 
@@ -99,4 +104,29 @@ class CrossedWires:
         comparison = self.comparison(result, record)
         return Compared(
             comparison.unlike, [differences_table(comparison)], lambda folder: write_comparison(comparison, folder)
+        )
+
+    def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
+        """With pictures and animations."""
+        from wirewear.interior.writing import write_fields
+
+        return write_fields(result, folder, **shown, **asked)
+
+    def assessable(self, result: RunResult, body: str, cycle: float, asked: StrengthAsked) -> int:
+        """Where contact forces are recorded, of a wire that is thick enough."""
+        from wirewear.interior.strength import assessable
+
+        return assessable(result, body, cycle, asked)
+
+    def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+        """At all positions of the cycle."""
+        from wirewear.interior.strength import strength_of
+
+        return strength_of(
+            result,
+            body,
+            cycle,
+            yield_strength_MPa=asked.yield_strength_MPa,
+            crossland_slope=asked.crossland_slope,
+            averaging_length_um=asked.averaging_length_um,
         )

@@ -115,6 +115,10 @@ class MeasuredScar:
         """Its figures for a sentence."""
         return f"{np.nanmax(self.depth_um, initial=0.0):.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
+    def volume_of(self, _length_mm: float | None) -> float:
+        """Worn volume [mm³]: a map covers all of the contact, of whatever length."""
+        return self.volume_mm3
+
     @property
     def volume_mm3(self) -> float:
         """Worn volume [mm³]."""
@@ -250,6 +254,10 @@ class MeasuredProfile:
             smooth = np.convolve(padded, np.full(count, 1.0 / count), mode="valid")
             deep = float(smooth.max())
         return smooth
+
+    def volume_of(self, length_mm: float | None) -> float:
+        """Worn volume [mm³] of a contact of that length."""
+        return 1e-6 * self.area_um2 * (length_mm or 0.0)
 
     @property
     def width_um(self) -> float:

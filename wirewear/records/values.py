@@ -151,6 +151,12 @@ class ExperimentRecord(Generic[Tables, Surface]):
         """All repeats' worn surfaces of a body."""
         return tuple(scar for scar in self.scars if scar.body == body)
 
+    @property
+    def worn_volumes_mm3(self) -> dict[str, dict[int, float]]:
+        """Worn volumes by body and repeat, of the whole contact."""
+        length = self.tables.length_mm
+        return {body: {one.repeat: one.volume_of(length) for one in self.scars_of(body)} for body in self.tables.bodies}
+
 
 LineRecord: TypeAlias = ExperimentRecord[LineRecordTables, MeasuredProfile]
 AnyRecord: TypeAlias = ExperimentRecord[Any, Any]

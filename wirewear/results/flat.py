@@ -58,15 +58,21 @@ def profiles_table(result: RunResult) -> pl.DataFrame:
     return renamed.drop("y_um").with_columns(pl.col("slip_amplitude_um") / 4.0)
 
 
+#: Tables of worn surfaces by their file's name, and columns as users find them, by the kind of contact.
+_WORN: dict[str, dict[str, Callable[[RunResult], pl.DataFrame]]] = {
+    "crossed-wires": {"scars": scars_table},
+    "line-contact": {"profiles": profiles_table},
+}
+
+
 def named_for_users(result: RunResult, columns: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
     """Columns as tables and reports name them: those of a line contact per mm of its length."""
-    return columns if result.length_mm is None else per_mm(columns, result.length_mm)
+    return per_mm(columns, result.length_mm) if result.length_mm else columns
 
 
 def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
     """The tables of a result by their file's name."""
-    worn = {"scars": scars_table} if result.length_mm is None else {"profiles": profiles_table}
-    return {"evolution": evolution_table, "loops": loops_table, **worn}
+    return {"evolution": evolution_table, "loops": loops_table, **_WORN[result.contact_kind]}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:

@@ -119,10 +119,9 @@ def _fill(file: h5py.File, result: RunResult) -> None:
     _write_arrays(file.create_group("evolution", track_order=True), result.evolution)
     for index, scar in enumerate(result.scars):
         group = scars.create_group(f"{index:04d}")
-        for name in SCAR_ATTRIBUTES:
-            group.attrs[name] = getattr(scar, name)
-        if scar.length_mm is not None:
-            group.attrs["length_mm"] = scar.length_mm
+        for name in (*SCAR_ATTRIBUTES, "length_mm"):
+            if (value := getattr(scar, name)) is not None:
+                group.attrs[name] = value
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
     forces = file.create_group("contact_forces")

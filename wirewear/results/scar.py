@@ -76,8 +76,7 @@ class Scar:
     length_mm: float | None = None
 
     def __post_init__(self) -> None:
-        bodies = WIRES if self.length_mm is None else BODIES
-        require_body(self.body, f"scar of cycle {self.cycle}", bodies)
+        require_body(self.body, f"scar of cycle {self.cycle}", BODIES if self.length_mm else WIRES)
         where = f"scar of the {called(self.body)} at cycle {self.cycle}"
         if not self.diameter_mm > 0.0:
             raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")
@@ -85,7 +84,7 @@ class Scar:
             line = float_array(f"{where}: {name}", getattr(self, name), 1)
             require_finite(f"{where}: {name}", line)
             require_increasing(f"{where}: {name}", line)
-            if line.size < 2 and (name == "axial_um" or self.length_mm is None):
+            if line.size < 2 and not (name == "transverse_um" and self.length_mm):
                 raise ResultError(f"{where}: {name} must have at least two grid lines")
             object.__setattr__(self, name, line)
         shape = (self.axial_um.size, self.transverse_um.size)
@@ -111,7 +110,7 @@ class Scar:
     @property
     def volume_mm3(self) -> float:
         """Worn volume [mm³], of a line contact of all its length."""
-        if self.length_mm is not None:
+        if self.length_mm:
             return 1e-6 * self.area_um2 * self.length_mm
         return worn_volume_mm3(self.axial_um, self.transverse_um, self.depth_um)
 
@@ -164,7 +163,7 @@ class Scar:
 
     def section_along_motion(self) -> tuple[FloatArray, FloatArray]:
         """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
-        if self.length_mm is not None:
+        if self.transverse_um.size == 1:
             return self.axial_um, self.depth_um[:, 0]
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         crossings = []

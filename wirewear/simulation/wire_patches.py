@@ -139,7 +139,7 @@ def _geometry(
             "lower the cycles, load, stroke or wear coefficient, or give a smaller scar_half_width_um in [mesh]"
         )
     shortest = 2.0 * axial.half_extent_mm / 0.9
-    length = wire.length_mm if wire.length_mm is not None else max(2.2 * wire.diameter_mm, shortest + wire.diameter_mm)
+    length = wire.length_mm or max(2.2 * wire.diameter_mm, shortest + wire.diameter_mm)
     if length < shortest:
         raise StudyError(
             f"length_mm = {length:g} of the {name} wire is too short: stroke and scar need at least {shortest:.3g} mm"

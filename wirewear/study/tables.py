@@ -95,15 +95,19 @@ def _described(law: FrictionLaw) -> str | dict[str, Any]:
 FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
 
 
+#: The kind of contact of these tables.
+CROSSED_WIRES = "crossed-wires"
+
+
 def _checked_kind(value: object) -> str:
     if value == "rig-stiffness":
         raise ValueError('is "rig-stiffness", which is a line contact whose variants have the rigs: "line-contact"')
     if value in NOT_YET:
         raise ValueError(f'is "{value}", which is not supported yet: crossed wires and line contacts are')
-    if value != "crossed-wires":
+    if value != CROSSED_WIRES:
         others = " or ".join(f'"{kind}"' for kind in PLANAR_KINDS)
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
-    return "crossed-wires"
+    return CROSSED_WIRES
 
 
 def _checked_points(value: object) -> tuple[tuple[float, float], ...]:

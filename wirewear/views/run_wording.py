@@ -30,7 +30,7 @@ def sentence(result: RunResult) -> str:
         f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
     )
     if worn > 0.0:
-        where = "" if result.length_mm is None else f" on {result.length_mm:g} mm of the contact"
+        where = f" on {result.length_mm:g} mm of the contact" if result.length_mm else ""
         text += (
             f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
             f"{called(other)}, {depths[driven]:.3g} µm in the {called(driven)}."

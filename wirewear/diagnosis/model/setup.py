@@ -185,7 +185,7 @@ class Setup:
         Effects state it for crossed wires, of some newtons; a line contact's rig is as much stiffer as its forces over
         its stroke are larger than those of the article's test.
         """
-        if self.contact_kind == "crossed-wires":
+        if not self.length_mm:
             return {}
         forces = self.friction * self.load_N / _WIRES_N
         stiffer = forces * _WIRES_um / self.amplitude_um
