@@ -27,7 +27,7 @@ from studies.blind.generators.others.pair import Layer, Pair, Touch
 from studies.blind.generators.others.rig import Loop, periodic_loop, readings
 from studies.blind.generators.others.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
 from studies.blind.generators.others.world import World
-from wirewear.kinds import read_any_record
+from wirewear.records import read_record
 
 E_MPa, RADIUS_mm, LOAD_N = 115000.0, 2.0, 20.0
 
@@ -200,7 +200,7 @@ def test_a_batch_of_others_can_be_read_and_says_nothing_of_its_effects(
         monkeypatch.setitem(GROWTH, simulator, 1.8)
     make_batch(tmp_path / "records", cases=3, seed=4, generator=generator_of("T3"), tests=2)
     for case in sorted((tmp_path / "records").glob("case_*")):
-        record = read_any_record(case)
+        record = read_record(case)
         assert record.loops
         assert not any(name in (case / "experiment.toml").read_text() for name in SIZES)
 

@@ -25,9 +25,12 @@ if TYPE_CHECKING:
 @click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
 def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
     """Draw the pictures of a result: a file, or the folder of a run."""
+    from wirewear.kinds import kind_of
     from wirewear.pictures import show as draw
+    from wirewear.results import read_results
 
-    for picture in draw(result_path, output, ending=ending, moving=animation):
+    drawn = kind_of(read_results(result_path)[0]).drawings
+    for picture in draw(result_path, output, ending=ending, moving=animation, drawn=drawn):
         click.echo(picture)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.console import RenderableType
 
     from wirewear.interior.strength import Strength, StrengthAsked
@@ -86,3 +87,6 @@ class Kind(Protocol):
 
     def strength(self, result: Any, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """The strength of a body at a recorded cycle."""
+
+    def drawings(self, results: Sequence[Any]) -> Mapping[str, Callable[[], Figure]]:
+        """What can be drawn of results, by file name."""

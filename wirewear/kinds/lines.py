@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wirewear.kinds.kind import Compared
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
     from rich.console import RenderableType
 
     from wirewear.interior.strength import Strength, StrengthAsked
@@ -122,3 +123,9 @@ class LineContacts:
         from wirewear.planar.fields import planar_strength
 
         return planar_strength(result, body, cycle, asked)
+
+    def drawings(self, results: Sequence[RunResult]) -> Mapping[str, Callable[[], Figure]]:
+        """Profiles and loops of each run, and several side by side."""
+        from wirewear.planar.pictures import planar_drawings
+
+        return planar_drawings(results)

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from wirewear.kinds.kind import Compared
 
 if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records import ExperimentRecord
     from wirewear.records.as_heights import Surface
@@ -130,3 +132,9 @@ class CrossedWires:
             crossland_slope=asked.crossland_slope,
             averaging_length_um=asked.averaging_length_um,
         )
+
+    def drawings(self, results: Sequence[RunResult]) -> Mapping[str, Callable[[], Figure]]:
+        """Loops, evolution and scars."""
+        from wirewear.pictures import drawings
+
+        return drawings(results)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -144,20 +144,29 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     return figure
 
 
-def show(result_path: Path, output_dir: Path | None = None, *, ending: str = "png", moving: bool = False) -> list[Path]:
+def show(
+    result_path: Path,
+    output_dir: Path | None = None,
+    *,
+    ending: str = "png",
+    moving: bool = False,
+    drawn: Callable[[Sequence[RunResult]], Mapping[str, Callable[[], Figure]]] | None = None,
+) -> list[Path]:
     """Draw all pictures of the run or runs at `result_path` and return their paths.
 
     They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
     run that is still going has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, loop and scar of
-    each run are drawn as a GIF, too.
+    each run are drawn as a GIF, too. `drawn` says what there is to draw of results, without it of crossed wires alone.
 
     Raises:
         ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
     """
-    results = [result.of_kind("crossed-wires") for result in read_results(result_path)]
+    results = read_results(result_path)
+    if drawn is None or moving:
+        results = tuple(result.of_kind("crossed-wires") for result in results)
     base = result_path if result_path.is_dir() else result_path.parent
     folder = base / FOLDER_NAME if output_dir is None else output_dir
-    pictures = drawings(results)
+    pictures = (drawn or drawings)(results)
     if not pictures:
         raise ResultError(f"nothing is logged yet at {result_path}, so there is nothing to draw")
     with writing(ResultError, f"cannot write pictures to {folder}"):

@@ -2,32 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import cycle as endless
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
 from wirewear.results import BODIES, RunResult, Scar, read_loops
 
 _MOST_CYCLES = 6
 
 
-def draw_planar_result(folder: Path, result: RunResult) -> list[Path]:
-    """Draw profiles.png and loops.png in that folder."""
-    return [
-        save(lambda: planar_profiles(result), folder / "profiles.png"),
-        save(lambda: planar_loops(result), folder / "loops.png"),
-    ]
-
-
-def draw_planar_variants(folder: Path, results: Sequence[RunResult]) -> Path:
-    """Draw variants.png in that folder: the last logged cycle of runs that stand side by side."""
-    return save(lambda: planar_variants(results), folder / "variants.png")
+def planar_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
+    """What can be drawn of these results, by file name: each run by itself, and several side by side."""
+    logged = [result for result in results if result.loops]
+    found: dict[str, Callable[[], Figure]] = {}
+    for result in logged:
+        suffix = f"_{result.variant}" if len(results) > 1 else ""
+        found |= {
+            f"profiles{suffix}": partial(planar_profiles, result),
+            f"loops{suffix}": partial(planar_loops, result),
+        }
+    return found | ({"variants": partial(planar_variants, logged)} if len(logged) > 1 else {})
 
 
 def planar_variants(results: Sequence[RunResult]) -> Figure:

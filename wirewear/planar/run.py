@@ -140,11 +140,12 @@ def run_planar_variants(
     for task, result in zip(tasks, results, strict=True):
         # A run that was ended from outside while it drew is complete all the same.
         if not all((task.folder.path / name).exists() for name in PICTURES):
-            _drawn(task.folder.path, result)
+            _drawn(task.folder.path, [result])
     if study.variant_names and not (resume and (output / SIDE_BY_SIDE).exists()):
-        from wirewear.planar.pictures import draw_planar_variants
+        from wirewear.pictures.style import save
+        from wirewear.planar.pictures import planar_variants
 
-        draw_planar_variants(output, results)
+        save(lambda: planar_variants(results), output / SIDE_BY_SIDE)
     return results
 
 
@@ -158,7 +159,7 @@ def _run_into(
     resume: bool,
 ) -> RunResult:
     result = _cycled(study, fidelity, planned, folder, observer, resume=resume)
-    _drawn(folder.path, result)
+    _drawn(folder.path, [result])
     return result
 
 
@@ -169,10 +170,12 @@ def _write_into(folder: Path, result: RunResult) -> None:
     write_flat_tables(result, folder, "csv")
 
 
-def _drawn(folder: Path, result: RunResult) -> None:
-    from wirewear.planar.pictures import draw_planar_result
+def _drawn(folder: Path, results: Sequence[RunResult]) -> None:
+    from wirewear.pictures.style import save
+    from wirewear.planar.pictures import planar_drawings
 
-    draw_planar_result(folder, result)
+    for name, draw in planar_drawings(results).items():
+        save(draw, folder / f"{name}.png")
 
 
 def _cycled(

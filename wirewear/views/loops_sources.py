@@ -203,7 +203,7 @@ def _record_loops(path: Path) -> tuple[SampledLoop, ...]:
 
 
 def _result_loops(path: Path, variant: str | None) -> tuple[SampledLoop, ...]:
-    result = chosen_run(read_results(path), variant, path).of_kind("crossed-wires")
+    result = chosen_run(read_results(path), variant, path)
     return tuple(
         SampledLoop(1, loop.cycle, loop.displacement_um, loop.tangential_force_N, loop.normal_force_N, loop.time_s)
         for loop in result.loops

@@ -21,8 +21,7 @@ from wirewear.records.importing.guessing import (
     recognised_files,
 )
 from wirewear.records.importing.mistaken import OPEN
-from wirewear.records.line_tables import RecordContact
-from wirewear.results import BODIES
+from wirewear.records.line_tables import LineTest, RecordContact
 from wirewear.study.messages import validated
 
 #: Words in a file's name that tell whose profile it holds.
@@ -124,7 +123,7 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
             remarks.append(f'{path.name}: axis = "x" says that the motion runs along the map\'s x; see the dry run')
         files.setdefault(body, []).append(path.name)
     sources = {}
-    for body in (one for one in BODIES if one in found):
+    for body in (one for one in LineTest.bodies if one in found):
         names = sorted(files[body])
         pattern = name_pattern(names, has_cycle=True)
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})

@@ -18,7 +18,6 @@ from wirewear.records.importing.profilometry import ABOUT, LEAST_UNWORN, deviati
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
 from wirewear.records.line_tables import LineTest
 from wirewear.records.surfaces import Array, MeasuredProfile
-from wirewear.results import BODIES
 
 #: Fewer points tell no face.
 FEWEST_POINTS = 20
@@ -87,7 +86,7 @@ def profiles_of(source: ProfileSource, body: str, home: Path, tables: LineTest) 
     Raises:
         RecordError: a file cannot be read or lacks something, or a repeat is there twice.
     """
-    face = dict(zip(BODIES, (tables.pad.profile, Flat()), strict=True))[body]
+    face = dict(zip(tables.bodies, (tables.pad.profile, Flat()), strict=True))[body]
     seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.

@@ -32,7 +32,7 @@ from studies.blind.generators.others.tests_drawn import (
 )
 from studies.blind.generators.others.world import World
 from wirewear.base.errors import RunError
-from wirewear.records import ExperimentRecord, LineRecord, MeasuredProfile, MeasuredScar, RecordTables
+from wirewear.records import AnyRecord, ExperimentRecord, RecordTables
 from wirewear.records.line_tables import LineRecordTables
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
@@ -121,13 +121,8 @@ class OtherSimulators:
                 rows.append(logs.logged_evolution(logger, repeat, read, random))
             if logger.has_scars:
                 scars.extend(logs.logged_scars(logger, test, repeat, course.scars, random))
-        record: AnyRecord
-        tables, maps = tables_of(case, test, logger), [one for one in scars if isinstance(one, MeasuredScar)]
-        if isinstance(tables, LineRecordTables):
-            profiles = [one for one in scars if isinstance(one, MeasuredProfile)]
-            record = LineRecord(tables, tuple(loops), tuple(rows), tuple(profiles))
-        else:
-            record = ExperimentRecord(tables, tuple(loops), tuple(rows), tuple(maps))
+        tables = tables_of(case, test, logger)
+        record: AnyRecord = ExperimentRecord(tables, tuple(loops), tuple(rows), tuple(scars))
         gap = differences(test, true, changed, logger) if case.effects else {}
         return MadeRecord(record, logger, gap)
 
