@@ -36,10 +36,13 @@ from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
 from wirewear.diagnosis.infer.inference import Fit
+from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
+from wirewear.diagnosis.infer.where import Place
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
+from wirewear.records.tables import Tolerance
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack
@@ -76,6 +79,18 @@ def _given(place: int, value: object) -> Callable[[], Any]:
     return exchanged
 
 
+def _tolerant(factor: float) -> Callable[[], Any]:
+    """The judgement with all tolerances so many times as large."""
+    whole = JUDGING.relevance_of
+
+    def relevance_of(places: Sequence[Place], tolerance: Tolerance, *, detected: bool) -> Relevance:
+        wider = tolerance.model_copy(update={name: factor * size for name, size in tolerance})
+        found: Relevance = whole(places, wider, detected=detected)
+        return found
+
+    return partial(patch.object, JUDGING, "relevance_of", relevance_of)
+
+
 def _unallowed(found: Search) -> Search:
     """All that families gain, without what friction laws are allowed to lend them."""
     more = tuple(replace(one, gain=one.gain + one.family.allowed) for one in found.distortions)
@@ -84,6 +99,9 @@ def _unallowed(found: Search) -> Search:
 
 PARTS = (
     Part("as it is"),
+    Part("no difference is tolerated", _tolerant(0.0)),
+    Part("tolerances are halved", _tolerant(0.5)),
+    Part("tolerances are doubled", _tolerant(2.0)),
     Part("log evidences are not tempered", partial(patch.object, weighing, "TEMPERATURE", 1.0)),
     Part("a misfit tempers nothing further", _given(5, 1.0)),
     Part("less misfit counts for no more", partial(patch.object, JUDGING, "LEAST_DISPERSION", 1.0)),

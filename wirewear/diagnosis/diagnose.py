@@ -16,6 +16,7 @@ from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.recognised import force_zero, left_by, share_beyond, unrecognised, without
+from wirewear.diagnosis.infer.relevance import relevance_of
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
@@ -135,6 +136,9 @@ def judged(
     dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
     stays = wave if wave is not None and wave.along == "stroke" else None
+    tolerance = record.tables.tolerance
+    # What the best explanation leaves is judged as a gap is: what matters to nobody speaks for no other cause.
+    leaves = relevance_of(places(found.problem, found.covariance, found.best.setup), tolerance, detected=True)
     surprise = max(found.remainder.log_surprise, 0.0 if stays is None else stays.log_surprise)
     weighed = weigh(
         found.none,
@@ -143,14 +147,19 @@ def judged(
         found.free,
         classes,
         max(left, LEAST_DISPERSION),
-        surprise,
-        gains_of(found.distortions),
+        surprise if leaves.relevant else 0.0,
+        gains_of(found.distortions) if leaves.relevant else {},
         found.rival,
     )
     failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
     weighed = without(weighed, failing)
-    finding = tuple(findings(places(found.problem, found.covariance, setup)))
-    verdict = _verdict(found, weighed, seen=bool(finding))
+    where = places(found.problem, found.covariance, setup)
+    finding = tuple(findings(where))
+    verdict = _verdict(found, weighed, seen=bool(finding), leaves=leaves.relevant)
+    relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
+    like = _causes(found, weighed, dispersion) if relevance.detected else ()
+    if not relevance.relevant:
+        verdict, weighed = "no_gap", weighed.without_gap() if relevance.detected else weighed
     best = found.none if verdict == "no_gap" else found.best
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
@@ -172,7 +181,7 @@ def judged(
         record=record.name,
         model=study.name,
         verdict=verdict,
-        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles),
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, like),
         shrink=shrink,
         physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
         confirmed=None,
@@ -192,6 +201,7 @@ def judged(
         resembles=resembles,
         partial=partial,
         plausible=plausible(verdict, known, unseen),
+        relevance=relevance,
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)
 
@@ -212,11 +222,13 @@ def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
     return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading))
 
 
-def _verdict(found: Search, weighed: Weighed, *, seen: bool) -> Verdict:
+def _verdict(found: Search, weighed: Weighed, *, seen: bool, leaves: bool) -> Verdict:
+    """What probabilities and gate come to; seen: a zone stands out, leaves: what the best leaves is relevant."""
     likely = none_is_likely(weighed.probabilities[()], max(weighed.leading, weighed.outside), seen=seen)
     if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
         return "no_gap"
-    if not found.best.candidates or not found.remainder.passes or weighed.outside > MOST_OUTSIDE:
+    fails = leaves and not found.remainder.passes
+    if not found.best.candidates or fails or weighed.outside > MOST_OUTSIDE:
         return "unexplained"
     mass = sum(
         p

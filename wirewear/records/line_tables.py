@@ -19,6 +19,7 @@ from wirewear.records.tables import (
     StatedFriction,
     StatedRig,
     StatedScatter,
+    Tolerance,
     known_of,
 )
 from wirewear.results.scar import BODIES
@@ -145,6 +146,7 @@ class LineTest(OfTest):
     stated: LineStated = Field(LineStated(), description="what the rig's owner believes")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
+    tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
 
     @property

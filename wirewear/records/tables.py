@@ -190,6 +190,19 @@ class StatedScatter(Table):
     displacement_zero_um: DisplacementNoise | None = Field(None, description="scatter of the displacement's zero")
 
 
+class Tolerance(Table):
+    """Differences that the owner takes for practically equal, relative.
+
+    The defaults are what laboratories calibrate to: force transducers and extensometers of class 1 are within 1 %
+    (ISO 7500-1, ISO 9513), an energy is a product of both, and a worn volume is known within some 5 %.
+    """
+
+    force: Spread = Field(0.01, description="relative difference of forces that is none in practice")
+    displacement: Spread = Field(0.01, description="the same of displacements, of the displacement amplitude")
+    energy: Spread = Field(0.02, description="the same of dissipated energies")
+    volume: Spread = Field(0.05, description="the same of worn volumes, depths and sizes of scars")
+
+
 class Frames(Table):
     """What x of each scar's map runs along, from the point of first contact."""
 
@@ -281,6 +294,7 @@ class RecordTables(OfTest):
     stated: Stated = Field(Stated(), description="what the rig's owner believes")
     noise: Noise = Field(Noise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
+    tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     files: Files = Field(description="names of the data files")
 

@@ -13,6 +13,7 @@ import numpy as np
 from wirewear.base.identity import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
+from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import GapFinding
@@ -131,6 +132,7 @@ class Diagnosis:
     resembles: tuple[Resemblance, ...] = ()
     partial: Partial | None = None
     plausible: tuple[tuple[str, ...], ...] = ()
+    relevance: Relevance | None = None
     checked: tuple[Remark, ...] = field(default=())
 
     def to_json(self) -> dict[str, Any]:
@@ -158,6 +160,7 @@ class Diagnosis:
                 "physical": {name: [_rounded(v) for v in pair] for name, pair in self.physical.items()},
                 "confirmed": None if self.confirmed is None else asdict(self.confirmed),
             },
+            "relevance": None if self.relevance is None else asdict(self.relevance),
             "where": [asdict(finding) for finding in self.where],
             "causes": [_table(cause) for cause in self.causes],
             "partial": None

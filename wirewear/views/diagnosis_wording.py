@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from wirewear.base import notebook
 from wirewear.base.frame import figure
 from wirewear.base.quantity import UNIT_SYMBOLS
+from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
@@ -87,10 +88,12 @@ def sentence_of(
     where: Sequence[GapFinding],
     partial: Partial | None = None,
     resembles: Sequence[Resemblance] = (),
+    relevance: Relevance | None = None,
+    like: Sequence[Cause] = (),
 ) -> str:
-    """What a reader in a hurry needs to know."""
+    """What a reader in a hurry needs to know; `like` are causes of a difference that does not matter."""
     if verdict == "no_gap":
-        return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
+        return _agreement(relevance, like[0] if like else None)
     named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
     place = f" It lies mostly in the {where[0].place}." if where else ""
     like = f" {resembles[0].text}" if resembles else ""
@@ -111,6 +114,17 @@ def sentence_of(
     return (
         f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
         f"{shrink.after:.2g} (floor {shrink.floor:.2g}, in scatters)."
+    )
+
+
+def _agreement(relevance: Relevance | None, like: Cause | None) -> str:
+    if relevance is None or not relevance.detected or relevance.largest is None:
+        return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
+    known = like is not None and like.effect not in ("none", "outside_library")
+    behaves = f" It looks like {_one(like, ())}." if like is not None and known else ""
+    return (
+        f"A difference of {100.0 * relevance.largest.relative:.2g} % is detected, within the record's tolerance: "
+        f"{relevance.largest.text}.{behaves}"
     )
 
 

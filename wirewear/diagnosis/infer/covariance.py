@@ -125,6 +125,7 @@ class Covariance:
         single: (n,) variance of one repeat against the model, with noise, scatter and solver error.
         numerical: (n, n) covariance of the solver error in it.
         between: (n, n) covariance of one repeat's specimens and zeros.
+        nuisance: (n, n) covariance of the mean by specimens and zeros.
         scatter: standard deviations between repeats, by name, as estimated.
         contradicted: names of those that are stated and that the repeats contradict.
     """
@@ -134,6 +135,7 @@ class Covariance:
     single: Array
     numerical: Array
     between: Array
+    nuisance: Array
     scatter: Mapping[str, float]
     contradicted: tuple[str, ...] = ()
 
@@ -170,6 +172,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         single=single,
         numerical=numerical,
         between=scattered + common,
+        nuisance=scattered / len(observed.values) + common,
         scatter={name: float(size * factor) for (name, size), factor in names},
         contradicted=tuple(
             name for name, chance in zip(sizes, chances, strict=True) if name in stated and chance < CONTRADICTED

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
@@ -59,6 +59,10 @@ class Weighed:
                 explanation = tuple(sorted(self.class_of(name) for name in names))
                 masses[explanation] = masses.get(explanation, 0.0) + probability
         return max(masses.values(), default=0.0)
+
+    def without_gap(self) -> Weighed:
+        """All that explains a difference which does not matter counts for no gap."""
+        return replace(self, probabilities={names: float(not names) for names in self.probabilities}, outside=0.0)
 
     def class_of(self, name: str) -> tuple[str, ...]:
         """The class that an effect belongs to."""

@@ -28,7 +28,9 @@ class Place:
     """One zone of one cycle (or of a channel): does it differ beyond chance, and by how much.
 
     `difference` is the mean of measurement less model in the zone's unit, in the direction of travel; `in_scatter` is
-    the root mean square in standard deviations of one test; `excess` what chi² has beyond its expectation.
+    the root mean square in standard deviations of one test; `excess` what chi² has beyond its expectation; `relative`
+    is the root mean square of what neither specimens nor zeros nor noise account for, relative to the whole force,
+    displacement, energy or size.
     """
 
     zone: str
@@ -37,6 +39,7 @@ class Place:
     difference: float
     in_scatter: float
     excess: float
+    relative: float
     p_value: float
     flagged: bool
 
@@ -60,21 +63,37 @@ class GapFinding:
 
 def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
     """All zones and cycles, flagged where they differ."""
-    residual = problem.mean - problem.predicted(setup)
+    predicted = problem.predicted(setup)
+    residual = problem.mean - predicted
+    squares = _unaccounted(residual, covariance)
     found = []
     for part in problem.layout:
+        squares[part.rows] /= part.observable.whole(setup, predicted[part.rows]) ** 2
         zones = part.observable.zone(part.sites, setup.amplitude_um)
         for zone in sorted(set(zones.tolist())):
             for cycle in np.unique(part.sites.cycle[zones == zone]):
                 keep = (zones == zone) & (part.sites.cycle == cycle)
-                found.append(_place(zone, int(cycle), part, keep, residual, covariance))
+                found.append(_place(zone, int(cycle), part, keep, residual, squares, covariance))
     found.sort(key=lambda place: place.zone)
     flagged = false_discovery_control([place.p_value for place in found]) <= FALSE_DISCOVERIES
     return [replace(place, flagged=bool(own)) for place, own in zip(found, flagged, strict=True)]
 
 
+def _unaccounted(residual: Array, covariance: Covariance) -> Array:
+    """Squares (n,) of residuals less specimens and zeros at their likeliest, and less what noise leaves of them."""
+    other = covariance.total - covariance.nuisance
+    share = np.linalg.solve(covariance.total, other).T
+    return np.asarray((share @ residual) ** 2 - np.einsum("ij,ij->i", share, other))
+
+
 def _place(
-    zone: str, cycle: int, part: Part, keep: NDArray[np.bool_], residual: Array, covariance: Covariance
+    zone: str,
+    cycle: int,
+    part: Part,
+    keep: NDArray[np.bool_],
+    residual: Array,
+    unaccounted: Array,
+    covariance: Covariance,
 ) -> Place:
     rows = part.start + np.flatnonzero(keep)
     block, rest = covariance.total[np.ix_(rows, rows)], residual[rows]
@@ -88,6 +107,7 @@ def _place(
         difference=float(np.mean(sign * rest)),
         in_scatter=float(np.sqrt(np.mean(rest**2 / covariance.single[rows]))),
         excess=max(squares - rest.size, 0.0),
+        relative=float(np.sqrt(max(np.mean(unaccounted[rows]), 0.0))),
         p_value=float(chi2.sf(squares, rest.size)),
         flagged=False,
     )
@@ -106,12 +126,13 @@ def findings(found: list[Place]) -> list[GapFinding]:
         cycles = min(place.cycle for place in here), max(place.cycle for place in here)
         words = strongest.observable.words
         merged.append(
-            GapFinding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest))
+            GapFinding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), text_of(strongest))
         )
     return sorted(merged, key=lambda finding: (-finding.share, finding.zone))
 
 
-def _text(place: Place) -> str:
+def text_of(place: Place) -> str:
+    """A place and its difference for a person: "force at equal displacement …: the measurement is 0.3 N above …"."""
     observable = place.observable
     zone = next(f" {zone.words}" if zone.words else "" for zone in observable.zones if zone.name == place.zone)
     return (

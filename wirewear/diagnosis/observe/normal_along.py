@@ -49,6 +49,10 @@ class _OfNormalForce(OfLoops, OfWholeLoops):
         """Every cycle at which a repeat has it."""
         return [Site(cycle) for cycle in reading.cycles if any(loop.normal_N for loop in reading.at(cycle))]
 
+    def whole(self, setup: Setup, predicted: Array) -> Array:
+        """The load."""
+        return np.full(predicted.size, setup.load_N)
+
 
 class NormalForce(_OfNormalForce):
     """Mean of both branches."""

@@ -81,6 +81,20 @@ class Observable(ABC):
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
         """Name (n,) of one of `zones` each."""
 
+    def whole(self, setup: Setup, predicted: Array) -> Array:
+        """What a difference (n,) is relative to, in the observable's unit, at predicted values (n,)."""
+        match self.unit:
+            case "N":
+                return np.full(predicted.size, setup.plateau_force_N)
+            case "um" if not self.of_scars:
+                return np.full(predicted.size, setup.amplitude_um)
+            case "um":
+                return np.full(predicted.size, np.sqrt(np.mean(predicted**2)))
+            case "mJ":
+                return np.abs(predicted)
+            case _:
+                return np.ones(predicted.size)
+
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """How differences at several sites hang together: over the cycles alone unless a subclass says more."""
         return Smoothness.of_whole_loops(len(sites))

@@ -1,0 +1,44 @@
+"""Detected is not relevant: how large a difference is beside what the owner takes for practically equal."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from wirewear.diagnosis.infer.where import Place, text_of
+from wirewear.records.tables import Tolerance
+
+
+@dataclass(frozen=True)
+class Largest:
+    """The difference that lies farthest beyond its tolerance, or nearest to it; `relative` to the whole quantity."""
+
+    observable: str
+    relative: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Relevance:
+    """Whether there is a difference beyond chance, and whether it matters in practice."""
+
+    detected: bool
+    relevant: bool
+    largest: Largest | None
+
+
+def relevance_of(places: Sequence[Place], tolerance: Tolerance, *, detected: bool) -> Relevance:
+    """Judged by the places that stand out of chance, or by all where none does by itself."""
+    judged = [place for place in places if place.flagged] or places
+    if not judged:
+        return Relevance(detected, detected, None)
+    beyond = [_relative_to_tolerance(place, tolerance) for place in judged]
+    largest = judged[beyond.index(max(beyond))]
+    known = Largest(largest.observable.words, round(largest.relative, 4), text_of(largest))
+    return Relevance(detected, detected and max(beyond) > 1.0, known)
+
+
+def _relative_to_tolerance(place: Place, tolerance: Tolerance) -> float:
+    kind = {"N": "force", "um": "displacement", "mJ": "energy"}.get(place.observable.unit, "volume")
+    allowed: float = getattr(tolerance, "volume" if place.observable.of_scars else kind)
+    return place.relative / max(allowed, 1e-12)
