@@ -135,11 +135,13 @@ def judged(
     left = found.remainder.misfit
     dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
-    stays = wave if wave is not None and wave.along == "stroke" else None
     tolerance = record.tables.tolerance
+    stays = None
+    if wave is not None and wave.along == "stroke" and wave.amplitude_N > tolerance.force * setup.plateau_force_N:
+        stays = wave
     # What the best explanation leaves is judged as a gap is: what matters to nobody speaks for no other cause.
     leaves = relevance_of(places(found.problem, found.covariance, found.best.setup), tolerance, detected=True)
-    surprise = max(found.remainder.log_surprise, 0.0 if stays is None else stays.log_surprise)
+    surprise = max(found.remainder.log_surprise if leaves.relevant else 0.0, stays.log_surprise if stays else 0.0)
     weighed = weigh(
         found.none,
         found.singles,
@@ -147,7 +149,7 @@ def judged(
         found.free,
         classes,
         max(left, LEAST_DISPERSION),
-        surprise if leaves.relevant else 0.0,
+        surprise,
         gains_of(found.distortions) if leaves.relevant else {},
         found.rival,
     )

@@ -89,11 +89,11 @@ def sentence_of(
     partial: Partial | None = None,
     resembles: Sequence[Resemblance] = (),
     relevance: Relevance | None = None,
-    like: Sequence[Cause] = (),
+    behind: Sequence[Cause] = (),
 ) -> str:
-    """What a reader in a hurry needs to know; `like` are causes of a difference that does not matter."""
+    """What a reader in a hurry needs to know; `behind` are causes of a difference that does not matter."""
     if verdict == "no_gap":
-        return _agreement(relevance, like[0] if like else None)
+        return _agreement(relevance, behind[0] if behind else None)
     named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
     place = f" It lies mostly in the {where[0].place}." if where else ""
     like = f" {resembles[0].text}" if resembles else ""

@@ -107,7 +107,7 @@ def _place(
         difference=float(np.mean(sign * rest)),
         in_scatter=float(np.sqrt(np.mean(rest**2 / covariance.single[rows]))),
         excess=max(squares - rest.size, 0.0),
-        relative=float(np.sqrt(max(np.mean(unaccounted[rows]), 0.0))),
+        relative=float(np.sqrt(max(float(np.mean(unaccounted[rows])), 0.0))),
         p_value=float(chi2.sf(squares, rest.size)),
         flagged=False,
     )
