@@ -6,12 +6,11 @@ off by more than twice its interval, and nineteen in twenty by no more than it; 
 definitions leave open.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from random import Random
 from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from tests.closed_form_loops import Disturbance, MasingLoop
 from tests.test_loops_bounds import assert_bounded
@@ -19,8 +18,8 @@ from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 
 OPEN = 0.03
 
-#: Share of figures that are still out of twice their interval without a note: 11 of 6 200 of two thousand loops, and 2
-#: of the 450 of the first 150.
+#: Share of figures that are still out of twice their interval without a note: 28 of 7 406 of two thousand loops, 17 of
+#: them coefficients of friction from energies of loops that hardly slide, and 1 of the 539 of the first 150.
 LEFT = 0.005
 
 #: What a note says of which figures; by other notes none is excused.
@@ -35,50 +34,48 @@ NOTED = {
     "they were reversed": None,
 }
 
-KINDS: dict[str, Callable[[int], Any]] = {
-    "noise alone": lambda _: st.just({}),
-    "cycles": lambda _: st.fixed_dictionaries({"cycles": st.floats(0.9, 3.0)}),
-    "clipped": lambda _: st.fixed_dictionaries({"clip": st.floats(0.5, 1.1), "clip_one_side": st.booleans()}),
-    "late": lambda samples: st.fixed_dictionaries({"lag_samples": st.floats(0.0, min(6.0, samples / 16))}),
-    "drift": lambda _: st.fixed_dictionaries({"drift": st.floats(-0.2, 0.2)}),
-    "ringing": lambda _: st.fixed_dictionaries(
-        {"ringing": st.floats(0.0, 0.8), "ring_period_samples": st.sampled_from([2.0, 2.5, 5.0, 10.0])}
-    ),
+KINDS: dict[str, Callable[[Random, int], dict[str, Any]]] = {
+    "noise alone": lambda *_: {},
+    "cycles": lambda random, _: {"cycles": random.uniform(0.9, 3.0)},
+    "clipped": lambda random, _: {"clip": random.uniform(0.5, 1.1), "clip_one_side": random.random() < 0.5},
+    "late": lambda random, samples: {"lag_samples": random.uniform(0.0, min(6.0, samples / 16))},
+    "drift": lambda random, _: {"drift": random.uniform(-0.2, 0.2)},
+    "ringing": lambda random, _: {
+        "ringing": random.uniform(0.0, 0.8),
+        "ring_period_samples": random.choice([2.0, 2.5, 5.0, 10.0]),
+    },
 }
 
 
-@st.composite
-def loops(draw: st.DrawFn) -> MasingLoop:
+def drawn_loop(random: Random) -> MasingLoop:
     """Friction from 0.001 to 1.5; the elastic travel takes up to nine tenths of the amplitude."""
-    friction, load = 10.0 ** draw(st.floats(-3.0, 0.176)), draw(st.floats(0.5, 20.0))
-    amplitude, elastic = draw(st.floats(5.0, 500.0)), 10.0 ** draw(st.floats(-2.7, -0.05))
-    of_contact = draw(st.floats(0.02, 0.95))
+    friction, load = 10.0 ** random.uniform(-3.0, 0.176), random.uniform(0.5, 20.0)
+    amplitude, elastic = random.uniform(5.0, 500.0), 10.0 ** random.uniform(-2.7, -0.05)
+    of_contact = random.uniform(0.02, 0.95)
     rig_um = elastic * (1.0 - of_contact) * amplitude
     return MasingLoop(
         friction=friction,
         normal_force_N=load,
         contact_um=amplitude - rig_um,
         yield_um=elastic * of_contact * amplitude,
-        power=draw(st.sampled_from([1.0, 1.5, 2.0])),
+        power=random.choice([1.0, 1.5, 2.0]),
         rig_N_per_um=friction * load / rig_um,
-        play_um=draw(st.one_of(st.just(0.0), st.floats(0.02, 0.3))) * amplitude,
-        wall=draw(st.one_of(st.just(0.0), st.floats(0.0, 0.4))),
+        play_um=random.choice([0.0, random.uniform(0.02, 0.3)]) * amplitude,
+        wall=random.choice([0.0, random.uniform(0.0, 0.4)]),
     )
 
 
-@st.composite
-def disturbances(draw: st.DrawFn) -> Disturbance:
-    samples, kind = draw(st.integers(40, 400)), draw(st.sampled_from(sorted(KINDS)))
-    noises = [0.003, 0.01] if kind == "clipped" else [0.0, 0.003, 0.01]
+def drawn_disturbance(random: Random) -> Disturbance:
+    samples, kind = random.randint(40, 400), random.choice(sorted(KINDS))
     return Disturbance(
         samples=samples,
-        phase=draw(st.floats(0.0, 1.0)),
-        noise=draw(st.sampled_from(noises)),
-        sign=draw(st.sampled_from([-1.0, 1.0])),
-        force_offset=draw(st.floats(-0.3, 0.3)),
-        displacement_offset=draw(st.floats(-2.0, 2.0)),
-        seed=draw(st.integers(0, 10**6)),
-        **draw(KINDS[kind](samples)),
+        phase=random.random(),
+        noise=random.choice([0.003, 0.01] if kind == "clipped" else [0.0, 0.003, 0.01]),
+        sign=random.choice([-1.0, 1.0]),
+        force_offset=random.uniform(-0.3, 0.3),
+        displacement_offset=random.uniform(-2.0, 2.0),
+        seed=random.randrange(10**6),
+        **KINDS[kind](random, samples),
     )
 
 
@@ -106,24 +103,26 @@ def excused(figures: LoopFigures) -> set[str]:
     return set(vars(figures)) if None in said else set().union(*(names for names in said if names))
 
 
-def check(examples: int, seen: list[tuple[str, float, str]]) -> None:
-    @settings(max_examples=examples, derandomize=True, database=None, suppress_health_check=list(HealthCheck))
-    @given(loops(), disturbances())
-    def each(loop: MasingLoop, disturbance: Disturbance) -> None:
+def figures_of(count: int) -> Iterator[tuple[str, float, str]]:
+    """Of so many loops, drawn independently of one another: each figure's name, how far its truth lies off, the loop.
+
+    Shares are counted of them, so that no search for failing examples may choose them.
+    """
+    random = Random(20261126)
+    for _ in range(count):
+        loop, disturbance = drawn_loop(random), drawn_disturbance(random)
         time, displacement, force = disturbance.of(loop)
         try:
             figures = analyse_loop(displacement, force, loop.normal_force_N, time_s=time)
         except LoopError:
-            return
+            continue
         assert disturbance.cycles < 1.5
         assert_bounded(figures)
         compared = truths(loop, disturbance)
         for name in sorted(compared.keys() - excused(figures)):
             figure = getattr(figures, name)
             if figure is not None:
-                seen.append((name, off(figure, compared[name]), f"{loop} {disturbance}"))
-
-    each()
+                yield name, off(figure, compared[name]), f"{loop} {disturbance}"
 
 
 def assert_held(seen: list[tuple[str, float, str]]) -> None:
@@ -137,13 +136,9 @@ def assert_held(seen: list[tuple[str, float, str]]) -> None:
 
 
 def test_figures_of_disturbed_loops_hold_the_truth_or_are_noted() -> None:
-    seen: list[tuple[str, float, str]] = []
-    check(150, seen)
-    assert_held(seen)
+    assert_held(list(figures_of(150)))
 
 
 @pytest.mark.slow
 def test_figures_of_two_thousand_disturbed_loops_hold_the_truth_or_are_noted() -> None:
-    seen: list[tuple[str, float, str]] = []
-    check(2000, seen)
-    assert_held(seen)
+    assert_held(list(figures_of(2000)))

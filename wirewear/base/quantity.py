@@ -29,6 +29,7 @@ UNIT_NAMES = {
     "J": "joules",
     "W": "watts",
     "cycles": "cycles",
+    "per_100k_cycles": "per 100\u2009000 cycles",
     "1": "",
 }
 
@@ -54,6 +55,7 @@ UNIT_SYMBOLS = {
     "J": " J",
     "W": " W",
     "cycles": " cycles",
+    "per_100k_cycles": " per 100\u2009000 cycles",
     "1": "",
 }
 

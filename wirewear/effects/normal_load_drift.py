@@ -30,7 +30,7 @@ class NormalLoadDrift(Effect[Loading]):
 
     fraction_per_100k_cycles: float = parameter(
         "relative change of the load in 100 000 cycles",
-        Quantity("1", -0.99, 5.0),
+        Quantity("per_100k_cycles", -1e4, 1e4),
         neutral=0.0,
         easy=-0.15,
         hard=-0.04,

@@ -25,8 +25,6 @@ from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial,
 #: Parameters whose names end so carry these units.
 _ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
 
-_ENDINGS["_per_100k_cycles"] = " per 100\u2009000 cycles"
-
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosed:

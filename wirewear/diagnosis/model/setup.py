@@ -22,7 +22,7 @@ Array = NDArray[np.float64]
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")
-_WIRES_N, _WIRES_um = _KNOWN.each("wires_force", "wires_amplitude")
+_WIRES_N, _WIRES_um, _WIRES_CYCLES = _KNOWN.each("wires_force", "wires_amplitude", "wires_cycles")
 
 #: Energy wear coefficients: 1 mm³/J in µm³/mJ.
 UM3_PER_MJ = 1e6
@@ -180,13 +180,11 @@ class Setup:
 
     @property
     def scales(self) -> Mapping[str, float]:
-        """Factors on what one expects of stiffnesses and compliances, by their units.
+        """Factors on what one expects of stiffnesses, compliances and courses, by their units.
 
-        Effects state it for crossed wires, of some newtons; a line contact's rig is as much stiffer as its forces over
-        its stroke are larger than those of the article's test.
+        Effects state it for the article's test. A rig is as much stiffer as its forces over its stroke are larger, and
+        what happens in a test does so within its cycles.
         """
-        if not self.length_mm:
-            return {}
         forces = self.friction * self.load_N / _WIRES_N
         stiffer = forces * _WIRES_um / self.amplitude_um
         return {
@@ -194,6 +192,8 @@ class Setup:
             "N_mm_per_rad": stiffer,
             "um_per_N": 1.0 / stiffer,
             "um_per_N2": 1.0 / (stiffer * forces),
+            "cycles": self.cycles / _WIRES_CYCLES,
+            "per_100k_cycles": _WIRES_CYCLES / self.cycles,
         }
 
     @property
