@@ -39,6 +39,8 @@ def relevance_of(places: Sequence[Place], tolerance: Tolerance, *, detected: boo
 
 
 def _relative_to_tolerance(place: Place, tolerance: Tolerance) -> float:
-    kind = {"N": "force", "um": "displacement", "mJ": "energy"}.get(place.observable.unit, "volume")
-    allowed: float = getattr(tolerance, "volume" if place.observable.of_scars else kind)
-    return place.relative / max(allowed, 1e-12)
+    # A scar that is askew by an angle has its ends off by that share of half its length.
+    of_scars = {"rad": tolerance.displacement}
+    of_loops = {"N": tolerance.force, "um": tolerance.displacement, "mJ": tolerance.energy}
+    known = of_scars if place.observable.of_scars else of_loops
+    return place.relative / max(known.get(place.observable.unit, tolerance.volume), 1e-12)
