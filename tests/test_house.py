@@ -231,13 +231,13 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: 50 of either for bodies of line contacts that are not described, 40 of either for slip that walls hide and runs that
 #: come back without a gap.
 BUDGETS = {
-    # With the spring that a fit finds, 80 lines.
-    "lines of geometry, solvers and wirewear": 64_550,
-    "lines of wirewear": 52_900,
+    # With the spring that a fit finds, 80 lines, and with tolerances, 130.
+    "lines of geometry, solvers and wirewear": 64_680,
+    "lines of wirewear": 53_030,
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
-    "lines of studies": 21_150,
+    "lines of studies": 21_170,
     # 1 000 of them are one test for each fault found from outside and for laws that no other test holds.
-    "lines of tests": 24_550,
+    "lines of tests": 24_600,
     "files of geometry, solvers and wirewear": 459,
     "rooms of wirewear": 24,
     # Kinds ask pictures and interior what there is to draw of a result and inside it.

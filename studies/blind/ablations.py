@@ -36,13 +36,11 @@ from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.infer import gate, weighing
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import Place
+from wirewear.diagnosis.infer.where import Place, Relevance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
-from wirewear.records.tables import Tolerance
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack
@@ -83,8 +81,8 @@ def _tolerant(factor: float) -> Callable[[], Any]:
     """The judgement with all tolerances so many times as large."""
     whole = JUDGING.relevance_of
 
-    def relevance_of(places: Sequence[Place], tolerance: Tolerance, *, detected: bool) -> Relevance:
-        wider = tolerance.model_copy(update={name: factor * size for name, size in tolerance})
+    def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
+        wider = {name: factor * size for name, size in tolerance.items()}
         found: Relevance = whole(places, wider, detected=detected)
         return found
 

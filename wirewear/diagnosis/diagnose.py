@@ -16,13 +16,12 @@ from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.physical import physical_gap
 from wirewear.diagnosis.infer.recognised import force_zero, left_by, share_beyond, unrecognised, without
-from wirewear.diagnosis.infer.relevance import relevance_of
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
-from wirewear.diagnosis.infer.where import findings, places
+from wirewear.diagnosis.infer.where import findings, places, relevance_of
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
@@ -135,9 +134,9 @@ def judged(
     left = found.remainder.misfit
     dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
-    tolerance = record.tables.tolerance
+    tolerance = record.tables.tolerance.model_dump()
     stays = None
-    if wave is not None and wave.along == "stroke" and wave.amplitude_N > tolerance.force * setup.plateau_force_N:
+    if wave is not None and wave.along == "stroke" and wave.amplitude_N > tolerance["force"] * setup.plateau_force_N:
         stays = wave
     # What the best explanation leaves is judged as a gap is: what matters to nobody speaks for no other cause.
     leaves = relevance_of(places(found.problem, found.covariance, found.best.setup), tolerance, detected=True)

@@ -13,10 +13,9 @@ import numpy as np
 from wirewear.base.identity import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
-from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import GapFinding
+from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Parameter

@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from wirewear.base import notebook
 from wirewear.base.frame import figure
 from wirewear.base.quantity import UNIT_SYMBOLS
-from wirewear.diagnosis.infer.relevance import Relevance
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import Weighed
-from wirewear.diagnosis.infer.where import GapFinding
+from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations

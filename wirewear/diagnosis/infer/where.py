@@ -1,7 +1,8 @@
-"""Where the gap lies: zones of the loop, cycles and channels in which measurement and model differ beyond chance."""
+"""Where the gap lies: zones, cycles and channels that differ beyond chance, and whether that matters to anybody."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -126,13 +127,12 @@ def findings(found: list[Place]) -> list[GapFinding]:
         cycles = min(place.cycle for place in here), max(place.cycle for place in here)
         words = strongest.observable.words
         merged.append(
-            GapFinding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), text_of(strongest))
+            GapFinding(words, zone, cycles, round(share, 3), round(strongest.in_scatter, 2), _text(strongest))
         )
     return sorted(merged, key=lambda finding: (-finding.share, finding.zone))
 
 
-def text_of(place: Place) -> str:
-    """A place and its difference for a person: "force at equal displacement …: the measurement is 0.3 N above …"."""
+def _text(place: Place) -> str:
     observable = place.observable
     zone = next(f" {zone.words}" if zone.words else "" for zone in observable.zones if zone.name == place.zone)
     return (
@@ -154,3 +154,40 @@ def _compared(observable: Observable, difference: float) -> str:
 
 def _unit(observable: Observable) -> str:
     return observable.unit.replace("um", "µm")
+
+
+@dataclass(frozen=True)
+class Largest:
+    """The difference that lies farthest beyond its tolerance, or nearest to it; `relative` to the whole quantity."""
+
+    observable: str
+    relative: float
+    text: str
+
+
+@dataclass(frozen=True)
+class Relevance:
+    """Whether there is a difference beyond chance, and whether it matters in practice."""
+
+    detected: bool
+    relevant: bool
+    largest: Largest | None
+
+
+def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
+    """Judged by the places that stand out of chance, or by all where none does by itself."""
+    judged = [place for place in places if place.flagged] or places
+    if not judged:
+        return Relevance(detected, detected, None)
+    beyond = [_relative_to_tolerance(place, tolerance) for place in judged]
+    largest = judged[beyond.index(max(beyond))]
+    known = Largest(largest.observable.words, round(largest.relative, 4), _text(largest))
+    return Relevance(detected, detected and max(beyond) > 1.0, known)
+
+
+def _relative_to_tolerance(place: Place, tolerance: Mapping[str, float]) -> float:
+    # A scar that is askew by an angle has its ends off by that share of half its length.
+    of_scars = {"rad": tolerance["displacement"]}
+    of_loops = {"N": tolerance["force"], "um": tolerance["displacement"], "mJ": tolerance["energy"]}
+    known = of_scars if place.observable.of_scars else of_loops
+    return place.relative / max(known.get(place.observable.unit, tolerance["volume"]), 1e-12)
