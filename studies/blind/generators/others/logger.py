@@ -144,7 +144,7 @@ def _levelled(depth_um: Array, logger: Logger, random: np.random.Generator) -> A
 def logged_scars(
     logger: Logger, test: Test, repeat: int, worn: Sequence[tuple[Array, Array, Array]], random: np.random.Generator
 ) -> tuple[MeasuredScar | MeasuredProfile, ...]:
-    """Scars of the near and the far body, given as lines along and across [mm] and depths [mm]."""
+    """Scars of the near and the far body, cleaned of debris, given as lines along and across [mm] and depths [mm]."""
     found: list[MeasuredScar | MeasuredProfile] = []
     for (x, y, depth), long in zip(worn, (False, True), strict=True):
         lines = scar_lines_um(test, long=long)

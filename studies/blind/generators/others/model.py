@@ -12,7 +12,7 @@ import numpy as np
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import conditions_table, record_tables
-from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
+from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
 from studies.blind.generators.others import logger as logs
 from studies.blind.generators.others.causes import SEAMS
 from studies.blind.generators.others.foundation import FoundationWires
@@ -60,11 +60,8 @@ class OtherSimulators:
     """The simulators of a set: those that may be looked at, or those for scoring alone."""
 
     chosen: str = "development"
-
-    @property
-    def tier(self) -> str:
-        """T3."""
-        return "T3"
+    tier: str = OTHERS
+    outside: Sequence[str] = tuple(SEAMS)
 
     @property
     def description(self) -> str:
@@ -76,11 +73,6 @@ class OtherSimulators:
         """Effects that all of them can make."""
         missing = {effect for simulator in SIMULATORS[self.chosen] for effect in CANNOT.get(simulator, ())}
         return tuple(effect for effect in LIBRARY_EFFECTS if effect not in missing)
-
-    @property
-    def outside(self) -> Sequence[str]:
-        """Causes of no library."""
-        return tuple(SEAMS)
 
     def nominals(self, number: int, random: np.random.Generator) -> Sequence[Test]:
         """So many tests, drawn."""
@@ -97,9 +89,7 @@ class OtherSimulators:
             raise RunError("tests of the tier T3 are drawn by its own simulators.")
         logger = drawn_logger(test, random)
         true = replace(world_of(test), drive=logger.drive)
-        changed = true
-        for effect in case.effects:
-            changed = changed.with_effect(effect.effect, effect.parameters)
+        changed = true.with_effects(case.effects)
         specimens = np.random.default_rng((case.seed, 4))
         loops, rows, scars = [], [], []
         for repeat in range(1, logger.repeats + 1):
@@ -110,9 +100,7 @@ class OtherSimulators:
                 load_N=true.load_N * draw.load,
                 wear_mm3_per_J=true.wear_mm3_per_J * draw.wear,
             )
-            for effect in case.effects:
-                world = world.with_effect(effect.effect, effect.parameters)
-            course = simulated(test, world, logger.evolution_cycles)
+            course = simulated(test, world.with_effects(case.effects), logger.evolution_cycles)
             zeros = (draw.displacement_zero_um, draw.force_zero_N, 0.0)
             read = {cycle: (one[0] + zeros[0], one[1] + zeros[1], one[2]) for cycle, one in course.channels.items()}
             kept = logger.loop_cycles[repeat - 1]

@@ -24,6 +24,9 @@ MATERIALS_MPa = (
     (210000.0, 0.3),
 )
 
+#: How far a pad's face falls over its height at most, so that it is a layer.
+LARGEST_FALL = 0.35
+
 #: Most of the stroke that contact and rig take, widest scar over the radius, scars' depths of both bodies [mm], least
 #: energy of a cycle [mJ] (five digits of it are written), and scars' half-lengths over the amplitude.
 MOST_TAKEN, WIDEST, DEPTHS_mm, LEAST_mJ, LENGTHS = 0.25, 0.4, (1e-3, 0.05), 5e-3, (0.3, 12.0)
@@ -84,12 +87,13 @@ class LineTest(LineNominal):
     def half_widths_mm(self) -> tuple[float, float]:
         """Of pad and specimen, along the motion."""
         pad, specimen = self.heights_mm
-        return 3.0 * pad, 3.0 * specimen
+        return 2.0 * pad, 3.0 * specimen
 
     @property
     def sensible(self) -> bool:
-        """Whether it slides over most of its stroke, and the pad holds its layer."""
-        return super().sensible and self.half_widths_mm[0] < 0.85 * self.radius_mm
+        """Whether it slides over most of its stroke, and the pad is a layer: its face falls by few of its height."""
+        pad = self.heights_mm[0]
+        return super().sensible and self.half_widths_mm[0] ** 2 / (2.0 * self.radius_mm) < LARGEST_FALL * pad
 
 
 Test = WireTest | LineTest
@@ -142,7 +146,7 @@ def _drawn_line(random: np.random.Generator) -> LineTest:
     load = _digits(random, 8.0 * length, 70.0 * length)
     both, share = random.uniform(np.log(5e-6), np.log(1.5e-4)), random.uniform(0.35, 0.65)
     return LineTest(
-        radius_mm=float(random.choice([10.0, 15.0, 20.0, 30.0])),
+        radius_mm=float(random.choice([15.0, 20.0, 30.0, 40.0])),
         length_mm=length,
         pad_MPa=pad,
         specimen_MPa=specimen,
@@ -154,7 +158,7 @@ def _drawn_line(random: np.random.Generator) -> LineTest:
         pad_wear_mm3_per_J=float(f"{np.exp(both) * share:.2g}"),
         specimen_wear_mm3_per_J=float(f"{np.exp(both) * (1.0 - share):.2g}"),
         stiffness_N_per_mm=None if random.random() < 0.4 else _stiffness(friction * load, amplitude, random),
-        heights_mm=(float(random.choice([2.5, 3.0, 4.0])), float(random.choice([3.0, 5.0, 8.0]))),
+        heights_mm=(float(random.choice([2.0, 2.5, 3.0])), float(random.choice([3.0, 5.0, 8.0]))),
     )
 
 

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from math import exp, inf, log1p, radians
 from typing import Any
 
 import numpy as np
 
+from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.others.pair import Array, Layer
 
 
@@ -51,6 +53,10 @@ class World:
         if effect in CHANGES:
             return replace(self, **CHANGES[effect](self, given))
         return replace(self, outside={**self.outside, effect: given})
+
+    def with_effects(self, effects: Sequence[TrueEffect]) -> World:
+        """The world with all of a case's effects."""
+        return reduce(lambda world, one: world.with_effect(one.effect, one.parameters), effects, self)
 
     def cause(self, name: str, key: str, absent: float = 0.0) -> float:
         """A parameter of a cause of no library; `absent` where it is not at work."""
