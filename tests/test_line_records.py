@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from numpy.typing import NDArray
 
 from tests.test_planar_study import TABLES
 from wirewear.base.errors import RecordError
@@ -16,6 +17,7 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.line_comparing import compare_line
+from wirewear.records.remarks import Remark
 from wirewear.results import RunResult, read_result
 
 pytestmark = pytest.mark.seconds
@@ -104,6 +106,23 @@ def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
     assert "check its units" in check_record(replace(record, scars=(in_nm,))).problems[0].text
     unworn = MeasuredProfile(1, "pad", profile.x_um, 0.0 * profile.depth_um)
     assert topics(replace(record, scars=(unworn,))) == set()
+
+
+def test_profiles_of_exchanged_bodies_are_told_as_the_flats_scar_is_longer_by_the_stroke(record: LineRecord) -> None:
+    x = np.linspace(-600.0, 600.0, 601)
+    half = float(np.sqrt(2e3 * (record.tables.pad.radius_mm or 0.0) * 2.0))
+    reach = record.tables.conditions.displacement_amplitude_um
+    pad, flat = (np.maximum(1.0 - (x / wide) ** 2, 0.0) for wide in (half, half + reach))
+    random = np.random.default_rng(1)
+
+    def told(**depths: NDArray[np.float64]) -> tuple[Remark, ...]:
+        profiles = (
+            MeasuredProfile(1, body, x, d + 0.01 * random.standard_normal(x.size)) for body, d in depths.items()
+        )
+        return check_record(replace(record, scars=tuple(profiles))).problems
+
+    assert not [one for one in told(pad=pad, specimen=flat) if "shorter" in one.text]
+    assert [one for one in told(pad=flat, specimen=pad) if "shorter than the pad's that wore it" in one.text]
 
 
 @pytest.mark.parametrize(

@@ -24,8 +24,9 @@ from wirewear.reference.hertz import contact_modulus, hertz_line
 _AREA = 30.0
 # Share of the largest depth that may stand at the end of a profile.
 _AT_END = 0.1
-#: The flat's scar may seem shorter than the pad's by noise and by unlike wear of both, but not by this share.
-SHORTER = 0.8
+#: The flat's scar is never shorter: in kinematic wear, whichever body wears more, its spread is 1.00 to 1.42 times the
+#: pad's, in simulated records 1.03 to 1.44. Repeats scatter by 0.01.
+SHORTER = 0.95
 
 
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
