@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import acos, pi, sqrt
+from math import acos, cos, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -56,7 +56,7 @@ def closed_adaptive_cycle(
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
 
-    increments: of a cosine whose longest step is the longest here.  tolerance: allowed distance of the force from the
+    increments: of a cosine than whose steps none is longer.  tolerance: allowed distance of the force from the
     straight lines between increments, over the friction force or, in partial slip, over the largest force or
     the half height of a rectangular loop of as much friction work, whichever is least; nearly without friction, over a
     share of the load.
@@ -66,10 +66,12 @@ def closed_adaptive_cycle(
     largest = float(np.abs(trace.tangential_force).max())
     # Half a cycle has been moved: of a rectangular loop that is its half height.
     opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
-    longest = 2.0 * pi * amplitude_mm / increments
     height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
     walk = _Walk(
-        problem, amplitude_mm, tolerance * (height if min(friction, largest) > least else max(height, least)), longest
+        problem,
+        amplitude_mm,
+        tolerance * (height if min(friction, largest) > least else max(height, least)),
+        increments,
     )
     there = back = None
     for _ in range(_MOST_REPEATS):
@@ -110,16 +112,21 @@ class _Step:
 
 @dataclass(frozen=True)
 class _Walk:
-    """How strokes are walked: allowed error of straight lines in N, longest step in mm."""
+    """How strokes are walked: allowed error of straight lines in N, increments of a cosine with the longest steps."""
 
     problem: ContactProblem
     amplitude: float
     allowed: float
-    longest: float
+    increments: int
 
     @property
     def _shortest(self) -> float:
         return _SMALLEST_STEP * 2.0 * self.amplitude
+
+    def _longest_at(self, place: float) -> float:
+        """The cosine's step from there: near the ends of a scar the force bends one way and back, which chords miss."""
+        turned = acos(max(1.0 - place / self.amplitude, -1.0)) + 2.0 * pi / self.increments
+        return self.amplitude * (1.0 - cos(min(turned, pi))) - place
 
     def stroke(self, state: ContactState, proposed: Array | None) -> list[_Step]:
         """The increments of a stroke from the end where the state is to the other.
@@ -137,7 +144,8 @@ class _Walk:
         taken_anew = 0.0
         while not steps or steps[-1].end < whole:
             state, place = (steps[-1].after, steps[-1].end) if steps else (start, 0.0)
-            target = _target(place, size, float(stops[np.searchsorted(stops, place, side="right")]))
+            stop = float(stops[np.searchsorted(stops, place, side="right")])
+            target = _target(place, min(size, self._longest_at(place)), stop)
             after, reports = advance(self.problem, state, sign * (self.amplitude - target), 0.0)
             step = _Step(state, after, place, target, tuple(reports))
             bend = _bend(steps[-1], step) if steps else 0.0
@@ -160,7 +168,7 @@ class _Walk:
             steps.append(step)
             bends.append(bend)
             on_the_way_out = proposed is not None and not refused
-            size = whole if on_the_way_out else min(max(step.length * growth, self._shortest), self.longest)
+            size = whole if on_the_way_out else max(step.length * growth, self._shortest)
             refused.clear()
         return steps
 
