@@ -78,6 +78,17 @@ def test_where_the_folder_cannot_be_written_or_entered_one_warning_says_so(home:
     assert "can be neither read nor written" in ended.stderr
 
 
+def test_without_home_and_name_there_is_no_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    def unknown() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    for name in ("WIREWEAR_CACHE", "XDG_CACHE_HOME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(Path, "home", unknown)
+    with pytest.warns(KeptNothingWarning, match="the cache folder cannot be used"):
+        assert cache_directory() is None
+
+
 # The nominal run
 
 

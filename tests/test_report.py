@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.browser import Page, browser, needs_browser
+from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from tests.studies import minimal
 from tests.synthetic_results import result
 from wirewear.results import RunResult
@@ -125,4 +125,13 @@ def test_the_slider_moves_the_loop_and_the_scar(chromium: Page, page_path: Path)
     numbers = chromium.value("[...document.querySelectorAll('#ratio svg text')].map(t => t.textContent)")
     assert {"1", "10", "100\u2009000"} <= set(numbers)
     assert chromium.value("document.querySelectorAll('#response path.tension').length") > 1
+    assert chromium.problems == []
+
+
+@pytest.mark.slow
+@needs_browser
+def test_on_a_phone_nothing_is_wider_than_the_screen(chromium: Page, page_path: Path) -> None:
+    chromium.open(page_path, 390, 844, phone=True)
+    assert chromium.value("[document.documentElement.scrollWidth, innerWidth]") == [390, 390]
+    assert chromium.value(TOO_WIDE) == []
     assert chromium.problems == []

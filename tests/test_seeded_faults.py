@@ -267,6 +267,17 @@ def test_a_sound_record_has_no_problem(sound: ExperimentRecord) -> None:
     assert check_record(sound).problems == ()
 
 
+def test_loops_that_were_refused_support_no_conclusion(
+    sound: ExperimentRecord, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(checking, "MOST_ANALYSED", len(sound.loops))
+    first, *others = sound.loops
+    clipped_ones = (replace(one, tangential_force_N=np.clip(one.tangential_force_N, -0.9, 0.9)) for one in others)
+    supported = " ".join(check_record(replace(sound, loops=(first, *clipped_ones))).supports)
+    assert f"friction of 1 of {len(sound.loops)} logged loops" in supported
+    assert "How loops change" not in supported
+
+
 def test_a_normal_force_that_presses_negatively_is_read_turned_and_that_is_said(
     sound: ExperimentRecord, tmp_path: Path
 ) -> None:
