@@ -154,6 +154,11 @@ class LineTest(OfTest):
         """Length of the contact."""
         return self.contact.length_mm
 
+    @property
+    def depth_noise_um(self) -> float:
+        """Of reading a profile, as from a figure."""
+        return self.noise.depth_um or 0.0
+
     @classmethod
     def require_length(cls, length_mm: float | None, label: str) -> None:
         """See that it is given; RecordError otherwise."""

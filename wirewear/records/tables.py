@@ -247,6 +247,11 @@ class OfTest(Table):
         """Length of the contact, where it has one."""
         return None
 
+    @property
+    def depth_noise_um(self) -> float:
+        """Stated error of one depth of a worn surface."""
+        return 0.0
+
     @classmethod
     def require_length(cls, length_mm: float | None, label: str) -> None:
         """See that a length is given of a contact that has one alone; RecordError otherwise."""

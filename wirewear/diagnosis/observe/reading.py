@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -16,7 +16,7 @@ from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord, LineRecord, MeasuredEvolution, MeasuredProfile, MeasuredScar
+    from wirewear.records import MeasuredEvolution, MeasuredProfile, MeasuredScar
 
 _KNOWN = constants("observe.reading")
 
@@ -80,39 +80,23 @@ def read(record: AnyRecord) -> Reading:
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))
-    last = int(record.tables.conditions.cycles)
-    return _READINGS[record.contact_kind](record, loops, last, notes)
-
-
-def _of_wires(record: ExperimentRecord, loops: list[ReducedLoop], last: int, notes: list[str]) -> Reading:
-    if not loops:
-        raise RecordError(f"no loop of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'none'}")
-    return Reading(tuple(of_one_recorder(loops)), tuple(record.evolution), tuple(record.scars), last, tuple(notes))
-
-
-def _of_line(record: LineRecord, loops: list[ReducedLoop], last: int, notes: list[str]) -> Reading:
-    conditions, friction = record.tables.conditions, record.tables.stated.final_friction
-    if not loops and not record.scars:
+    tables, asked = record.tables, record.tables.conditions
+    if not loops and (tables.needs_loops or not record.scars):
         raise RecordError(
             f"nothing of the record {record.name!r} can be diagnosed: {notes[0] if notes else 'no loop, no profile'}"
         )
+    # Worn surfaces go by their own name: scars or profiles.
+    surfaces: dict[str, Any] = {"scars": (), "profiles": (), f"{tables.worn.name}s": record.scars}
     return Reading(
         tuple(of_one_recorder(loops)) if loops else (),
         record.evolution,
-        (),
-        last,
-        tuple(notes),
-        record.scars,
-        conditions.displacement_amplitude_um,
-        (friction or 1.0) * conditions.normal_load_N,
-        record.tables.noise.depth_um or 0.0,
+        last_cycle=int(asked.cycles),
+        notes=tuple(notes),
+        asked_um=asked.displacement_amplitude_um,
+        asked_N=(tables.stated.final_friction or 1.0) * asked.normal_load_N,
+        depth_noise_um=tables.depth_noise_um,
+        **surfaces,
     )
-
-
-_READINGS: dict[str, Callable[[Any, list[ReducedLoop], int, list[str]], Reading]] = {
-    "crossed-wires": _of_wires,
-    "line-contact": _of_line,
-}
 
 
 def spread_cycles(cycles: Sequence[int], most: int) -> list[int]:
