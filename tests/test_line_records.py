@@ -1,5 +1,6 @@
 """Records of line contacts: read as written, checked, made of a simulation and set beside one."""
 
+import json
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -16,9 +17,10 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
+from wirewear.records.line_believed import believed_study
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.remarks import Remark
-from wirewear.results import RunResult, read_result
+from wirewear.results import RunResult, read_result, write_result
 
 pytestmark = pytest.mark.seconds
 
@@ -59,7 +61,8 @@ def test_a_record_reads_back_as_it_was_written(record: LineRecord, tmp_path: Pat
 def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResult, record: LineRecord) -> None:
     report = check_record(record)
     assert report.problems == ()
-    assert len(report.supports) == 4
+    assert "Depth, width and worn area of the pad and specimen at the end." in report.supports
+    assert report.supports[-1].startswith("A simulation from the record alone")
     assert "source: simulated" in report.metadata
     exact = compare_line(result, record_of_result(result, 8.0))
     assert {row.cycle for row in exact.differences} == {1, 200}
@@ -83,6 +86,36 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
     assert deepest.relative == pytest.approx(0.2)
     with pytest.raises(RecordError, match="no loop of a common cycle"):
         compare_line(result, replace(exact, loops=(), profiles=()))
+
+
+def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_mm(result: RunResult) -> None:
+    study = deepcopy(dict(result.study))
+    study["holder"] |= {"tangential_stiffness_N_per_mm2": 250.0}
+    record = record_of_result(replace(result, study=study), 8.0)
+    assert record.tables.stated.tangential_stiffness_N_per_mm == pytest.approx(8.0 * 250.0)
+    believed = believed_study(record.tables)
+    assert believed.holder.tangential_stiffness_N_per_mm2 == pytest.approx(250.0)
+    assert believed.wear.model_dump() == planar_study_from_tables(TABLES, "").wear.model_dump()
+
+
+def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: RunResult) -> None:
+    soft = Sensor(remote_compliance_um_per_N=1e-3, linear_um_per_N=2e-4, quadratic_um_per_N2=1e-7)
+    longer, shorter = (record_of_result(result, length_mm, sensor=soft).loops[0] for length_mm in (8.0, 2.0))
+    np.testing.assert_allclose(longer.displacement_um, shorter.displacement_um, rtol=1e-12)
+    np.testing.assert_allclose(longer.tangential_force_N, 4.0 * shorter.tangential_force_N, rtol=1e-12, atol=1e-9)
+
+
+def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tmp_path: Path) -> None:
+    path = write_result(tmp_path / "result.h5", result)
+    drawn = CliRunner().invoke(cli, ["show", str(path), "--output", str(tmp_path / "pictures")])
+    assert drawn.exit_code == 0, drawn.output
+    assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
+    told = CliRunner().invoke(cli, ["loops", str(path), "--json"])
+    assert told.exit_code == 0, told.output
+    energies = [loop["dissipated_energy_mJ"]["value"] for loop in json.loads(told.stdout)["loops"]]
+    evolution = result.evolution
+    at = [int(np.argmin(np.abs(evolution["cycle"] - loop.cycle))) for loop in result.loops]
+    assert energies == pytest.approx(evolution["dissipated_energy_mJ"][at], rel=0.05)
 
 
 def test_what_is_wrong_with_a_record_is_told(record: LineRecord) -> None:
