@@ -3,6 +3,7 @@
 from dataclasses import replace
 from math import pi, sqrt
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -17,13 +18,14 @@ from studies.blind.generators.others.layers import ElasticLayer, Plane
 from studies.blind.generators.others.logger import drawn_logger, figures, logged_scars
 from studies.blind.generators.others.model import (
     GROWTH,
+    Contact,
     OtherSimulators,
     contact_of,
     differences,
     simulated,
     world_of,
 )
-from studies.blind.generators.others.pair import Layer, Pair, Touch
+from studies.blind.generators.others.pair import Layer, Touch
 from studies.blind.generators.others.rig import Loop, periodic_loop, readings
 from studies.blind.generators.others.tests_drawn import SIMULATORS, LineTest, Test, WireTest, drawn_tests
 from studies.blind.generators.others.world import World
@@ -111,7 +113,7 @@ def test_a_shallow_layer_is_sheared_and_squeezed_as_a_sheet(tractions: bool, mod
     assert matrix[400].sum() == pytest.approx(0.1 / modulus, rel=1e-3)
 
 
-def loop_of(simulator: str, **changes: float) -> tuple[Loop, World, Pair]:
+def loop_of(simulator: str, **changes: Any) -> tuple[Loop, World, Contact]:
     test = TESTS[simulator]
     world, pair = replace(world_of(test), **changes), contact_of(test)
     pair.settle(test.load_N, Layer())

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from studies.blind.errors import BlindError
 from studies.blind.generators.cases import Case
+from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
 from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
@@ -49,7 +50,7 @@ def wire_table(nominal: Nominal) -> dict[str, Any]:
     }
 
 
-def conditions_table(nominal: Nominal) -> dict[str, Any]:
+def conditions_table(nominal: Nominal | LineNominal) -> dict[str, Any]:
     """Load, stroke and cycles, in the words of records and studies alike."""
     return {
         "normal_load_N": nominal.load_N,

@@ -6,13 +6,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import cos, radians, sin
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import conditions_table, record_tables
 from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
+from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.others import logger as logs
 from studies.blind.generators.others.causes import SEAMS
 from studies.blind.generators.others.foundation import FoundationWires
@@ -32,7 +33,7 @@ from studies.blind.generators.others.tests_drawn import (
 )
 from studies.blind.generators.others.world import World
 from wirewear.base.errors import RunError
-from wirewear.records import AnyRecord, ExperimentRecord, RecordTables
+from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar, RecordTables
 from wirewear.records.line_tables import LineRecordTables
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
@@ -74,9 +75,9 @@ class OtherSimulators:
         missing = {effect for simulator in SIMULATORS[self.chosen] for effect in CANNOT.get(simulator, ())}
         return tuple(effect for effect in LIBRARY_EFFECTS if effect not in missing)
 
-    def nominals(self, number: int, random: np.random.Generator) -> Sequence[Test]:
+    def nominals(self, number: int, random: np.random.Generator) -> Sequence[Nominal]:
         """So many tests, drawn."""
-        return drawn_tests(number, SIMULATORS[self.chosen], random)
+        return cast("Sequence[Nominal]", drawn_tests(number, SIMULATORS[self.chosen], random))
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case.
@@ -84,14 +85,15 @@ class OtherSimulators:
         Raises:
             RunError: a contact does not slide.
         """
-        test, random = case.nominal, np.random.default_rng((case.seed, 3))
+        test, random = cast("object", case.nominal), np.random.default_rng((case.seed, 3))
         if not isinstance(test, WireTest | LineTest):
             raise RunError("tests of the tier T3 are drawn by its own simulators.")
         logger = drawn_logger(test, random)
         true = replace(world_of(test), drive=logger.drive)
         changed = true.with_effects(case.effects)
         specimens = np.random.default_rng((case.seed, 4))
-        loops, rows, scars = [], [], []
+        loops, rows = [], []
+        scars: list[MeasuredScar | MeasuredProfile] = []
         for repeat in range(1, logger.repeats + 1):
             draw = logger.specimen(specimens)
             world = replace(
@@ -117,8 +119,11 @@ class OtherSimulators:
 
 def world_of(test: Test) -> World:
     """A test as its owner believes it to be."""
-    line = isinstance(test, LineTest)
-    wear = test.pad_wear_mm3_per_J + test.specimen_wear_mm3_per_J if line else test.wear_mm3_per_J
+    if isinstance(test, LineTest):
+        wear, spring = test.pad_wear_mm3_per_J + test.specimen_wear_mm3_per_J, 0.0
+        share = test.specimen_wear_mm3_per_J / wear
+    else:
+        wear, spring, share = test.wear_mm3_per_J, test.spring_N_per_mm, 0.5
     strips = test.simulator == "strips"
     return World(
         friction=test.friction,
@@ -129,8 +134,8 @@ def world_of(test: Test) -> World:
         cycles=test.cycles,
         drive="stroke",
         compliance_mm_per_N=0.0 if test.stiffness_N_per_mm is None else 1.0 / test.stiffness_N_per_mm,
-        spring_N_per_mm=0.0 if line else test.spring_N_per_mm,
-        moving_share=test.specimen_wear_mm3_per_J / wear if line else 0.5,
+        spring_N_per_mm=spring,
+        moving_share=share,
         speed_exponent=SPEED_EXPONENT if strips else 0.0,
         pressure_exponent=PRESSURE_EXPONENT if strips else 0.0,
         expected_MPa=expected_pressure_MPa(test),

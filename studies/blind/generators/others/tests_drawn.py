@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import cos, pi, radians
 
 import numpy as np
@@ -26,6 +26,8 @@ MATERIALS_MPa = (
 
 #: How far a pad's face falls over its height at most, so that it is a layer.
 LARGEST_FALL = 0.35
+#: Part of the stroke that bodies of line contacts take: of what rims and sides add to a layer, a tenth of it is unknown.
+MOST_OF_BODIES = 0.08
 
 #: Most of the stroke that contact and rig take, widest scar over the radius, scars' depths of both bodies [mm], least
 #: energy of a cycle [mJ] (five digits of it are written), and scars' half-lengths over the amplitude.
@@ -92,8 +94,9 @@ class LineTest(LineNominal):
     @property
     def sensible(self) -> bool:
         """Whether it slides over most of its stroke, and the pad is a layer: its face falls by few of its height."""
-        pad = self.heights_mm[0]
-        return super().sensible and self.half_widths_mm[0] ** 2 / (2.0 * self.radius_mm) < LARGEST_FALL * pad
+        flat = self.half_widths_mm[0] ** 2 / (2.0 * self.radius_mm) < LARGEST_FALL * self.heights_mm[0]
+        bodies_um = replace(self, stiffness_N_per_mm=None).taken_um
+        return super().sensible and flat and bodies_um < MOST_OF_BODIES * self.amplitude_um
 
 
 Test = WireTest | LineTest
