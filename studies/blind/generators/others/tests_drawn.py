@@ -26,7 +26,7 @@ MATERIALS_MPa = (
 
 #: How far a pad's face falls over its height at most, so that it is a layer.
 LARGEST_FALL = 0.35
-#: Part of the stroke that bodies of line contacts take: of what rims and sides add to a layer, a tenth of it is unknown.
+#: Part of the stroke that bodies of line contacts take; what rims and sides add to a layer is a tenth of it or less.
 MOST_OF_BODIES = 0.08
 
 #: Most of the stroke that contact and rig take, widest scar over the radius, scars' depths of both bodies [mm], least
