@@ -72,7 +72,8 @@ def test_half_spaces_agree_with_tamaas() -> None:
 
 
 def test_half_spaces_stick_as_cattaneo_and_mindlin_say() -> None:
-    wires = HalfSpaceWires(*_shape_of(65, 0.1), 0.0, E_MPa, 1.2)
+    gap, step = paraboloid(65, 0.1)
+    wires = HalfSpaceWires(gap, (step, step), 0.0, E_MPa, 1.2)
     wires.settle(LOAD_N, Layer())
     radius, friction = (0.75 * LOAD_N * RADIUS_mm / E_MPa) ** (1.0 / 3.0), 0.6
     lag = friction * 1.2 * radius**2 / RADIUS_mm
@@ -81,11 +82,6 @@ def test_half_spaces_stick_as_cattaneo_and_mindlin_say() -> None:
     way = np.linspace(0.1, 2.0, 9) * lag
     expected = 2.0 * (1.0 - (1.0 - 0.5 * way / lag) ** 1.5) - 1.0
     assert wires.stroke(way, 5.0 * lag, friction, LOAD_N) == pytest.approx(expected, abs=0.03)
-
-
-def _shape_of(count: int, half_mm: float) -> tuple[np.ndarray, tuple[float, float]]:
-    gap, step = paraboloid(count, half_mm)
-    return gap, (step, step)
 
 
 def test_a_foundation_is_pressed_as_johnson_says() -> None:
