@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wirewear.loops.branches import Branch
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
@@ -48,6 +49,14 @@ HIDDEN = (
     "the loop shows no plateau, but its energy ratio of {:.2g} is more than that of any contact in partial slip: it "
     "may slide all along a scar whose walls hide the plateau, and the interval of slip_amplitude holds that, too"
 )
+
+WALLED = (
+    "the loop shows no plateau, but stiffens towards its ends, as no contact in partial slip does: it may slide all "
+    "along between a scar's walls, and the interval of slip_amplitude holds that, too"
+)
+
+#: A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
+STIFFER = 1.5
 
 #: A loop narrower than this share of its stroke is a line.
 STUCK = 1e-3
@@ -183,8 +192,8 @@ def analyse_loop(
     if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
     ratio = energy_ratio(energy, amplitude, largest_force)
-    if not courses.slide and not viscous and ratio is not None and ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
-        loop, read = loop.noted(HIDDEN.format(ratio.value)), _all_along(read, courses, energy, amplitude)
+    if not courses.slide and not viscous and ratio is not None and (hidden := _hidden(courses, ratio)):
+        loop, read = loop.noted(hidden), _all_along(read, courses, energy, amplitude)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -217,6 +226,23 @@ def analyse_loop(
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     return within_bounds(replace(found, notes=tuple(notes)))
+
+
+def _hidden(courses: Courses, ratio: Measured) -> str | None:
+    """Why a loop without a plateau may slide all along; None if nothing shows it."""
+    if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
+        return HIDDEN.format(ratio.value)
+    return WALLED if all(_stiffens(branch) for branch, _ in courses.both) else None
+
+
+def _stiffens(branch: Branch) -> bool:
+    """Whether a branch is steeper at its end than in its middle: contacts in partial slip yield ever more (Masing)."""
+    place = branch.travel_um / branch.length_um
+    windows = (place > 0.4) & (place < 0.6), place > 0.8
+    if min(map(np.count_nonzero, windows)) < 3:
+        return False
+    middle, end = (float(np.polyfit(place[window], branch.force_N[window], 1)[0]) for window in windows)
+    return end > STIFFER * max(middle, 0.0)
 
 
 def _all_along(read: Measured, courses: Courses, energy: Measured, amplitude: Measured) -> Measured:
@@ -297,7 +323,7 @@ def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bo
         notes.append(f"{count} outlying or repeated {'sample was' if count == 1 else 'samples were'} left out")
     notes += _stiffness_notes(loop, courses, found, no_line=no_line)
     stiffness = found.measured_stiffness_N_per_um
-    if found.regime == "partial slip" and stiffness is not None and _sticks(found):
+    if found.regime == "partial slip" and stiffness is not None and _sticks(found) and WALLED not in loop.notes:
         stretch, force = found.displacement_amplitude_um.value, 0.5 * float(np.ptp(loop.force_N))
         notes.append(
             f"the contact sticks: a force of ±{force:.4g} N follows the displacement of ±{stretch:.4g} µm along a line "
