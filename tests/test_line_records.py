@@ -80,12 +80,12 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
     x, profile = result.scar(200, "specimen").section_along_motion()
     moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
     exact = record_of_result(result, 8.0)
-    comparison = compare_line(result, replace(exact, loops=(), profiles=(moved,)))
+    comparison = compare_line(result, replace(exact, loops=(), scars=(moved,)))
     assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
     deepest = next(row for row in comparison.differences if "depth" in row.quantity)
     assert deepest.relative == pytest.approx(0.2)
     with pytest.raises(RecordError, match="no loop of a common cycle"):
-        compare_line(result, replace(exact, loops=(), profiles=()))
+        compare_line(result, replace(exact, loops=(), scars=()))
 
 
 def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_mm(result: RunResult) -> None:
@@ -106,7 +106,8 @@ def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: Ru
 
 
 def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tmp_path: Path) -> None:
-    path = write_result(tmp_path / "result.h5", result)
+    path = tmp_path / "result.h5"
+    write_result(path, result)
     drawn = CliRunner().invoke(cli, ["show", str(path), "--output", str(tmp_path / "pictures")])
     assert drawn.exit_code == 0, drawn.output
     assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
