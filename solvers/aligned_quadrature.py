@@ -7,6 +7,7 @@ outer product of a row along each.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,8 +50,7 @@ def gauss_lines(lines: Array, points: int) -> GaussLines:
     return GaussLines(lines[:-1, None] + share * size, 0.5 * weights * size, 1.0 - share)
 
 
-@dataclass(frozen=True)
-class CommonAxes:
+class CommonAxes(NamedTuple):
     """How positions (x, y) in a patch's axes are seen in those of another: (signs * ((x, y) - offset)), or swapped.
 
     swapped: whether the patch's first axis lies along the other's second.  signs, offset: (2,) for the patch's axes.
@@ -78,12 +78,12 @@ def transfer_along_axes(
     """
     lines = (patch.transverse_mm, patch.axial_mm) if axes.swapped else (patch.axial_mm, patch.transverse_mm)
     strides = (1, len(patch.transverse_mm)) if axes.swapped else (len(patch.transverse_mm), 1)
-    parts = [
-        _along_line(own.positions, own.lengths, own.lower, axes.signs[c], axes.offset[c], lines[c], own.planar)
-        for c, own in enumerate((along, across))
-    ]
     count_t = 1 if across.planar else len(across.positions) + 1
-    return _outer(nodes, count_t, *parts[0], *parts[1], *strides)
+    of_axes = (
+        (own.positions, own.lengths, own.lower, axes.signs[c], axes.offset[c], lines[c], own.planar, strides[c])
+        for c, own in enumerate((along, across))
+    )
+    return _products(nodes, count_t, *next(of_axes), *next(of_axes))
 
 
 @compiled
@@ -139,20 +139,33 @@ def _along_line(
 
 
 @compiled
-def _outer(
+def _products(
     nodes: IntArray,
     count_t: int,
-    outside_a: BoolArray,
-    first_a: IntArray,
-    columns_a: IntArray,
-    values_a: Array,
-    outside_t: BoolArray,
-    first_t: IntArray,
-    columns_t: IntArray,
-    values_t: Array,
+    positions_a: Array,
+    lengths_a: Array,
+    lower_a: Array,
+    sign_a: float,
+    offset_a: float,
+    other_a: Array,
+    planar_a: bool,
     stride_a: int,
+    positions_t: Array,
+    lengths_t: Array,
+    lower_t: Array,
+    sign_t: float,
+    offset_t: float,
+    other_t: Array,
+    planar_t: bool,
     stride_t: int,
 ) -> tuple[BoolArray, IntArray, IntArray, Array]:
+    """The outer products of rows along both axes, of each `_along_line`'s arguments and the other grid's stride."""
+    outside_a, first_a, columns_a, values_a = _along_line(
+        positions_a, lengths_a, lower_a, sign_a, offset_a, other_a, planar_a
+    )
+    outside_t, first_t, columns_t, values_t = _along_line(
+        positions_t, lengths_t, lower_t, sign_t, offset_t, other_t, planar_t
+    )
     count = len(nodes)
     outside, first = np.empty(count, dtype=np.bool_), np.zeros(count + 1, dtype=np.int64)
     for k in range(count):

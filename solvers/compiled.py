@@ -36,6 +36,11 @@ def compiled(function: F) -> F:
     return cast(F, made)
 
 
+def inlined(function: F) -> F:
+    """A part of compiled functions, which becomes a part of their code: compiled with each of them, never by itself."""
+    return cast(F, njit(error_model="numpy", inline="always")(function))
+
+
 @cache
 def _stamp(module: str) -> str:
     """SHA-256 of a module's file and of those in its package from which it takes what is compiled in."""

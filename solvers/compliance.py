@@ -149,12 +149,13 @@ class PairedCompliance:
 
     def displacement(self, traction: Array) -> Array:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        loaded = loaded_nodes(traction)
-        self.responses.know(loaded)
-        force = np.zeros((self.responses.known, 3))
-        force[self.responses.place[loaded]] = traction[loaded]
-        moved = self.responses.matrix[:, : force.size] @ force.ravel()
-        return np.asarray(moved.reshape(-1, 3) + self.layer * traction)
+        responses = self.responses
+        force, known = _on_known(traction, responses.place, responses.known)
+        if not known:
+            responses.know(loaded_nodes(traction))
+            force, _ = _on_known(traction, responses.place, responses.known)
+        moved = (responses.matrix[:, : len(force)] @ force).reshape(-1, 3)
+        return moved + self.layer * traction if self.layer else np.asarray(moved)
 
     def moved(self, traction: Array) -> tuple[Array, Array]:
         """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
@@ -210,6 +211,19 @@ def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Ar
     """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
     first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
     return np.asarray((first + second) / areas[:, None])
+
+
+@compiled
+def _on_known(traction: Array, place: IntArray, known: int) -> tuple[Array, bool]:
+    """Tractions (k, 3) in the order in which nodes became known, (3 known,), and whether all loaded ones are known."""
+    force, complete = np.zeros(3 * known), True
+    for k in range(len(traction)):
+        for c in range(3):
+            if traction[k, c] != 0.0:
+                complete &= place[k] >= 0
+                if place[k] >= 0:
+                    force[3 * place[k] + c] = traction[k, c]
+    return force, complete
 
 
 @compiled

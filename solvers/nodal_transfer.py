@@ -38,7 +38,7 @@ class NodalTransfer:
         """Weighted sum of a nodal field (n,) or (n, c) at each contact node, or at some of them, (k,) or (k, c)."""
         chosen = np.arange(len(self.first) - 1) if rows is None else rows
         values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
-        result = _averaged(self.first, self.columns, self.weights, values, chosen)
+        result = weighted_sums(self.first, self.columns, self.weights, values, chosen)
         return result.reshape(len(chosen), *field.shape[1:])
 
     def spread(self, values: Array) -> Array:
@@ -100,7 +100,8 @@ def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
 
 
 @compiled
-def _averaged(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
+def weighted_sums(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
+    """A transfer's sums (m, c) of a field (n, c) at its rows (m,)."""
     result = np.zeros((len(rows), field.shape[1]))
     for k in range(len(rows)):
         for entry in range(first[rows[k]], first[rows[k] + 1]):

@@ -21,7 +21,7 @@ from scipy.sparse import csr_matrix
 
 from solvers.aligned_quadrature import GaussLines, gauss_lines
 from solvers.compiled import compiled
-from solvers.nodal_transfer import NodalTransfer
+from solvers.nodal_transfer import NodalTransfer, weighted_sums
 from solvers.placement import PlacedBody
 from solvers.quadrature import at_points, field_at, integrals, points_about
 
@@ -144,31 +144,87 @@ def pair(
     gradient = secondary.worn(secondary_depth).gradient
     faced = integrals(nodes, points, surface.along, surface.across, secondary.patch, secondary_depth, gradient)
     areas = surface.areas[nodes]
-    rise = (faced.moment @ secondary.world_to_patch)[:, 0] * secondary.incline
-    other_height = (secondary.facing * faced.height + rise) / areas
-    gap = body.facing * (other_height - body.node_heights(primary_depth)[nodes])
+    own, averaging = body.worn(primary_depth), surface.averaging
+    gap, gap_rate, frames = _between(
+        nodes,
+        areas,
+        own.heights,
+        own.gradient,
+        surface.fresh_slope,
+        averaging.first,
+        averaging.columns,
+        averaging.weights,
+        faced.height,
+        faced.slope,
+        faced.moment,
+        body.facing,
+        body.incline,
+        np.ascontiguousarray(body.world_to_patch),
+        secondary.facing,
+        secondary.incline,
+        np.ascontiguousarray(secondary.world_to_patch),
+        upper_tilt_rad,
+    )
     depths = faced.transfer
     if at_nodes:
         local = (body.node_positions[nodes] - offset_mm) @ secondary.world_to_patch.T
         depths = at_points(local, secondary.patch, areas)
         flat = secondary_depth.ravel()
         gap += (depths.averaged(flat) - faced.transfer.averaged(flat)) / areas
-    tilted = np.array([upper_tilt_rad, 0.0])
-    own_tilt, other_tilt = (tilted, 0.0) if body.facing < 0 else (0.0, tilted)
-    facing_up = secondary.facing * faced.slope @ secondary.world_to_patch / areas[:, None]
-    other_slope = facing_up + [secondary.incline, 0.0] + other_tilt
-    slope = 0.5 * (surface.mean_slope(nodes, primary_depth) + own_tilt + other_slope)
     return Pairing(
         nodes=nodes,
         areas=areas,
         gap=gap,
-        gap_rate=-other_slope[:, 0],
-        frames=frames_on(slope),
+        gap_rate=gap_rate,
+        frames=frames,
         own=NodalTransfer.single(nodes, areas, body.patch.size),
         opposite=faced.transfer,
         depths=depths,
         inside=~faced.outside,
     )
+
+
+@compiled
+def _between(
+    nodes: IntArray,
+    areas: Array,
+    heights: Array,
+    gradient: Array,
+    fresh_slope: Array,
+    first: IntArray,
+    columns: IntArray,
+    weights: Array,
+    other_height: Array,
+    other_slope: Array,
+    moment: Array,
+    facing: int,
+    incline: float,
+    to_patch: Array,
+    other_facing: int,
+    other_incline: float,
+    to_other_patch: Array,
+    upper_tilt: float,
+) -> tuple[Array, Array, Array]:
+    """Gaps (k,), their rates (k,) and frames (k, 3, 3) of a pairing's nodes, halfway between both surfaces.
+
+    heights (n,) and depth's gradient (n, 2): of the primary at its nodes, averaged by weights about each.
+    other_height (k,), other_slope, moment (k, 2): integrals of the secondary over their supports.
+    """
+    worn = weighted_sums(first, columns, weights, gradient, nodes)
+    gap, rate, slope = np.empty(len(nodes)), np.empty(len(nodes)), np.empty((len(nodes), 2))
+    for k in range(len(nodes)):
+        node, area = nodes[k], areas[k]
+        rise = (moment[k, 0] * to_other_patch[0, 0] + moment[k, 1] * to_other_patch[1, 0]) * other_incline
+        gap[k] = facing * ((other_facing * other_height[k] + rise) / area - heights[node])
+        for c in range(2):
+            other = other_slope[k, 0] * to_other_patch[0, c] + other_slope[k, 1] * to_other_patch[1, c]
+            own = (fresh_slope[node, 0] - worn[k, 0] / area) * to_patch[0, c]
+            own += (fresh_slope[node, 1] - worn[k, 1] / area) * to_patch[1, c]
+            slope[k, c] = 0.5 * (facing * own + other_facing * other / area)
+        slope[k, 0] += 0.5 * (incline + other_incline + upper_tilt)
+        other = other_slope[k, 0] * to_other_patch[0, 0] + other_slope[k, 1] * to_other_patch[1, 0]
+        rate[k] = -(other_facing * other / area + other_incline + (upper_tilt if facing > 0 else 0.0))
+    return gap, rate, frames_on(slope)
 
 
 @compiled

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry import ContactPatch
 from solvers.aligned_quadrature import ROUND_OFF, CommonAxes, GaussLines, cell_of, transfer_along_axes
-from solvers.compiled import compiled
+from solvers.compiled import compiled, inlined
 from solvers.nodal_transfer import NodalTransfer
 
 Array = NDArray[np.float64]
@@ -17,8 +17,7 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
-@dataclass(frozen=True)
-class GaussPoints:
+class GaussPoints(NamedTuple):
     """The Gauss points of all cells about some nodes, seen from another body.
 
     first: (c_a, c_t) where each cell's points begin, -1 where it has none.  positions: (g, 2) in that body's axes.
@@ -39,8 +38,7 @@ def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: A
     return GaussPoints(*found, CommonAxes.of(turn, offset_mm))
 
 
-@dataclass(frozen=True)
-class Integrals:
+class Integrals(NamedTuple):
     """Integrals over the supports of k nodes, weighted with their shape functions.
 
     area: (k,), mm².  height: (k,) of the worn surface, and slope: (k, 2) of it in its patch's axes.  moment: (k, 2) of
@@ -79,8 +77,7 @@ def integrals(
     else:
         outside, first, columns, weights = transfer_along_axes(nodes, along, across, points.axes, patch)
     transfer = NodalTransfer(first, columns, weights, patch.size)
-    height -= transfer.averaged(depth_mm.ravel())
-    slope -= transfer.averaged(depth_gradient)
+    _take_wear(height, slope, first, columns, weights, depth_mm.ravel(), depth_gradient)
     return Integrals(area, height, slope, moment, transfer, outside)
 
 
@@ -249,6 +246,23 @@ def _sums(
 
 
 @compiled
+def _take_wear(
+    height: Array, slope: Array, first: IntArray, columns: IntArray, weights: Array, depth: Array, gradient: Array
+) -> None:
+    """Lower heights (k,) and slopes (k, 2) by what a transfer makes of a depth (n,) and its gradient (n, 2)."""
+    for k in range(len(height)):
+        fallen = steeper_a = steeper_t = 0.0
+        for entry in range(first[k], first[k + 1]):
+            node, weight = columns[entry], weights[entry]
+            fallen += weight * depth[node]
+            steeper_a += weight * gradient[node, 0]
+            steeper_t += weight * gradient[node, 1]
+        height[k] -= fallen
+        slope[k, 0] -= steeper_a
+        slope[k, 1] -= steeper_t
+
+
+@inlined
 def _lines_across(lengths: Array) -> int:
     """Lines of a patch with these cells across it; a planar body has one."""
     return 1 if lengths.shape[0] == 1 and lengths.shape[1] == 1 else lengths.shape[0] + 1

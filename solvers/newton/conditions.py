@@ -12,13 +12,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from solvers.newton.system import Linearisation
-from solvers.newton.terms import Nodes, nodes_of
+from solvers.newton.terms import HolderTerms, Nodes, nodes_of
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -31,8 +32,7 @@ _NEAR_STICK = 2.0
 _ROUND_OFF = 1e-12
 
 
-@dataclass(frozen=True)
-class Iterate:
+class Iterate(NamedTuple):
     """Tractions (k,) and (k, 2) in local frames, the holder's position, and what follows from them.
 
     gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
@@ -48,21 +48,23 @@ class Iterate:
     elastic: float
 
 
-@dataclass(frozen=True)
-class FrictionStatus:
+class FrictionStatus(NamedTuple):
     """Nodes that stick (k,), those near enough to it to keep tangential unknowns (k,), direction of friction (k, 2).
 
-    verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.
+    verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.  follows: (k,) nodes in contact
+    far from stick.  augmentation: (k,) MPa per mm of slip.  limit: (k,) of friction, MPa.
     """
 
     stick: BoolArray
     verge: BoolArray
     near_stick: BoolArray
+    follows: BoolArray
     direction: Array
+    augmentation: Array
+    limit: Array
 
 
-@dataclass(frozen=True)
-class Scales:
+class Scales(NamedTuple):
     """What the augmentation and the equations are measured by.
 
     collective, local, rig: displacement by unit traction on all nodes, on one of them, and by what that moves the rig,
@@ -117,47 +119,44 @@ class ContactConditions:
         """Tractions (k, 3) in world axes."""
         return _world(normal, tangential, self.system.pairing.frames)
 
-    def iterate(self, normal: Array, tangential: Array, height: float, holder_x: float, tilt: float) -> Iterate:
-        """Gaps and slips under these tractions at this position of the holder."""
-        layers = self.system.layers
-        elastic = self.system.compliance.displacement(self.world(normal, tangential))
-        gap, slip, largest = _gaps_and_slips(elastic, self.nodes, height, holder_x, tilt)
-        if layers is not None:
-            gap = gap + layers.closure(normal)[0]
-            sheared = layers.shear_compliance(normal)[0][:, None] * tangential
-            slip = slip + sheared - np.einsum("ij,ikj->ik", layers.old_displacement, self.tangents)
-        return Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)
+    @cached_property
+    def holders(self) -> dict[int, HolderTerms]:
+        """The holder as equations take it, by the stop on which it rests; so far as they were asked for."""
+        return {}
 
-    def in_contact(self, state: Iterate) -> BoolArray:
-        """The nodes (k,) that are pressed or overlap."""
-        return np.asarray(state.normal - self._normal_augmentation(state.normal) * state.gap > 0.0)
-
-    def _normal_augmentation(self, normal: Array) -> Array | float:
-        """Pressure per gap, MPa per mm, by which nodes open or close."""
-        layers, local = self.system.layers, self.scales.local
-        return 1.0 / local if layers is None else 1.0 / (local + layers.closure(normal)[1])
-
-    def tangential_compliance(self, normal: Array) -> Array:
-        """Displacement of each node per tangential traction on all of them, mm per MPa, (k,); the rig's apart."""
-        layers = self.system.layers
-        return self.scales.collective + (np.zeros(self.count) if layers is None else layers.shear_compliance(normal)[0])
-
-    def friction_status(self, state: Iterate, active: BoolArray) -> FrictionStatus:
-        """Which of the nodes in contact stick, and where friction points."""
-        if self.system.friction.none:
-            nowhere = np.zeros_like(active)
-            return FrictionStatus(nowhere, nowhere, nowhere, np.zeros((self.count, 2)))
-        return FrictionStatus(
-            *_friction_status(
-                active,
-                state.tangential,
-                state.slip,
-                self.system.friction.limit(state.normal),
-                self.tangential_compliance(state.normal),
-                self.scales.rig,
-                float(np.sign(self.system.drive_step)),
-            )
+    def judged(
+        self,
+        normal: Array,
+        tangential: Array,
+        height: float,
+        holder_x: float,
+        tilt: float,
+        active: BoolArray | None = None,
+    ) -> tuple[Iterate, BoolArray, FrictionStatus]:
+        """Gaps and slips under these tractions at this position of the holder, the nodes (k,) that are pressed or
+        overlap, and which of them, or of `active` ones (k,), stick, and where friction points.
+        """
+        layers, friction = self.system.layers, self.system.friction
+        if layers is None:
+            closure = softness = shear = self._no_layer
+        else:
+            (closure, softness), (shear, _) = layers.closure(normal), layers.shear_compliance(normal)
+        elastic, limit = self.system.compliance.displacement(self.world(normal, tangential)), friction.limit(normal)
+        gap, slip, largest, (touch, stick, verge, near, follows), direction, augmentation = _judged(
+            *(elastic, self.nodes, self.scales, normal, tangential, height, holder_x, tilt),
+            *(closure, softness, shear, limit, friction.none),
+            *(self._nowhere if active is None else active, active is not None),
         )
+        state = Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)
+        return state, touch, FrictionStatus(stick, verge, near, follows, direction, augmentation, limit)
+
+    @cached_property
+    def _no_layer(self) -> Array:
+        return np.zeros(self.count)
+
+    @cached_property
+    def _nowhere(self) -> BoolArray:
+        return np.zeros(self.count, dtype=bool)
 
 
 @compiled
@@ -171,13 +170,32 @@ def _world(normal: Array, tangential: Array, frames: Array) -> Array:
 
 
 @compiled
-def _gaps_and_slips(
-    elastic: Array, nodes: Nodes, height: float, holder_x: float, tilt: float
-) -> tuple[Array, Array, float]:
-    """Gaps (k,) and slips (k, 2) under displacements (k, 3), and the largest component of these."""
+def _judged(
+    elastic: Array,
+    nodes: Nodes,
+    scales: Scales,
+    normal: Array,
+    tangential: Array,
+    height: float,
+    holder_x: float,
+    tilt: float,
+    closure: Array,
+    softness: Array,
+    shear: Array,
+    limit: Array,
+    frictionless: bool,
+    chosen: BoolArray,
+    given: bool,
+) -> tuple[Array, Array, float, BoolArray, Array, Array]:
+    """Gaps (k,) and slips (k, 2) under displacements (k, 3), and the largest component of these; nodes in contact, that
+    stick, on the verge, near stick and that follow (5, k); direction of friction (k, 2), its augmentation (k,).
+
+    closure, softness, shear: (k,) of layers.  chosen: (k,) nodes in contact, if they are given.
+    """
     frames, old, count = nodes.frames, nodes.old_displacement, len(nodes.gap)
     gap, slip, largest = np.empty(count), np.empty((count, 2)), 0.0
-    along = holder_x - nodes.old_holder_x - nodes.drive_step
+    status, direction, augmentation = np.zeros((5, count), np.bool_), np.zeros((count, 2)), np.empty(count)
+    along, most = holder_x - nodes.old_holder_x - nodes.drive_step, 0.0
     for k in range(count):
         lever = nodes.lever[k]
         moved = nodes.gap_rate[k] * (holder_x - nodes.paired_holder_x)
@@ -185,40 +203,38 @@ def _gaps_and_slips(
         for c in range(3):
             gap[k] += elastic[k, c] * frames[k, 0, c]
             largest = max(largest, abs(elastic[k, c]))
+        gap[k] += closure[k]
         x, y = elastic[k, 0] - old[k, 0] + along, elastic[k, 1] - old[k, 1]
         z = elastic[k, 2] - old[k, 2] + (height - nodes.old_height + lever * (tilt - nodes.old_tilt))
         for t in range(2):
             slip[k, t] = x * frames[k, 1 + t, 0] + y * frames[k, 1 + t, 1] + z * frames[k, 1 + t, 2]
-    return gap, slip, largest
-
-
-@compiled
-def _friction_status(
-    active: BoolArray, tangential: Array, slip: Array, limit: Array, compliance: Array, rig: float, forward: float
-) -> tuple[BoolArray, BoolArray, BoolArray, Array]:
-    count = len(active)
-    stick, verge, near = np.zeros(count, np.bool_), np.zeros(count, np.bool_), np.zeros(count, np.bool_)
-    direction = np.zeros((count, 2))
-    largest = 0.0
+            slip[k, t] += shear[k] * tangential[k, t]
+            for c in range(3):
+                slip[k, t] -= nodes.old_sheared[k, c] * frames[k, 1 + t, c]
+        status[0, k] = chosen[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
+        most = max(most, limit[k])
     for k in range(count):
-        largest = max(largest, limit[k])
-    round_off = _ROUND_OFF * largest
-    for k in range(count):
-        s0, s1 = slip[k, 0], slip[k, 1]
-        soft = compliance[k] + rig
+        compliance = scales.collective + shear[k]
+        augmentation[k] = 1.0 / (compliance + scales.rig)
+        if frictionless:
+            status[4, k] = status[0, k]
+            continue
+        s0, s1, active = slip[k, 0], slip[k, 1], status[0, k]
+        soft = compliance + scales.rig
         t0, t1 = tangential[k, 0] - s0 / soft, tangential[k, 1] - s1 / soft
         length, size = np.sqrt(s0 * s0 + s1 * s1), np.sqrt(t0 * t0 + t1 * t1)
-        stick[k] = active[k] and size <= limit[k]
-        near[k] = active[k] and (stick[k] or length < _NEAR_STICK * limit[k] * compliance[k])
-        verge[k] = abs(size - limit[k]) <= round_off
-        if active[k] and not near[k] and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
+        stick = active and size <= limit[k]
+        near = active and (stick or length < _NEAR_STICK * limit[k] * compliance)
+        status[1, k], status[2, k] = stick, abs(size - limit[k]) <= _ROUND_OFF * most
+        status[3, k], status[4, k] = near, active and not near
+        if active and not near and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
             # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
             direction[k, 0], direction[k, 1] = -s0 / length, -s1 / length
         elif size > 0.0:
             direction[k, 0], direction[k, 1] = t0 / size, t1 / size
-        else:
-            direction[k, 0] = forward
-    return stick, verge, near, direction
+        elif nodes.drive_step != 0.0:
+            direction[k, 0] = 1.0 if nodes.drive_step > 0.0 else -1.0
+    return gap, slip, largest, status, direction, augmentation
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from solvers.compiled import inlined
 from solvers.newton.terms import Carried, LayerTerms, Nodes
 
 Array = NDArray[np.float64]
@@ -32,7 +32,7 @@ class Loaded(NamedTuple):
     follow: IntArray
 
 
-@compiled
+@inlined
 def gap_rows(
     loaded: Loaded, nodes: Nodes, carried: Carried, layers: LayerTerms, on: IntArray, tan: IntArray
 ) -> tuple[Array, Array]:
@@ -58,7 +58,7 @@ def gap_rows(
     return transposed, rhs
 
 
-@compiled
+@inlined
 def slip_rows(
     loaded: Loaded,
     nodes: Nodes,
@@ -100,7 +100,7 @@ def slip_rows(
     return rows, offset
 
 
-@compiled
+@inlined
 def _moved_along(matrix: Array, frames: Array, node: int, axis: int, moved: Array) -> None:
     """Write the displacement of a node along an axis of its frame by unit tractions on all nodes of the responses."""
     x, y, z = frames[node, axis, 0], frames[node, axis, 1], frames[node, axis, 2]
@@ -109,7 +109,7 @@ def _moved_along(matrix: Array, frames: Array, node: int, axis: int, moved: Arra
         moved[c] = x * matrix[row, c] + y * matrix[row + 1, c] + z * matrix[row + 2, c]
 
 
-@compiled
+@inlined
 def _fill_row(
     row: Array, moved: Array, place: IntArray, frames: Array, per_normal: Array, on: IntArray, tan: IntArray
 ) -> None:
@@ -129,7 +129,7 @@ def _fill_row(
         row[a + m + j] = frames[node, 2, 0] * x + frames[node, 2, 1] * y + frames[node, 2, 2] * z
 
 
-@compiled
+@inlined
 def _add_layer(
     row: Array, layer: float, frames: Array, per_normal: Array, node: int, axis: int, on: IntArray, tan: IntArray
 ) -> None:
@@ -148,7 +148,7 @@ def _add_layer(
                 row[a + m + j] += along * frames[node, 2, c]
 
 
-@compiled
+@inlined
 def _by_constant(loaded: Loaded, frames: Array, constant: Array, moved: Array, node: int, axis: int) -> float:
     """Displacement of a node by the constant tractions (k, 3) of those whose friction follows a known direction."""
     total = 0.0

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from solvers.compiled import compiled
+from solvers.compiled import compiled, inlined
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows, held_place
@@ -22,7 +22,7 @@ IntArray = NDArray[np.int64]
 Solution = tuple[Array, Array, float, float, float]
 
 
-@compiled
+@inlined
 def fill_friction_rows(
     transposed: Array, rhs: Array, slips: Array, offsets: Array, friction: FrictionTerms, on: IntArray, tan: IntArray
 ) -> None:
@@ -86,37 +86,32 @@ def newton_step(
     layer_pressure: (k,) about which layers are linearised.
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
-    terms = _friction_terms(conditions, state, active, friction)
+    slope, offset = system.friction.tangent(state.normal)
+    terms = FrictionTerms(
+        stick=friction.stick,
+        follows=friction.follows,
+        direction=friction.direction,
+        limit=friction.limit,
+        slope=slope,
+        offset=offset,
+        augmentation=friction.augmentation,
+        tangential=state.tangential,
+        slip=state.slip,
+    )
     on, tan = active.nonzero()[0], friction.near_stick.nonzero()[0]
     responses = system.compliance.responses
     responses.know(on)
     follow = terms.follows.nonzero()[0]
+    if stop not in conditions.holders:
+        conditions.holders[stop] = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
     loaded = Loaded(responses.matrix, responses.known, responses.place, system.compliance.layer, follow)
-    holder = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
-    layers = layer_terms(system, layer_pressure)
+    layers, holder = layer_terms(system, layer_pressure), conditions.holders[stop]
     transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
     if info != 0:
         return None
     finite, normal, tangential, height, holder_x, tilt = _tractions(solution, column, terms, on, tan)
     return (normal, tangential, height, holder_x, tilt) if finite else None
-
-
-def _friction_terms(
-    conditions: ContactConditions, state: Iterate, active: BoolArray, status: FrictionStatus
-) -> FrictionTerms:
-    slope, offset = conditions.system.friction.tangent(state.normal)
-    return FrictionTerms(
-        stick=status.stick,
-        follows=active & ~status.near_stick,
-        direction=status.direction,
-        limit=conditions.system.friction.limit(state.normal),
-        slope=slope,
-        offset=offset,
-        augmentation=1.0 / (conditions.tangential_compliance(state.normal) + conditions.scales.rig),
-        tangential=state.tangential,
-        slip=state.slip,
-    )
 
 
 def _sizes(conditions: ContactConditions) -> Sizes:
@@ -127,7 +122,7 @@ def _sizes(conditions: ContactConditions) -> Sizes:
     return Sizes(scales.pressure, scales.pressure * scales.collective, reach, load)
 
 
-@compiled
+@inlined
 def _scaled(transposed: Array, rhs: Array, sizes: Sizes) -> Array:
     """Scale equations in place to be of order one; what the unknowns are measured by, (size,)."""
     size = len(rhs)

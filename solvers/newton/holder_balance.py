@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from solvers.compiled import inlined
 from solvers.newton.conditions import ContactConditions, Iterate
 from solvers.newton.terms import Carried, HolderTerms, Nodes
 
@@ -41,7 +41,7 @@ def held_place(conditions: ContactConditions, stop: int) -> float | None:
     return 0.5 * stop * system.holder.play_mm if stop else None
 
 
-@compiled
+@inlined
 def fill_holder_rows(
     transposed: Array, rhs: Array, nodes: Nodes, carried: Carried, holder: HolderTerms, on: IntArray, tan: IntArray
 ) -> None:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from solvers.compiled import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.equations import newton_step
+from solvers.newton.equations import Solution, newton_step
 from solvers.newton.holder_balance import stop_in_play
 from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcome, failed_outcome
 from solvers.newton.system import Linearisation
@@ -41,8 +41,7 @@ def solve_contact(
     normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
     tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
     layer_pressure = normal
-    state = conditions.iterate(normal, tangential, height, holder_x, system.old_tilt)
-    status = _status(conditions, state, active)
+    state, status = _met(conditions, (normal, tangential, height, holder_x, system.old_tilt), active)
     best, best_at, once_more = np.inf, 0, True
     for iteration in range(1, _MOST_ITERATIONS + 1):
         if not status.active.any():
@@ -53,9 +52,9 @@ def solve_contact(
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        about, state = state, conditions.iterate(*solution)
-        layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
-        after = _status(conditions, state, conditions.in_contact(state))
+        about, (state, after) = state, _met(conditions, solution)
+        if system.layers is not None:
+            layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
         change = _Change.between(conditions, status, after, about, state)
         if change.converged:
             outcome = converged_outcome(conditions, state, status.active, status.friction, iteration)
@@ -71,8 +70,7 @@ def solve_contact(
     return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {change.likeliest_cause}")
 
 
-@dataclass(frozen=True)
-class _Status:
+class _Status(NamedTuple):
     """Nodes in contact (k,), their friction, and the stop on which the holder rests."""
 
     active: BoolArray
@@ -80,8 +78,10 @@ class _Status:
     stop: int
 
 
-def _status(conditions: ContactConditions, state: Iterate, active: BoolArray) -> _Status:
-    return _Status(active, conditions.friction_status(state, active), stop_in_play(conditions, state))
+def _met(conditions: ContactConditions, solution: Solution, active: BoolArray | None = None) -> tuple[Iterate, _Status]:
+    """The state of a solution, and the status of its nodes, of which the active ones (k,) may be given."""
+    state, touch, friction = conditions.judged(*solution, active)
+    return state, _Status(touch, friction, stop_in_play(conditions, state))
 
 
 def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float:
@@ -93,8 +93,7 @@ def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float
     return float(np.abs(limit - offset - slope * pressure).max()) / largest if largest > 0.0 else 0.0
 
 
-@dataclass(frozen=True)
-class _Change:
+class _Change(NamedTuple):
     """How the status that follows from a state differs from the one with which the state was computed.
 
     opening, sticking, changing: number of nodes that open or close, that change between stick and slip, that do either.

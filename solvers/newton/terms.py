@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from solvers.compiled import inlined
 from solvers.newton.system import Linearisation
 
 Array = NDArray[np.float64]
@@ -27,7 +27,7 @@ class Carried(NamedTuple):
     shifted: bool
 
 
-@compiled
+@inlined
 def carried_by(nodes: Nodes, friction: FrictionTerms) -> Carried:
     """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
     frames, direction = nodes.frames, friction.direction

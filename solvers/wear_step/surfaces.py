@@ -4,13 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from solvers.compiled import compiled, inlined
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, open_share
+from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
 from solvers.wear_step.orbits import Orbits
@@ -27,8 +29,7 @@ BoolArray = NDArray[np.bool_]
 Depths = tuple[Array, Array]
 
 
-@dataclass(frozen=True)
-class Facing:
+class Facing(NamedTuple):
     """One position on surfaces of given depth, with its u unknowns; tractions in MPa, lengths in mm.
 
     upward: (u,) z component of the normals.  by_pressure, by_friction: (u, u) normal displacement by unit pressure and
@@ -102,15 +103,31 @@ class Cycle:
             -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
             for body, new, old in zip((problem.primary, problem.secondary), depths, self.depths, strict=True)
         )
-        found = []
-        for k, position in enumerate(self.positions):
-            pairing = position.pairing
-            turned = averaging.averaged(primary, pairing.nodes) + pairing.opposite.averaged(secondary)
-            normals = pairing.frames[:, 0, :]
-            slope = 0.5 * turned / pairing.areas[:, None]
-            slope[position.state.core[pairing.nodes]] = 0.0
-            slope -= normals[:, :2] / normals[:, 2:]
-            found.append(self._faced(k, slope, active))
+        found, start = [], self.orbits.start
+        weights = self.orbits.areas * self.orbits.twice
+        for k, (position, rows) in enumerate(zip(self.positions, self.orbits.rows, strict=True)):
+            pairing, own = position.pairing, slice(start[k], start[k + 1])
+            faced = _faced(
+                averaging.first,
+                averaging.columns,
+                averaging.weights,
+                primary,
+                pairing.opposite.first,
+                pairing.opposite.columns,
+                pairing.opposite.weights,
+                secondary,
+                pairing.nodes,
+                pairing.areas,
+                pairing.frames,
+                position.state.core,
+                position.direction,
+                position.stuck,
+                self.influences[k],
+                rows,
+                active[own],
+                weights[own],
+            )
+            found.append(Facing(*faced))
         return tuple(found)
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:
@@ -122,66 +139,89 @@ class Cycle:
         opened = self.orbits.opening(depths[0] - self.depths[0], depths[1] - self.depths[1])
         return np.asarray(np.concatenate(fresh) + open_share(problem.layers) * opened)
 
-    def _faced(self, k: int, slope: Array, active: BoolArray) -> Facing:
-        position, orbits = self.positions[k], self.orbits
-        rows = orbits.rows[k]
-        own = slice(orbits.start[k], orbits.start[k + 1])
-        weights = orbits.areas[own] * orbits.twice[own]
-        normals, frictions, stuck = _directions(frames_on(slope), position.direction, position.stuck)
-        by_pressure, by_friction, by_stuck = _along_normals(
-            self.influences[k], normals[rows], frictions[rows], stuck[rows], np.flatnonzero(active[own])
-        )
-        areas = position.pairing.areas
-        return Facing(
-            upward=normals[rows, 2],
-            by_pressure=by_pressure,
-            by_friction=by_friction,
-            by_stuck=by_stuck,
-            lift=weights * np.stack([normals[rows, 2], frictions[rows, 2]]),
-            pull=weights * np.stack([normals[rows, 0], frictions[rows, 0]]),
-            stuck_lift=float(areas @ stuck[:, 2]),
-            stuck_pull=float(areas @ stuck[:, 0]),
-            normals=normals,
-            frictions=frictions,
-            stuck=stuck,
-        )
-
 
 @compiled
-def _directions(frames: Array, direction: Array, stuck: Array) -> tuple[Array, Array, Array]:
-    """Normals, directions of friction and stuck tractions (k, 3) in frames (k, 3, 3), of which (k, 2) are given."""
-    normals, frictions, held = np.empty((len(frames), 3)), np.empty((len(frames), 3)), np.empty((len(frames), 3))
-    for k in range(len(frames)):
-        for c in range(3):
-            normals[k, c] = frames[k, 0, c]
-            frictions[k, c] = direction[k, 0] * frames[k, 1, c] + direction[k, 1] * frames[k, 2, c]
-            held[k, c] = stuck[k, 0] * frames[k, 1, c] + stuck[k, 1] * frames[k, 2, c]
-    return normals, frictions, held
+def _faced(
+    first: IntArray,
+    columns: IntArray,
+    shares: Array,
+    primary: Array,
+    other_first: IntArray,
+    other_columns: IntArray,
+    other_shares: Array,
+    secondary: Array,
+    nodes: IntArray,
+    areas: Array,
+    frames: Array,
+    core: BoolArray,
+    direction: Array,
+    stuck: Array,
+    influence: Array,
+    rows: IntArray,
+    active: BoolArray,
+    weights: Array,
+) -> tuple[Array, Array, Array, Array, Array, Array, float, float, Array, Array, Array]:
+    """The entries of `Facing` of one position.
 
-
-@compiled
-def _along_normals(
-    influence: Array, normals: Array, frictions: Array, stuck: Array, active: IntArray
-) -> tuple[Array, Array, Array]:
-    """Normal displacement (u, u) by unit pressures and by unit friction, all (u, 3), on active ones (a,), and (u,) by
-    stuck tractions (u, 3).
+    primary, secondary: (n, 2) by how much slopes turn at the nodes of either patch, which the averaging of the one and
+    the transfer to the other take to k paired nodes.  core: (n,).  rows, weights, active: (u,) of the unknowns.
     """
-    count = len(normals)
-    by_pressure, by_friction, by_stuck = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-    sticks = stuck.any()
-    # Component by component of displacement and then of traction: the first loop runs through memory in one go.
-    rows, lifted = influence.reshape(count, 3, 3 * count), np.empty(3 * count)
+    own = weighted_sums(first, columns, shares, primary, nodes)
+    other = weighted_sums(other_first, other_columns, other_shares, secondary, np.arange(len(nodes)))
+    slope = np.empty((len(nodes), 2))
+    for k in range(len(nodes)):
+        for c in range(2):
+            turned = 0.0 if core[nodes[k]] else 0.5 * (own[k, c] + other[k, c]) / areas[k]
+            slope[k, c] = turned - frames[k, 0, c] / frames[k, 0, 2]
+    turned_frames = frames_on(slope)
+    normals, frictions, held = np.empty((len(nodes), 3)), np.empty((len(nodes), 3)), np.empty((len(nodes), 3))
+    stuck_lift = stuck_pull = 0.0
+    for k in range(len(nodes)):
+        frame = turned_frames[k]
+        for c in range(3):
+            normals[k, c] = frame[0, c]
+            frictions[k, c] = direction[k, 0] * frame[1, c] + direction[k, 1] * frame[2, c]
+            held[k, c] = stuck[k, 0] * frame[1, c] + stuck[k, 1] * frame[2, c]
+        stuck_lift += areas[k] * held[k, 2]
+        stuck_pull += areas[k] * held[k, 0]
+    count, sticks = len(rows), False
+    upward, lift, pull = np.empty(count), np.empty((2, count)), np.empty((2, count))
     for i in range(count):
-        n0, n1, n2, of_node = normals[i, 0], normals[i, 1], normals[i, 2], rows[i]
+        node = rows[i]
+        upward[i] = normals[node, 2]
+        lift[0, i], lift[1, i] = weights[i] * normals[node, 2], weights[i] * frictions[node, 2]
+        pull[0, i], pull[1, i] = weights[i] * normals[node, 0], weights[i] * frictions[node, 0]
+        sticks |= held[node, 0] != 0.0 or held[node, 1] != 0.0 or held[node, 2] != 0.0
+    by_pressure, by_friction, by_stuck = _along_normals(influence, normals, frictions, held, rows, active, sticks)
+    return upward, by_pressure, by_friction, by_stuck, lift, pull, stuck_lift, stuck_pull, normals, frictions, held
+
+
+@inlined
+def _along_normals(
+    influence: Array,
+    normals: Array,
+    frictions: Array,
+    stuck: Array,
+    rows: IntArray,
+    active: BoolArray,
+    sticks: bool,
+) -> tuple[Array, Array, Array]:
+    """Normal displacement (u, u) by unit pressures and by unit friction on active ones of the rows (u,), and (u,) by
+    stuck tractions, if any sticks; all vectors are (k, 3).
+    """
+    count = len(rows)
+    by_pressure, by_friction, by_stuck = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
+    # Component by component of displacement and then of traction: the first loop runs through memory in one go.
+    by_row, lifted = influence.reshape(count, 3, 3 * count), np.empty(3 * count)
+    for i in range(count):
+        n0, n1, n2 = normals[rows[i], 0], normals[rows[i], 1], normals[rows[i], 2]
         for c in range(3 * count):
-            lifted[c] = n0 * of_node[0, c] + n1 * of_node[1, c] + n2 * of_node[2, c]
-        for j in active:
-            x, y, z = lifted[3 * j], lifted[3 * j + 1], lifted[3 * j + 2]
-            by_pressure[i, j] = x * normals[j, 0] + y * normals[j, 1] + z * normals[j, 2]
-            by_friction[i, j] = x * frictions[j, 0] + y * frictions[j, 1] + z * frictions[j, 2]
-        if sticks:
-            for j in range(count):
-                by_stuck[i] += (
-                    lifted[3 * j] * stuck[j, 0] + lifted[3 * j + 1] * stuck[j, 1] + lifted[3 * j + 2] * stuck[j, 2]
-                )
+            lifted[c] = n0 * by_row[i, 0, c] + n1 * by_row[i, 1, c] + n2 * by_row[i, 2, c]
+        for j in range(count):
+            x, y, z, node = lifted[3 * j], lifted[3 * j + 1], lifted[3 * j + 2], rows[j]
+            if active[j]:
+                by_pressure[i, j] = x * normals[node, 0] + y * normals[node, 1] + z * normals[node, 2]
+                by_friction[i, j] = x * frictions[node, 0] + y * frictions[node, 1] + z * frictions[node, 2]
+            if sticks:
+                by_stuck[i] += x * stuck[node, 0] + y * stuck[node, 1] + z * stuck[node, 2]
     return by_pressure, by_friction, by_stuck
