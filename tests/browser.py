@@ -30,6 +30,11 @@ OPTIONS = (
     "--remote-debugging-pipe",
 )  # fmt: skip
 
+#: Elements that reach beyond a phone's screen, apart from those within something that scrolls.
+TOO_WIDE = """[...document.querySelectorAll("section *, p, h2, table")]
+    .filter(e => e.getBoundingClientRect().right > 391 && !e.closest(".scroll, clipPath, [clip-path]"))
+    .map(e => e.outerHTML.slice(0, 80))"""
+
 
 @dataclass
 class Page:

@@ -3,6 +3,7 @@
 import os
 import subprocess
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
@@ -42,7 +43,7 @@ def answer(x):
 """
 
 
-def _answer(folder: Path, kept: Path | None = None, **values: float) -> tuple[float, int]:
+def _answer(folder: Path, values: Mapping[str, float], kept: Path | None = None) -> tuple[float, int]:
     """What the chain of modules answers in a process of its own, and how many functions that loaded from disk."""
     package = folder / "things"
     package.mkdir(exist_ok=True)
@@ -68,9 +69,9 @@ def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_th
     tmp_path: Path, change: dict[str, float], expected: float
 ) -> None:
     before = {"factor": 10.0, "shift": 1.0}
-    assert _answer(tmp_path, **before) == (20.0, 0)
-    assert _answer(tmp_path, **before) == (20.0, 1)
-    assert _answer(tmp_path, **{**before, **change}) == (expected, 0)
+    assert _answer(tmp_path, before) == (20.0, 0)
+    assert _answer(tmp_path, before) == (20.0, 1)
+    assert _answer(tmp_path, {**before, **change}) == (expected, 0)
 
 
 def _kept(folder: Path) -> list[Path]:
@@ -81,20 +82,20 @@ def _kept(folder: Path) -> list[Path]:
 @pytest.mark.parametrize("left", [0, 40, -1])
 def test_damaged_code_is_compiled_anew_and_kept_whole(tmp_path: Path, left: int) -> None:
     values = {"factor": 10.0, "shift": 1.0}
-    assert _answer(tmp_path, **values) == (20.0, 0)
+    assert _answer(tmp_path, values) == (20.0, 0)
     for path in _kept(tmp_path):
         path.write_bytes(path.read_bytes()[:left])
-    assert _answer(tmp_path, **values) == (20.0, 0)
-    assert _answer(tmp_path, **values) == (20.0, 1)
+    assert _answer(tmp_path, values) == (20.0, 0)
+    assert _answer(tmp_path, values) == (20.0, 1)
 
 
 @pytest.mark.slow
 def test_code_is_kept_for_its_owner_alone_and_anothers_is_not_loaded(tmp_path: Path) -> None:
     values = {"factor": 10.0, "shift": 1.0}
-    _answer(tmp_path, **values)
+    _answer(tmp_path, values)
     assert (tmp_path / "kept").stat().st_mode & 0o777 == 0o700
     (tmp_path / "kept").chmod(0o777)
-    assert _answer(tmp_path, **values) == (20.0, 0)
+    assert _answer(tmp_path, values) == (20.0, 0)
 
 
 @pytest.mark.seconds
@@ -103,13 +104,13 @@ def test_two_copies_of_the_program_share_a_folder_and_keep_their_own_code(tmp_pa
     values, first, second = {"factor": 10.0, "shift": 1.0}, tmp_path / "first", tmp_path / "second"
     for copy, other in ((first, 10.0), (second, 20.0)):
         copy.mkdir()
-        assert _answer(copy, tmp_path / "kept", **values | {"factor": other})[1] == 0
-    assert _answer(first, tmp_path / "kept", **values) == (20.0, 1)
+        assert _answer(copy, values | {"factor": other}, tmp_path / "kept")[1] == 0
+    assert _answer(first, values, tmp_path / "kept") == (20.0, 1)
 
 
 def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
     (tmp_path / "kept").write_text("a file, no folder")
-    assert _answer(tmp_path, factor=10.0, shift=1.0) == (20.0, 0)
+    assert _answer(tmp_path, {"factor": 10.0, "shift": 1.0}) == (20.0, 0)
 
 
 def test_a_full_disk_or_a_vanished_folder_does_not_stop_who_compiled(tmp_path: Path) -> None:

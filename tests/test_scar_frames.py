@@ -174,7 +174,7 @@ def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherev
         mean = float(np.mean([scar.volume_mm3 for scar in maps]))
         assert mean == pytest.approx(true.volume_mm3, rel=0.005)
     pairs, _ = scar_pairs(run, record)
-    volumes = record.worn_volumes_mm3()
+    volumes = record.worn_volumes_mm3
     for pair in pairs:
         assert dict(zip(pair.repeats, pair.measured_volumes_mm3, strict=True)) == volumes[pair.wire]
         assert np.mean(pair.simulated_volumes_mm3) == pytest.approx(np.mean(pair.measured_volumes_mm3), rel=0.005)
