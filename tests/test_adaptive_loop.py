@@ -152,6 +152,7 @@ def with_holder(wires: ContactProblem, name: str) -> ContactProblem:
     return replace(wires, holder=holders[name])
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("holder", ["rigid", "spring", "free play"])
 def test_straight_lines_between_increments_follow_a_loop_of_400(wires: ContactProblem, holder: str) -> None:
     problem = with_holder(wires, holder)

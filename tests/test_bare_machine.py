@@ -26,7 +26,7 @@ OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
 #: What some packages bring along that are called otherwise when imported.
 DISTRIBUTION_OF = {"skfem": "scikit-fem"}
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
-BROUGHT_ALONG = {"PIL", "pydantic_core"}
+BROUGHT_ALONG = {"PIL", "pydantic_core", "typing_extensions"}
 
 
 def pins() -> list[str]:

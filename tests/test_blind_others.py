@@ -128,6 +128,7 @@ def test_the_work_of_friction_is_the_area_of_the_loop_and_that_of_sliding(simula
     assert loop.half_slip_mm == pytest.approx(world.amplitude_mm - lost, rel=1e-3)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize("simulator", NAMES)
 def test_bodies_lose_what_their_energy_asks_for(simulator: str) -> None:
     test = TESTS[simulator]
@@ -145,6 +146,7 @@ def test_bodies_lose_what_their_energy_asks_for(simulator: str) -> None:
         assert depth == pytest.approx(depth[::-1, ::-1])
 
 
+@pytest.mark.seconds
 def test_wires_by_half_spaces_and_on_a_foundation_wear_alike() -> None:
     snapshots = (30, 300, 3000)
     depths = [
@@ -191,6 +193,7 @@ def test_tests_by_others_are_of_many_kinds_and_never_shared_between_sets() -> No
     assert not set(SIMULATORS["development"]) & set(SIMULATORS["scoring"])
 
 
+@pytest.mark.seconds
 def test_a_batch_of_others_can_be_read_and_says_nothing_of_its_effects(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -93,6 +93,7 @@ def test_a_laws_derivative_is_that_of_its_limit_and_starts_at_the_coefficient(la
     assert friction.derivative(np.array([-5.0, 0.0])) == pytest.approx(0.5)
 
 
+@pytest.mark.seconds
 @pytest.mark.parametrize(("mesh_mm", "tolerance"), [(0.005, 0.04), pytest.param(0.0035, 0.01, marks=pytest.mark.slow)])
 def test_gross_slip_under_a_hertz_pressure_needs_the_laws_integral(mesh_mm: float, tolerance: float) -> None:
     problem = replace(crossed_wires(mesh_mm), friction_law=LAW)

@@ -21,6 +21,7 @@ from wirewear.reference import (
     hertz_crossed_cylinders,
     hertz_elliptic,
     hertz_line,
+    hertz_point,
     line_loading_traction,
     line_stick_ratio,
     line_stick_ratio_after_reversal,
@@ -30,6 +31,7 @@ from wirewear.reference import (
     loading_traction,
     partial_slip_point,
     relative_curvatures,
+    semi_axis_ratio,
     stick_radius,
     stick_radius_after_reversal,
     tangential_contact_modulus,
@@ -245,9 +247,10 @@ def test_elliptic_pressure_bends_the_surfaces_onto_each_other(
 def test_pressure_integrates_to_the_load(first_mm: float, second_mm: float, angle_deg: float) -> None:
     contact = hertz_crossed_cylinders(3.0, first_mm, second_mm, angle_deg, first=STEEL, second=Elastic(70000.0, 0.33))
     radius = (np.arange(4000) + 0.5) / 4000
-    rings = contact.pressure(radius * contact.major_semi_axis_mm) * 2.0 * math.pi * radius / 4000
-    area = contact.major_semi_axis_mm * contact.minor_semi_axis_mm
-    assert rings.sum() * area == pytest.approx(3.0, rel=1e-5)
+    a, b = contact.major_semi_axis_mm, contact.minor_semi_axis_mm
+    for direction in (0.0, 1.0, math.pi / 2.0):
+        pressure = contact.pressure(radius * a * math.cos(direction), radius * b * math.sin(direction))
+        assert (pressure * 2.0 * math.pi * radius / 4000).sum() * a * b == pytest.approx(3.0, rel=1e-5)
 
 
 @given(st.floats(0.05, 2.0), st.floats(0.05, 2.0), st.floats(1.0, 179.0))
@@ -288,3 +291,18 @@ def test_means_about_the_middle_are_the_load_there_over_the_length(share: float)
     assert point.mean_over_disc_MPa(share * point.contact_radius_mm) == pytest.approx(on_disc, rel=1e-4)
     x = (np.arange(20_000) + 0.5) / 20_000 * 0.5 * share * line.half_width_mm
     assert line.mean_over_segment_MPa(share * line.half_width_mm) == pytest.approx(line.pressure(x).mean(), rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: Elastic(-1.0, 0.3), "youngs_modulus_MPa must be positive"),
+        (lambda: Elastic(1.0, 0.6), "poissons_ratio must lie between"),
+        (lambda: hertz_point(0.0, 1.0, 1.0), "normal_load_N must be positive"),
+        (lambda: relative_curvatures(1.0, 1.0, 180.0), "crossing_angle_deg must lie between"),
+        (lambda: semi_axis_ratio(0.5), "curvature_ratio must be at least 1"),
+    ],
+)
+def test_values_out_of_range_are_named(call: object, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        call()  # type: ignore[operator]
