@@ -85,7 +85,7 @@ def worn(effect: str = "", **parameters: float) -> tuple[Snapshot, Reading]:
 def test_there_are_ten_kinds_and_more_and_all_seams_have_one() -> None:
     assert len(UNSEEN) >= 10
     assert len(OF_RUNS["unseen"]) >= 6
-    assert set(OUTSIDE_SEAMS) == set(OUTSIDE)
+    assert set(OUTSIDE_SEAMS) >= set(OUTSIDE)
     assert {OUTSIDE_SEAMS[effect] for effect in UNSEEN} == set(Seam)
     assert set(NOTHING) == set(UNSEEN)
     assert not set(UNSEEN) & set(LIBRARY_EFFECTS)
