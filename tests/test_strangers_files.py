@@ -1,6 +1,7 @@
 """Files of fifty kinds in two languages each, guessed or answered with a mapping to fill in; none is read wrongly."""
 
 import math
+import re
 from pathlib import Path
 
 import numpy as np
@@ -194,6 +195,20 @@ def test_the_command_loops_reads_the_same_files(tmp_path: Path, kind: str) -> No
     joined.append(np.concatenate([loop.tangential_force_N for loop in loops]))
     area = 1e-3 * enclosed_area(*joined)
     assert area == pytest.approx(4.0 * energy_mJ(), rel=0.01)
+
+
+def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guessed(tmp_path: Path) -> None:
+    files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
+    (tmp_path / "notes.txt").write_text("no table\nof numbers\n", encoding="utf-8")
+    (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
+    (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
+    others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
+    guess = guessed_mapping([*files, *others], {"diameter_mm": 0.45} | STEEL)
+    told = " ".join(guess.remarks)
+    assert re.search(r"notes.txt was left out: .*no table of numbers", told)
+    assert "old.xls was left out" in told
+    assert "cut.sur was left out" in told
+    assert "save it as .xlsx or as CSV" in told
 
 
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
