@@ -9,6 +9,7 @@ from tests.known_loops import analysed_with_noise, drawn, hooked, share_off
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.area import enclosed_area, enclosed_areas
+from wirewear.loops.clipping import clipped
 
 LOOP = SyntheticLoop(Recipe())
 
@@ -40,6 +41,20 @@ def test_a_noiseless_plateau_is_not_called_clipped(samples: int, rig_stiffness: 
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig_stiffness)).sampled(samples, 0.2)
     assert not any("clipped" in note for note in analyse_loop(displacement, force, 2.0).notes)
     assert not any("clipped" in note for note in analyse_loop(np.clip(displacement, -50.0, 50.0), force, 2.0).notes)
+
+
+@pytest.mark.parametrize("steps_of_noise", [0.5, 1.0, 2.0, 4.0])
+def test_a_drive_read_in_coarse_steps_is_not_called_clipped_and_one_that_is_cut_off_is(steps_of_noise: float) -> None:
+    random = np.random.default_rng(1)
+    cut = whole = 0
+    for samples in range(100, 300, 2):
+        phase = 2.0 * np.pi * (np.arange(samples) + random.random()) / samples
+        drive, step = np.sin(phase) + 0.002 * random.standard_normal(samples), 0.002 * steps_of_noise
+        force = np.sign(np.cos(phase)) + 0.01 * random.standard_normal(samples)
+        whole += clipped(step * np.round(drive / step), beside=force) is not None
+        cut += clipped(step * np.round(np.minimum(drive, 0.95) / step), beside=force) is not None
+    assert whole <= 2
+    assert cut == 100
 
 
 @pytest.mark.seconds

@@ -84,6 +84,8 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     if extent <= CONSTANT * float(np.max(np.abs(values))) or (step > COARSE * extent and not ends_alone):
         return None
     found = np.zeros(values.size, dtype=bool)
+    # A sine stays within two steps of its end for so long: within its last one, and where noise carries it there.
+    turning = float(np.arccos(max(1.0 - 4.0 * step / extent, -1.0)) / np.pi)
     ends = []
     for outermost in (levels[:OUTSIDE], levels[: -OUTSIDE - 1 : -1]):
         for value in (float(level) for level in outermost):
@@ -91,7 +93,7 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
             beyond = np.count_nonzero(values < value if outermost[0] == levels[0] else values > value)
             if beyond > OUTSIDE:
                 break
-            if _longest(same) >= FEWEST and np.count_nonzero(same) >= LEAST_SHARE * values.size:
+            if _longest(same) >= FEWEST and np.count_nonzero(same) > max(LEAST_SHARE, turning) * values.size:
                 found |= same
                 ends.append(value)
                 break
