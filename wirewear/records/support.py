@@ -33,13 +33,15 @@ def _loops(checked: CheckedRecord) -> list[tuple[bool, str]]:
     figures = tuple(checked.figures.values())
     if not figures:
         return [(False, "Anything about loops: none of those looked at can be analysed.")]
-    usable = {(loop.repeat, loop.cycle) for loop in checked.record.loops} - checked.refused.keys()
-    cycles, verdicts = sorted({cycle for _, cycle in usable}), []
-    which = (
-        f"{len(usable)} of {plural(len(checked.record.loops), 'logged loop')}"
-        if checked.refused
-        else "the logged cycles"
-    )
+    verdicts: list[tuple[bool, str]] = []
+    which = "the logged cycles"
+    cycles = sorted({loop.cycle for loop in checked.record.loops})
+    if checked.refused:
+        # Where some are refused, what was not looked at supports nothing.
+        looked = len(figures) + len(checked.refused)
+        among = "" if looked == len(checked.record.loops) else " looked at"
+        which = f"{len(figures)} of {plural(looked, 'logged loop')}{among}"
+        cycles = sorted({cycle for _, cycle in checked.figures})
     verdicts.append((True, f"Slip amplitude, dissipated energy and friction of {which}."))
     if len(cycles) > 1:
         span = f"{plural(len(cycles), 'cycle')} from {counted(cycles[0])} to {counted(cycles[-1])}"

@@ -61,7 +61,7 @@ def drawn_logger(test: Test, random: np.random.Generator) -> Logger:
         has_scars=bool(random.random() < 0.75),
         loop_cycles=(tuple(snapshots[kept].tolist()),) * repeats,
         evolution_cycles=tuple(snapshots.tolist()),
-        steps=(noise[0] * random.uniform(0.05, 0.5), noise[1] * random.uniform(0.05, 0.5)),
+        steps=(noise[0] * random.uniform(0.05, 2.0), noise[1] * random.uniform(0.05, 2.0)),
         filter_s=period * random.uniform(0.0, 0.002),
         starts_at=float(random.choice([0.0, -0.25])),
         scar_noise_um=min(depth_um * random.uniform(0.01, 0.04), 0.1),
