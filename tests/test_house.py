@@ -238,7 +238,7 @@ BUDGETS = {
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
     "lines of studies": 21_170,
     # 1 000 of them are one test for each fault found from outside and for laws that no other test holds; walls of a
-    # scar on a soft rig took the last 20, values out of range 20, files beside others 20, drives read in coarse steps 20.
+    # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     "lines of tests": 24_680,
     "files of geometry, solvers and wirewear": 459,
     "rooms of wirewear": 24,
