@@ -53,7 +53,7 @@ def test_what_is_no_number_of_its_range_is_refused(command: Sequence[str], value
 def test_options_of_wires_are_refused_for_line_contacts(
     options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wirewear.faces.looking.one_run", lambda _: Mock(length_mm=1.0))
+    monkeypatch.setattr("wirewear.faces.looking.one_run", lambda _: Mock(length_mm=1.0, contact_kind="line-contact"))
     assert f"{options[0]} does not apply to" in refused("fields", tmp_path, "--cycle", "1", *options)
 
 

@@ -55,7 +55,6 @@ def invoked(line: str) -> Result:
             "compare planar.h5 RECORD --output c",
             "planar.h5 is a result of a line contact, where one of crossed wires is",
         ),
-        ("loops planar.h5", "planar.h5 is a result of a line contact, where one of crossed wires is needed."),
         ("strength result.h5 --output text", "the output folder text cannot be used: it is a file, not a folder."),
         ("blind make b --cases 1 --seed 1 --key text/key", "the output folder text cannot be used: it is a file, not"),
         (
