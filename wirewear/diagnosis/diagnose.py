@@ -135,9 +135,8 @@ def judged(
     dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
     tolerance = record.tables.tolerance.model_dump()
-    stays = None
-    if wave is not None and wave.along == "stroke" and wave.amplitude_N > tolerance["force"] * setup.plateau_force_N:
-        stays = wave
+    least_N = tolerance["force"] * setup.plateau_force_N
+    stays = wave if wave and wave.along == "stroke" and wave.amplitude_N > least_N else None
     # What the best explanation leaves is judged as a gap is: what matters to nobody speaks for no other cause.
     leaves = relevance_of(places(found.problem, found.covariance, found.best.setup), tolerance, detected=True)
     surprise = max(found.remainder.log_surprise if leaves.relevant else 0.0, stays.log_surprise if stays else 0.0)

@@ -117,8 +117,7 @@ def sentence_of(
 def _agreement(relevance: Relevance | None, like: Cause | None) -> str:
     if relevance is None or not relevance.detected or relevance.largest is None:
         return "The record and the model agree within the repeats' scatter and the numerical uncertainty."
-    known = like is not None and like.effect not in ("none", "outside_library")
-    behaves = f" It looks like {_one(like, ())}." if like is not None and known else ""
+    behaves = f" It looks like {_one(like, ())}." if like and like.effect not in ("none", "outside_library") else ""
     return (
         f"A difference of {100.0 * relevance.largest.relative:.2g} % is detected, within the record's tolerance: "
         f"{relevance.largest.text}.{behaves}"

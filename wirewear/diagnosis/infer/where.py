@@ -191,7 +191,6 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
 
 def _relative_to_tolerance(place: Place, tolerance: Mapping[str, float]) -> float:
     # A scar that is askew by an angle has its ends off by that share of half its length.
-    of_scars = {"rad": tolerance["displacement"]}
-    of_loops = {"N": tolerance["force"], "um": tolerance["displacement"], "mJ": tolerance["energy"]}
-    known = of_scars if place.observable.of_scars else of_loops
-    return place.relative / max(known.get(place.observable.unit, tolerance["volume"]), 1e-12)
+    of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
+    known = {"rad": "displacement"} if place.observable.of_scars else of_loops
+    return place.relative / max(tolerance[known.get(place.observable.unit, "volume")], 1e-12)
