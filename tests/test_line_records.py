@@ -113,7 +113,9 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
     told = CliRunner().invoke(cli, ["loops", str(path), "--json"])
     assert told.exit_code == 0, told.output
-    energies = [loop["dissipated_energy_mJ"]["value"] for loop in json.loads(told.stdout)["loops"]]
+    loops = json.loads(told.stdout)["loops"]
+    assert {"the forces are those of 1 mm of the contact"} == {loop["notes"][0] for loop in loops}
+    energies = [loop["dissipated_energy_mJ"]["value"] for loop in loops]
     evolution = result.evolution
     at = [int(np.argmin(np.abs(evolution["cycle"] - loop.cycle))) for loop in result.loops]
     assert energies == pytest.approx(evolution["dissipated_energy_mJ"][at], rel=0.05)

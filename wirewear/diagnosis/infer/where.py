@@ -30,8 +30,7 @@ class Place:
 
     `difference` is the mean of measurement less model in the zone's unit, in the direction of travel; `in_scatter` is
     the root mean square in standard deviations of one test; `excess` what chi² has beyond its expectation; `relative`
-    is the root mean square of what neither specimens nor zeros nor noise account for, relative to the whole force,
-    displacement, energy or size.
+    the root mean square of what neither specimens, zeros nor noise account for, over the whole force, stroke or size.
     """
 
     zone: str
