@@ -250,7 +250,7 @@ def _all_along(read: Measured, courses: Courses, energy: Measured, amplitude: Me
     (forward, _), (backward, _) = courses.both
     centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
     height = height_at((forward, backward), (np.inf,), centre, half)
-    found = by_energy(energy, height).reaching(read.value) if height.value > 0.0 else read
+    found = by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
     return found.reaching(amplitude.value)
 
 

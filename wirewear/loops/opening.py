@@ -136,9 +136,10 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
     That of a parallelogram, whatever curve its middle follows: a scar's walls raise one direction's force by what they
     take from the other's.
     """
-    value = energy.value / MICROJOULE_IN_MILLIJOULE / (4.0 * height_N.value)
-    shares = energy.deviation / energy.value, height_N.deviation / height_N.value
-    return Measured.from_deviation(value, value * float(np.hypot(*shares)))
+    um_per_mJ = 1.0 / (4.0 * MICROJOULE_IN_MILLIJOULE * height_N.value)
+    value = um_per_mJ * energy.value
+    parts = um_per_mJ * energy.deviation, value * height_N.deviation / height_N.value
+    return Measured.from_deviation(value, float(np.hypot(*parts)))
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
