@@ -137,9 +137,8 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
     take from the other's.
     """
     um_per_mJ = 1.0 / (4.0 * MICROJOULE_IN_MILLIJOULE * height_N.value)
-    value = um_per_mJ * energy.value
-    parts = um_per_mJ * energy.deviation, value * height_N.deviation / height_N.value
-    return Measured.from_deviation(value, float(np.hypot(*parts)))
+    parts = um_per_mJ * energy.deviation, um_per_mJ * energy.value * height_N.deviation / height_N.value
+    return Measured.from_deviation(um_per_mJ * energy.value, float(np.hypot(*parts)))
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
