@@ -254,8 +254,8 @@ def problem(text: str) -> str:
             'kind = "crossed-wires"',
             'kind = "cylinder-on-flat"',
             (
-                's.toml is a study of kind "cylinder-on-flat", which only `wirewear run` takes: '
-                'give one of kind "crossed-wires" here.'
+                's.toml is a study of kind "cylinder-on-flat", which is not taken here: '
+                'give one of kind "crossed-wires".'
             ),
         ),
         (

@@ -50,8 +50,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
     """
     if data.get("kind") in PLANAR_KINDS:
         raise StudyError(
-            f'{where} is a study of kind "{data["kind"]}", which only `wirewear run` takes: '
-            'give one of kind "crossed-wires" here.'
+            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind "crossed-wires".'
         )
     base = {key: value for key, value in data.items() if key != "variants"}
     tables = checked_tables(base, where)
