@@ -233,7 +233,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 BUDGETS = {
     # With the spring that a fit finds, 80 lines, and with tolerances, 130; 100 are the arguments, a line each, of
     # compiled functions that stand for chains of small calls over contact arrays.
-    "lines of geometry, solvers and wirewear": 64_760,
+    "lines of geometry, solvers and wirewear": 64_765,
     "lines of wirewear": 53_030,
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
     "lines of studies": 21_170,

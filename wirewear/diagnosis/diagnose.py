@@ -137,9 +137,11 @@ def judged(
     tolerance = record.tables.tolerance.model_dump()
     least_N = tolerance["force"] * setup.plateau_force_N
     stays = wave if wave and wave.along == "stroke" and wave.amplitude_N > least_N else None
-    # What the best explanation leaves is judged as a gap is: what matters to nobody speaks for no other cause.
-    leaves = relevance_of(places(found.problem, found.covariance, found.best.setup), tolerance, detected=True)
-    surprise = max(found.remainder.log_surprise if leaves.relevant else 0.0, stays.log_surprise if stays else 0.0)
+    # What an explanation of most of a gap leaves is judged as a gap is: what does not matter hints at no other cause.
+    explains_most = found.best.distance2 <= (1.0 - LEAST_REMOVED) * found.none.distance2
+    left_over = places(found.problem, found.covariance, found.best.setup)
+    leaves = not explains_most or relevance_of(left_over, tolerance, detected=True).relevant
+    surprise = max(found.remainder.log_surprise if leaves else 0.0, stays.log_surprise if stays else 0.0)
     weighed = weigh(
         found.none,
         found.singles,
@@ -148,14 +150,14 @@ def judged(
         classes,
         max(left, LEAST_DISPERSION),
         surprise,
-        gains_of(found.distortions) if leaves.relevant else {},
+        gains_of(found.distortions) if leaves else {},
         found.rival,
     )
     failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
     weighed = without(weighed, failing)
     where = places(found.problem, found.covariance, setup)
     finding = tuple(findings(where))
-    verdict = _verdict(found, weighed, seen=bool(finding), leaves=leaves.relevant)
+    verdict = _verdict(found, weighed, seen=bool(finding), leaves=leaves)
     relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
     like = _causes(found, weighed, dispersion) if relevance.detected else ()
     if not relevance.relevant:
