@@ -16,7 +16,6 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 CONSTRAINTS = ROOT / "constraints.txt"
-
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 

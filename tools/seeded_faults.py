@@ -1,6 +1,6 @@
 """How many seeded faults the tests catch: those of every commit, and all of them.
 
-    python -m pip install coverage
+    python -m pip install --constraint constraints.txt coverage
     python -m tools.seeded_faults record runs/faults                    which test runs which line, in an hour or more
     python -m tools.seeded_faults seed runs/faults --count 200          faults one at a time, in a copy of the tree
 
