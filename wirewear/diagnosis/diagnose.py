@@ -21,7 +21,7 @@ from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
-from wirewear.diagnosis.infer.where import findings, places, relevance_of
+from wirewear.diagnosis.infer.where import Place, findings, places, relevance_of
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
@@ -138,9 +138,8 @@ def judged(
     least_N = tolerance["force"] * setup.plateau_force_N
     stays = wave if wave and wave.along == "stroke" and wave.amplitude_N > least_N else None
     # What an explanation of most of a gap leaves is judged as a gap is: what does not matter hints at no other cause.
-    explains_most = found.best.distance2 <= (1.0 - LEAST_REMOVED) * found.none.distance2
     left_over = places(found.problem, found.covariance, found.best.setup)
-    leaves = not explains_most or relevance_of(left_over, tolerance, detected=True).relevant
+    leaves = found.removed < LEAST_REMOVED or relevance_of(left_over, tolerance, detected=True).relevant
     surprise = max(found.remainder.log_surprise if leaves else 0.0, stays.log_surprise if stays else 0.0)
     weighed = weigh(
         found.none,
@@ -159,19 +158,19 @@ def judged(
     finding = tuple(findings(where))
     verdict = _verdict(found, weighed, seen=bool(finding), leaves=leaves)
     relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
-    like = _causes(found, weighed, dispersion) if relevance.detected else ()
-    if not relevance.relevant:
-        verdict, weighed = "no_gap", weighed.without_gap() if relevance.detected else weighed
+    behind = causes = _causes(found, weighed, dispersion)
+    if relevance.detected and not relevance.relevant:
+        verdict, weighed = "no_gap", weighed.without_gap()
+        causes = _causes(found, weighed, dispersion)
     best = found.none if verdict == "no_gap" else found.best
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
     if verdict in ("explained", "ambiguous") and not shrink.supports:
         verdict = "unexplained"
-    causes = _causes(found, weighed, dispersion)
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
-    partial = _partial(found, weighed, dispersion) if verdict == "unexplained" else None
+    partial = _partial(found, weighed, dispersion, left_over) if verdict == "unexplained" else None
     resembles = _resembles(found, weighed, verdict)
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
     unseen = _undetectable(found, own)
@@ -183,7 +182,7 @@ def judged(
         record=record.name,
         model=study.name,
         verdict=verdict,
-        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, like),
+        sentence=sentence_of(verdict, causes, equivalent, shrink, finding, partial, resembles, relevance, behind),
         shrink=shrink,
         physical=physical_gap(states, observed, setup, best.setup, shrink.held_out),
         confirmed=None,
@@ -252,15 +251,13 @@ def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, 
     return tuple(sorted(listed, key=lambda cause: -round(cause.probability, 9)))
 
 
-def _partial(found: Search, weighed: Weighed, dispersion: float) -> Partial | None:
-    """The best explanation, where it removes most of a misfit without explaining it."""
-    best, none = found.best, found.none
-    removed = 1.0 - best.distance2 / none.distance2
-    if not best.candidates or removed < LEAST_REMOVED:
+def _partial(found: Search, weighed: Weighed, dispersion: float, left_over: list[Place]) -> Partial | None:
+    """The best explanation, where it removes most of a misfit without explaining it, and what it leaves where."""
+    best = found.best
+    if not best.candidates or found.removed < LEAST_REMOVED:
         return None
-    remains = tuple(findings(places(found.problem, found.covariance, best.setup)))
     probability = weighed.probabilities[best.names]
-    return Partial(tuple(_of_fit(best, probability, dispersion)), removed, remains)
+    return Partial(tuple(_of_fit(best, probability, dispersion)), found.removed, tuple(findings(left_over)))
 
 
 def _resembles(found: Search, weighed: Weighed, verdict: Verdict) -> tuple[Resemblance, ...]:

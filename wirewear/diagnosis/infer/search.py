@@ -71,6 +71,11 @@ class Search:
         """The explanation of highest evidence, none included."""
         return max((self.none, *self.singles, *self.pairs), key=lambda one: one.merit)
 
+    @property
+    def removed(self) -> float:
+        """Share of χ² that it takes."""
+        return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
+
 
 def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """All explanations of a record; `left_out` names effects that are not to be considered."""
