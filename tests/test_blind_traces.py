@@ -39,7 +39,6 @@ NUISANCES = Nuisances(
 )
 
 SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
-
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +21,7 @@ from studies.blind.generators.nominal import Nominal
 from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
+from wirewear.records.line_tables import LineRecordTables
 
 Array = NDArray[np.float64]
 
@@ -81,6 +82,34 @@ def record_tables(case: Case) -> RecordTables:
             "files": {"loops": "loops.csv"},
         }
     )
+
+
+def line_record_tables(nominal: LineNominal, name: str, noise: Mapping[str, float]) -> LineRecordTables:
+    """The tables of a nominal line contact's record with this name and noise."""
+    stated: dict[str, Any] = {
+        "friction": nominal.friction,
+        "pad_energy_wear_coefficient_mm3_per_J": nominal.pad_wear_mm3_per_J,
+        "specimen_energy_wear_coefficient_mm3_per_J": nominal.specimen_wear_mm3_per_J,
+    }
+    if nominal.stiffness_N_per_mm is not None:
+        stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
+    return LineRecordTables.model_validate(
+        {
+            "format": 1,
+            "name": name,
+            "contact": {"kind": "cylinder-on-flat", "length_mm": nominal.length_mm},
+            "pad": {"radius_mm": nominal.radius_mm, **_elastic(nominal.pad_MPa)},
+            "specimen": _elastic(nominal.specimen_MPa),
+            "conditions": {**conditions_table(nominal), "drive": "stroke"},
+            "stated": stated,
+            "noise": dict(noise),
+            "files": {},
+        }
+    )
+
+
+def _elastic(constants: tuple[float, float]) -> dict[str, float]:
+    return {"youngs_modulus_MPa": constants[0], "poissons_ratio": constants[1]}
 
 
 def scar_lines_um(nominal: Nominal, wire: str) -> tuple[Array, Array]:

@@ -15,11 +15,12 @@ from typing import Any, cast
 import numpy as np
 
 from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.files import line_record_tables
 from studies.blind.generators.finite_element.changes import OUTSIDE, SATURATION
 from studies.blind.generators.generator import MadeRecord
 from studies.blind.generators.line_nominal import LineNominal, drawn_line_nominals
 from studies.blind.generators.lines.differences import PROFILE_NOISE_um, differences
-from studies.blind.generators.lines.readings import dose_of, nominal_of, profile_at, read_test, record_tables, tables_of
+from studies.blind.generators.lines.readings import dose_of, nominal_of, profile_at, read_test, record_tables
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
@@ -78,7 +79,7 @@ def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
 def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarStudy:
     from wirewear.planar.model import plan
 
-    tables = tables_of(nominal, "blind", {})
+    tables = line_record_tables(nominal, "blind", {})
     tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from studies.blind.generators.cases import Case
+from studies.blind.generators.files import line_record_tables
 from studies.blind.generators.finite_element.changes import SATURATION
 from studies.blind.generators.finite_element.readings import channels_of, moments
 from studies.blind.generators.line_nominal import LineNominal
@@ -33,41 +34,7 @@ def nominal_of(case: Case) -> LineNominal:
 
 def record_tables(case: Case) -> LineRecordTables:
     """The tables of experiment.toml: all from the nominal test and the nuisances."""
-    return tables_of(nominal_of(case), case.name, case.nuisances.stated_noise)
-
-
-def tables_of(nominal: LineNominal, name: str, noise: Mapping[str, float]) -> LineRecordTables:
-    """The tables of a nominal test's record with this name and noise."""
-    stated: dict[str, Any] = {
-        "friction": nominal.friction,
-        "pad_energy_wear_coefficient_mm3_per_J": nominal.pad_wear_mm3_per_J,
-        "specimen_energy_wear_coefficient_mm3_per_J": nominal.specimen_wear_mm3_per_J,
-    }
-    if nominal.stiffness_N_per_mm is not None:
-        stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
-    return LineRecordTables.model_validate(
-        {
-            "format": 1,
-            "name": name,
-            "contact": {"kind": "cylinder-on-flat", "length_mm": nominal.length_mm},
-            "pad": {"radius_mm": nominal.radius_mm, **_elastic(nominal.pad_MPa)},
-            "specimen": _elastic(nominal.specimen_MPa),
-            "conditions": {
-                "normal_load_N": nominal.load_N,
-                "displacement_amplitude_um": nominal.amplitude_um,
-                "frequency_Hz": nominal.frequency_Hz,
-                "cycles": nominal.cycles,
-                "drive": "stroke",
-            },
-            "stated": stated,
-            "noise": dict(noise),
-            "files": {},
-        }
-    )
-
-
-def _elastic(constants: tuple[float, float]) -> dict[str, float]:
-    return {"youngs_modulus_MPa": constants[0], "poissons_ratio": constants[1]}
+    return line_record_tables(nominal_of(case), case.name, case.nuisances.stated_noise)
 
 
 def dose_of(draw: SpecimenDraw) -> float:

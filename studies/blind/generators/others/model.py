@@ -11,7 +11,7 @@ from typing import Any, cast
 import numpy as np
 
 from studies.blind.generators.cases import Case
-from studies.blind.generators.files import conditions_table, record_tables
+from studies.blind.generators.files import line_record_tables, record_tables
 from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.others import logger as logs
@@ -118,7 +118,7 @@ class OtherSimulators:
 
 
 def world_of(test: Test) -> World:
-    """A test as its owner believes it to be."""
+    """A test as its owner states it."""
     if isinstance(test, LineTest):
         wear, spring = test.pad_wear_mm3_per_J + test.specimen_wear_mm3_per_J, 0.0
         share = test.specimen_wear_mm3_per_J / wear
@@ -292,28 +292,8 @@ def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineReco
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
         plain["wires"]["crossing_angle_deg"] = test.crossing_angle_deg
         return RecordTables.model_validate({**plain, **more})
-    stated: dict[str, Any] = {
-        "friction": test.friction,
-        "pad_energy_wear_coefficient_mm3_per_J": test.pad_wear_mm3_per_J,
-        "specimen_energy_wear_coefficient_mm3_per_J": test.specimen_wear_mm3_per_J,
-    }
-    if test.stiffness_N_per_mm is not None:
-        stated["tangential_stiffness_N_per_mm"] = test.stiffness_N_per_mm
-    bodies = [
-        {"youngs_modulus_MPa": young, "poissons_ratio": ratio, "height_mm": height, "half_width_mm": half}
-        for (young, ratio), height, half in zip(
-            (test.pad_MPa, test.specimen_MPa), test.heights_mm, test.half_widths_mm, strict=True
-        )
-    ]
-    said = {
-        "format": 1,
-        "name": case.name,
-        "contact": {"kind": "cylinder-on-flat", "length_mm": test.length_mm},
-        "pad": {**bodies[0], "radius_mm": test.radius_mm},
-        "specimen": bodies[1],
-        "conditions": {**conditions_table(test), "drive": logger.drive},
-        "stated": stated,
-        "noise": logger.stated_noise,
-        "files": {"loops": "loops.csv"},
-    }
-    return LineRecordTables.model_validate({**said, **more})
+    plain = line_record_tables(test, case.name, logger.stated_noise).model_dump(mode="json", exclude_unset=True)
+    for body, height, half in zip(("pad", "specimen"), test.heights_mm, test.half_widths_mm, strict=True):
+        plain[body] |= {"height_mm": height, "half_width_mm": half}
+    plain["conditions"]["drive"], plain["files"] = logger.drive, {"loops": "loops.csv"}
+    return LineRecordTables.model_validate({**plain, **more})
