@@ -140,7 +140,7 @@ def run_planar_variants(
     for task, result in zip(tasks, results, strict=True):
         # A run that was ended from outside while it drew is complete all the same.
         if not all((task.folder.path / name).exists() for name in PICTURES):
-            _drawn(task.folder.path, [result])
+            _drawn(task.folder.path, result)
     if study.variant_names and not (resume and (output / SIDE_BY_SIDE).exists()):
         from wirewear.pictures.style import save
         from wirewear.planar.pictures import planar_variants
@@ -159,7 +159,7 @@ def _run_into(
     resume: bool,
 ) -> RunResult:
     result = _cycled(study, fidelity, planned, folder, observer, resume=resume)
-    _drawn(folder.path, [result])
+    _drawn(folder.path, result)
     return result
 
 
@@ -170,11 +170,11 @@ def _write_into(folder: Path, result: RunResult) -> None:
     write_flat_tables(result, folder, "csv")
 
 
-def _drawn(folder: Path, results: Sequence[RunResult]) -> None:
+def _drawn(folder: Path, result: RunResult) -> None:
     from wirewear.pictures.style import save
     from wirewear.planar.pictures import planar_drawings
 
-    for name, draw in planar_drawings(results).items():
+    for name, draw in planar_drawings([result]).items():
         save(draw, folder / f"{name}.png")
 
 
