@@ -22,10 +22,8 @@ _CORNERS = {
     8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
     4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
 }
-
 #: Relative residual of the projection to nodes.
 _PROJECTED = 1e-7
-
 #: Rows and columns of the six components.
 TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
 

@@ -18,9 +18,7 @@ from wirewear.study.tables import StudyTables
 STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
-
 junk = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3))
-
 paths = st.sampled_from(
     [(table,) for table in [*StudyTables.model_fields, "variants"]]
     + [(table, key) for table, value in minimal().items() if isinstance(value, dict) for key in value]

@@ -18,7 +18,6 @@ from solvers.pairing import Pairing
 from solvers.wear import Sliding, deposited
 
 Array = NDArray[np.float64]
-
 IntArray = NDArray[np.int64]
 
 

@@ -12,7 +12,6 @@ from solvers.compiled import inlined
 from solvers.newton.system import Linearisation
 
 Array = NDArray[np.float64]
-
 BoolArray = NDArray[np.bool_]
 
 

@@ -47,9 +47,7 @@ FOLDER_NAME = "pictures"
 
 #: Wear is well seen beside other wear from this share of its depth on.
 WELL_SEEN = 0.25
-
 MOST_IN_SERIES = 5
-
 MOST_CONTACTS = 4
 
 

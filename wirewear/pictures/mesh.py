@@ -27,9 +27,7 @@ PARTS = 6
 ON_SURFACE = 1e-6
 
 PIXELS = 1400
-
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
-
 EDGE_COLOUR = "#303438"
 
 Array = NDArray[np.float64]

@@ -29,7 +29,6 @@ MOST_LOOPS = 6
 POINTS, CLOSED_FROM = 400, 5
 
 Array = NDArray[np.float64]
-
 Mask = NDArray[np.bool_]
 
 #: Rings of points around the area that get a value.
@@ -53,7 +52,6 @@ _ROUNDING = 1.0
 
 # Points that round-off alone puts on either side of an outline lie outside.
 _ON_THE_LINE = 1e-9
-
 _NEIGHBOURS = [(a, t) for a in (-1, 0, 1) for t in (-1, 0, 1) if (a, t) != (0, 0)]
 
 

@@ -13,7 +13,7 @@ from wirewear.records.line_tables import OF_WHOLE, LineStated, LineTest
 
 
 def believed_study(tables: LineTest, more: Mapping[str, Any] | None = None) -> PlanarStudy:
-    """What the record's owner believes, as a study of one millimetre of the contact.
+    """What the record's owner states, as a study of one millimetre of the contact.
 
     more: further tables of the study, such as log and mesh.
 

@@ -86,7 +86,7 @@ class LineConditions(RecordConditions):
 
 
 class LineStatedWear(Table):
-    """The wear that the rig's owner believes, of either body."""
+    """The wear that the rig's owner states, of either body."""
 
     pad_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
         None, description="worn volume of the pad per dissipated energy"
@@ -103,7 +103,7 @@ class LineStatedWear(Table):
 
 
 class LineStated(StatedRig, LineStatedWear, StatedFriction):
-    """What the rig's owner believes; what is not stated is believed ideal."""
+    """What the rig's owner states; what is not stated is taken as ideal."""
 
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(one_of("rig only", "bodies"))] = Field(
         "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'

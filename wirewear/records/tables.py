@@ -132,13 +132,13 @@ class StatedWearRateEvolution(Table):
 
 
 class StatedFriction(Table):
-    """The friction that the rig's owner believes."""
+    """The friction that the rig's owner states."""
 
     friction: Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
 
 
 class StatedRig(StatedFriction):
-    """What the rig's owner believes of it, and of what changes over the cycles."""
+    """What the rig's owner states of it, and of what changes over the cycles."""
 
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
@@ -160,7 +160,7 @@ class StatedRig(StatedFriction):
 
 
 class StatedWear(Table):
-    """The wear that the rig's owner believes."""
+    """The wear that the rig's owner states."""
 
     energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
         None, description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
@@ -169,7 +169,7 @@ class StatedWear(Table):
 
 
 class Stated(StatedRig, StatedWear, StatedFriction):
-    """What the rig's owner believes; what is not stated is believed ideal."""
+    """What the rig's owner states; what is not stated is taken as ideal."""
 
 
 class Noise(Table):

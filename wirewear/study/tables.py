@@ -54,9 +54,7 @@ from wirewear.study.keys import (
 )
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
-
 Variation = Literal["none", "cycles", "energy_J"]
-
 WearUpdate = Literal["implicit", "explicit"]
 
 #: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.

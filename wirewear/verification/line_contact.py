@@ -37,19 +37,12 @@ _FAR_mm = 3.0
 Array = NDArray[np.float64]
 
 RADIUS_mm = 6.0
-
 LOAD_N_per_mm = 120.0
-
 FRICTION = 0.6
-
 MATERIAL = Elastic(200_000.0, 0.3)
-
 _SHARE = 0.5
-
 _TOLERANCE = 0.02
-
 _STEP_mm = 2e-4
-
 _MOST_STEPS = 60
 
 

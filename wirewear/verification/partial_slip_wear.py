@@ -53,19 +53,13 @@ _FINER = {
 }
 
 _FRICTION = 0.6
-
 _APPROACH_mm = CONTACT_RADIUS_mm**2 / RADIUS_mm
-
 #: About two thirds of the fresh contact stick.
 _AMPLITUDE_mm = 2.0e-4
-
 _RATE_mm3_per_mJ = 1.5e-7
-
 _INCREMENTS = 16
-
 #: Jumps of growing size until next to nothing wears.
 _JUMPS = tuple(9.0 * 2.5**k for k in range(11))
-
 _DEPTH_TOLERANCE = 0.5
 
 

@@ -39,22 +39,16 @@ from wirewear.verification.wires import (
 _TOLERANCE = 0.01
 
 _RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
-
 _CYCLES = 50.0
-
 _ROUND_OFF = 1e-10
-
 _MIRROR_TOLERANCE = 0.02
 
 Array = NDArray[np.float64]
 
 FRICTION = 0.6
-
 #: Sliding bends the rig by half a contact radius; the contact slides by about two to each side.
 RIG_STIFFNESS_N_per_mm = FRICTION * LOAD_N / (0.5 * CONTACT_RADIUS_mm)
-
 AMPLITUDE_mm = 2.4 * CONTACT_RADIUS_mm
-
 INCREMENTS = 40
 
 

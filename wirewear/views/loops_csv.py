@@ -24,7 +24,6 @@ from wirewear.records.values import MeasuredLoop
 Array = NDArray[np.float64]
 
 _OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
-
 _LARGEST = 1e15
 
 SPLIT = (

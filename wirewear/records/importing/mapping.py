@@ -30,7 +30,6 @@ from wirewear.study.keys import FORMAT, NormalLoad, Table, checked_format, check
 PROFILOMETER = "profilometer"
 
 StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
-
 Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
 
 
