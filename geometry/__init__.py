@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING
 from geometry.late import loaded_late
 
 if TYPE_CHECKING:
+    from geometry.block import BlockGeometry
+    from geometry.body import BodyGeometry, BodyMesh, build_body
     from geometry.errors import GeometryError
     from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
     from geometry.hexmesh import HexMesh
@@ -15,11 +17,15 @@ if TYPE_CHECKING:
     from geometry.mesh_motion import mirror_images
     from geometry.patch import ContactPatch
     from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
-    from geometry.profiles import Cylinder, EvenProfile, Flat, Profile, RoundedFlat
+    from geometry.profiles import Barrel, Cylinder, EvenProfile, Flat, Profile, RoundedFlat
     from geometry.quadmesh import QuadMesh
-    from geometry.wire import WireGeometry, WireMesh, build_wire
+    from geometry.wire import WireGeometry
 
 __all__ = [
+    "Barrel",
+    "BlockGeometry",
+    "BodyGeometry",
+    "BodyMesh",
     "ContactPatch",
     "Cylinder",
     "EdgeGradedAxis",
@@ -36,9 +42,8 @@ __all__ = [
     "QuadMesh",
     "RoundedFlat",
     "WireGeometry",
-    "WireMesh",
+    "build_body",
     "build_planar",
-    "build_wire",
     "graded_layers",
     "mirror_images",
 ]

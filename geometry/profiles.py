@@ -80,6 +80,56 @@ class Cylinder:
 
 
 @dataclass(frozen=True)
+class Barrel:
+    """A surface of revolution about a line along the body's axis, whose profile is an arc: a ball, a barrel, a flat.
+
+    curvature_along_per_mm, curvature_across_per_mm: one over the radii of the arc and of the thickest circle.
+    """
+
+    curvature_along_per_mm: float
+    curvature_across_per_mm: float
+
+    def height(self, plane_mm: Array) -> Array:
+        """-(s + r - sqrt(r² - y²)), s being the fall along the crown and r the radius of the circle there."""
+        x, y, share, root = self._circle(plane_mm)
+        across = self.curvature_across_per_mm
+        return -(self._fall(x) + across * y**2 / (share + root))
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Along and across."""
+        x, y, share, root = self._circle(plane_mm)
+        k = self.curvature_along_per_mm
+        along = k * x / np.sqrt(1.0 - (k * x) ** 2)
+        return -np.column_stack([along * share, self.curvature_across_per_mm * y]) / root[:, None]
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """GeometryError when the patch reaches the flank."""
+        k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
+        if k * along_mm >= _REACH or across * across_mm >= _REACH * (1.0 - across * self._fall(np.array(along_mm))):
+            raise GeometryError(
+                f"a contact patch {along_mm} mm to the side along and {across_mm} mm across does not fit on a surface "
+                f"of curvatures {k:g} and {across:g} per mm"
+            )
+
+    def scaled(self, factor: float) -> Barrel:
+        """The same surface in another unit of length."""
+        return Barrel(self.curvature_along_per_mm / factor, self.curvature_across_per_mm / factor)
+
+    def _fall(self, x: Array) -> Array:
+        k = self.curvature_along_per_mm
+        return np.asarray(k * x**2 / (1.0 + np.sqrt(1.0 - (k * x) ** 2)))
+
+    def _circle(self, plane_mm: Array) -> tuple[Array, Array, Array, Array]:
+        """Points clipped short of the flank; over the thickest circle's radius, that of the one there, and its root."""
+        x, y = plane_mm.T
+        k, across = self.curvature_along_per_mm, self.curvature_across_per_mm
+        x = np.clip(x, -_REACH / k, _REACH / k) if k else x
+        share = np.maximum(1.0 - across * self._fall(x), 1.0 - _REACH)
+        y = np.clip(y, -_REACH * share / across, _REACH * share / across) if across else y
+        return x, y, share, np.sqrt(share**2 - (across * y) ** 2)
+
+
+@dataclass(frozen=True)
 class Flat:
     """A plane surface."""
 

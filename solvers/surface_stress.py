@@ -19,7 +19,7 @@ from scipy.linalg import solve_banded
 from scipy.ndimage import distance_transform_edt
 from scipy.signal import fftconvolve
 
-from geometry import ContactPatch, Elastic, HexMesh, WireMesh
+from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from solvers.compiled import compiled
 from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic
@@ -58,7 +58,7 @@ class SurfaceStress:
     layers: tuple[float, float]
 
     @classmethod
-    def of(cls, wire: WireMesh, material: Elastic) -> SurfaceStress:
+    def of(cls, wire: BodyMesh, material: Elastic) -> SurfaceStress:
         """The surface of a wire."""
         return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
 

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
-from geometry import ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, build_body
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
@@ -88,9 +88,9 @@ def wire_geometry(fine_mm: float, axial_fine_mm: float, axial_half_mm: float) ->
 
 
 @cache
-def wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.04) -> WireMesh:
+def wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.04) -> BodyMesh:
     """The mesh of such a wire."""
-    return build_wire(wire_geometry(fine_mm, axial_fine_mm, axial_half_mm))
+    return build_body(wire_geometry(fine_mm, axial_fine_mm, axial_half_mm))
 
 
 @cache

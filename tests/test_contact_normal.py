@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from geometry import GradedAxis, WireGeometry, build_wire
+from geometry import GradedAxis, WireGeometry, build_body
 from solvers.condensation import condense
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import IncrementReport
@@ -190,7 +190,7 @@ def test_a_mesh_of_4_um_meets_hertz_within_2_percent(hertz: PointContact) -> Non
     """A gripped wire is no half-space; 2 % is what its finite size and the mesh may cost."""
     fine = ELEMENTS_THAT_MEET_HERTZ_mm
     axis = GradedAxis(fine, 0.0164, 0.012, 0.04)
-    meshed = build_wire(WireGeometry(DIAMETER_mm, 1.0, axis, axis, 0.07))
+    meshed = build_body(WireGeometry(DIAMETER_mm, 1.0, axis, axis, 0.07))
     body = condense(meshed.mesh, meshed.patch, STEEL)
     upper, lower = place(body, upper=True, axis_angle_rad=np.pi / 2), place(body, upper=False, axis_angle_rad=0.0)
     problem = ContactProblem(upper, lower, Holder(LOAD_N), 0.62, WearRates())

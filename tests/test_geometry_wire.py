@@ -7,14 +7,14 @@ import meshio
 import numpy as np
 import pytest
 
-from geometry import GeometryError, GradedAxis, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, GeometryError, GradedAxis, HexMesh, WireGeometry, build_body
 from tests.bodies import RADIUS_mm, brick, wire
 
 FINE_mm = 0.010
 
 
 @pytest.fixture(scope="module")
-def meshed() -> WireMesh:
+def meshed() -> BodyMesh:
     return wire(FINE_mm)
 
 
@@ -22,7 +22,7 @@ def ordered(points: np.ndarray) -> np.ndarray:
     return points[np.lexsort(points.T)]
 
 
-def test_a_wire_fills_its_cylinder_with_undistorted_bricks(meshed: WireMesh) -> None:
+def test_a_wire_fills_its_cylinder_with_undistorted_bricks(meshed: BodyMesh) -> None:
     mesh = meshed.mesh
     assert mesh.cells.shape[1] == 8
     assert np.array_equal(np.unique(mesh.cells), np.arange(len(mesh.points)))
@@ -34,20 +34,20 @@ def test_a_wire_fills_its_cylinder_with_undistorted_bricks(meshed: WireMesh) -> 
 
 
 @pytest.mark.parametrize("axis", [0, 1])
-def test_a_wire_is_its_own_mirror_image_to_the_bit(meshed: WireMesh, axis: int) -> None:
+def test_a_wire_is_its_own_mirror_image_to_the_bit(meshed: BodyMesh, axis: int) -> None:
     image = meshed.mesh.points.copy()
     image[:, axis] *= -1.0
     assert np.array_equal(ordered(image), ordered(meshed.mesh.points))
 
 
-def test_the_named_surfaces_cover_the_boundary_exactly_once(meshed: WireMesh) -> None:
+def test_the_named_surfaces_cover_the_boundary_exactly_once(meshed: BodyMesh) -> None:
     mesh = meshed.mesh
     assert set(mesh.surfaces) == {"contact", "grip", "side", "ends"}
     named = np.sort(np.vstack(list(mesh.surfaces.values())), axis=1)
     assert np.array_equal(ordered(named), ordered(np.sort(mesh.boundary_facets(), axis=1)))
 
 
-def test_the_named_surfaces_lie_where_their_names_say(meshed: WireMesh) -> None:
+def test_the_named_surfaces_lie_where_their_names_say(meshed: BodyMesh) -> None:
     mesh, half_length = meshed.mesh, 0.5
     assert np.abs(mesh.points[mesh.surface_nodes("ends"), 0]) == pytest.approx(half_length)
     grip = mesh.points[mesh.surface_nodes("grip")]
@@ -60,7 +60,7 @@ def test_the_named_surfaces_lie_where_their_names_say(meshed: WireMesh) -> None:
     assert np.all(outward[:, 2] > 0.0)
 
 
-def test_the_patch_describes_the_nodes_of_the_mesh(meshed: WireMesh) -> None:
+def test_the_patch_describes_the_nodes_of_the_mesh(meshed: BodyMesh) -> None:
     patch = meshed.patch
     points = meshed.mesh.points[patch.nodes.ravel()]
     plane = patch.grid()
@@ -104,7 +104,7 @@ def test_a_mirrored_mesh_keeps_its_orientation_and_joins_its_surfaces() -> None:
 
 @pytest.mark.parametrize("ending", [".vtu", ".msh", ".inp"])
 def test_an_exported_mesh_reads_back_with_the_same_points_and_bricks(
-    meshed: WireMesh, tmp_path: Path, ending: str
+    meshed: BodyMesh, tmp_path: Path, ending: str
 ) -> None:
     path = tmp_path / f"wire{ending}"
     meshed.mesh.write(path, {"height_mm": meshed.mesh.points[:, 2]} if ending == ".vtu" else None)
@@ -128,7 +128,7 @@ def test_wires_of_very_different_sizes_can_be_meshed(
     diameter_mm: float, length_mm: float, fine_mm: float, half_mm: float, coarse_mm: float
 ) -> None:
     axis = GradedAxis(fine_mm, 0.3 * half_mm, 3.0 * fine_mm, half_mm)
-    meshed = build_wire(WireGeometry(diameter_mm, length_mm, axis, axis, coarse_mm))
+    meshed = build_body(WireGeometry(diameter_mm, length_mm, axis, axis, coarse_mm))
     # Coarse chords at the back of the wire cut off up to a tenth of the section.
     assert meshed.mesh.volume_mm3() == pytest.approx(0.25 * pi * diameter_mm**2 * length_mm, rel=0.12)
     assert meshed.smallest_scaled_jacobian > 0.2

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometry import Elastic, HexMesh, WireMesh, build_wire
+from geometry import BodyMesh, Elastic, HexMesh, build_body
 from solvers import condense
 from solvers.interior import Interior
 from solvers.strain import hydrostatic, integration_points, principal, tresca, turned, von_mises
@@ -17,7 +17,7 @@ from wirewear.interior.strength import strength_of, yield_sentence
 
 
 @pytest.fixture(scope="module")
-def wire() -> WireMesh:
+def wire() -> BodyMesh:
     return bodies.wire(0.02)
 
 
@@ -25,7 +25,7 @@ def held(mesh: HexMesh) -> Interior:
     return Interior(mesh, bodies.STEEL, mesh.surface_nodes("grip"))
 
 
-def test_the_patch_moves_as_its_compliance_says_under_forces_of_no_symmetry(wire: WireMesh) -> None:
+def test_the_patch_moves_as_its_compliance_says_under_forces_of_no_symmetry(wire: BodyMesh) -> None:
     interior = held(wire.mesh)
     assert interior.planes == (0, 1)
     nodes = wire.patch.nodes.ravel()
@@ -36,7 +36,7 @@ def test_the_patch_moves_as_its_compliance_says_under_forces_of_no_symmetry(wire
     np.testing.assert_allclose(moved, expected, atol=1e-10 * np.abs(expected).max())
 
 
-def test_forces_reach_the_grip_whole_with_their_moments(wire: WireMesh) -> None:
+def test_forces_reach_the_grip_whole_with_their_moments(wire: BodyMesh) -> None:
     mesh, nodes = wire.mesh, wire.patch.nodes.ravel()
     interior = held(mesh)
     forces = np.random.default_rng(4).normal(size=(1, len(nodes), 3))
@@ -65,7 +65,7 @@ def test_a_linear_displacement_has_the_exact_stress_everywhere_on_a_distorted_me
     assert points.volumes.sum() == pytest.approx(mesh.volume_mm3(), rel=1e-12)
 
 
-def test_an_elastic_grip_becomes_a_rigid_one_as_it_stiffens_and_keeps_the_symmetry(wire: WireMesh) -> None:
+def test_an_elastic_grip_becomes_a_rigid_one_as_it_stiffens_and_keeps_the_symmetry(wire: BodyMesh) -> None:
     mesh, nodes = wire.mesh, wire.patch.nodes.ravel()
     grip = mesh.surface_nodes("grip")
     forces = np.zeros((1, len(nodes), 3))
@@ -92,7 +92,7 @@ def test_equivalent_stresses_of_plain_states() -> None:
 
 
 def test_an_elastic_grip_gives_the_patch_its_compliance_too() -> None:
-    wire = build_wire(
+    wire = build_body(
         replace(bodies.wire_geometry(0.02, 0.02, 0.04), grip_stiffness_N_per_mm3=1e5, grip_half_length_mm=0.3)
     )
     grip = wire.mesh.surface_nodes("grip")

@@ -10,9 +10,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering, WireMesh
+from geometry import BodyMesh, ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering
 from geometry.mesh_motion import lowered
-from geometry.wire_section import wire_section
+from geometry.sections import wire_section
 from solvers.placement import place
 from solvers.transfer import transferred
 from tests import bodies
@@ -140,23 +140,23 @@ def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middl
 
 
 @pytest.fixture(scope="module")
-def fresh() -> WireMesh:
+def fresh() -> BodyMesh:
     return wire(FINE_mm)
 
 
-def scar(of: WireMesh, deepest_mm: float) -> Array:
+def scar(of: BodyMesh, deepest_mm: float) -> Array:
     a, t = of.patch.axial_mm / 0.035, of.patch.transverse_mm / 0.035
     return np.asarray(deepest_mm * np.outer(np.maximum(1.0 - a**2, 0.0), np.maximum(1.0 - t**2, 0.0)))
 
 
-def test_the_volume_of_the_body_shrinks_by_the_worn_volume(fresh: WireMesh) -> None:
+def test_the_volume_of_the_body_shrinks_by_the_worn_volume(fresh: BodyMesh) -> None:
     depth = scar(fresh, 0.008)
     worn = fresh.worn(depth)
     lost = fresh.mesh.volume_mm3() - worn.mesh.volume_mm3()
     assert lost == pytest.approx(float(depth.ravel() @ fresh.patch.node_areas()), rel=1e-9)
 
 
-def test_the_patch_describes_the_moved_nodes_and_nothing_else_of_the_boundary_moves(fresh: WireMesh) -> None:
+def test_the_patch_describes_the_moved_nodes_and_nothing_else_of_the_boundary_moves(fresh: BodyMesh) -> None:
     worn = fresh.worn(scar(fresh, 0.008))
     points = worn.mesh.points[worn.patch.nodes.ravel()]
     assert points[:, :2] == pytest.approx(worn.patch.grid(), abs=1e-12)
@@ -166,13 +166,13 @@ def test_the_patch_describes_the_moved_nodes_and_nothing_else_of_the_boundary_mo
 
 
 @pytest.mark.parametrize("deepest_mm", [0.001, 0.008, 0.015])
-def test_every_element_stays_sound_and_the_worst_is_reported(fresh: WireMesh, deepest_mm: float) -> None:
+def test_every_element_stays_sound_and_the_worst_is_reported(fresh: BodyMesh, deepest_mm: float) -> None:
     worn = fresh.worn(scar(fresh, deepest_mm))
     assert worn.smallest_scaled_jacobian == pytest.approx(worn.mesh.scaled_jacobians().min())
     assert worn.smallest_scaled_jacobian > 0.2
 
 
-def test_a_motion_that_folds_elements_is_refused_with_their_place(fresh: WireMesh) -> None:
+def test_a_motion_that_folds_elements_is_refused_with_their_place(fresh: BodyMesh) -> None:
     depth = np.zeros(fresh.patch.shape)
     depth[4, 4] = 0.1
     with pytest.raises(GeometryError, match=r"the element at \(.*\) mm has a scaled Jacobian of -?\d"):
@@ -192,7 +192,7 @@ def test_a_uniform_depth_moves_the_inside_down_by_no_more_than_the_surface() -> 
 @pytest.mark.seconds
 @pytest.mark.parametrize("upper", [True, False])
 def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_it_or_not(
-    fresh: WireMesh, upper: bool
+    fresh: BodyMesh, upper: bool
 ) -> None:
     depth = scar(fresh, 0.008)
     body = place(bodies.condensed_wire(FINE_mm), upper=upper, axis_angle_rad=0.7)

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
-from geometry import build_wire
+from geometry import build_body
 from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import (
@@ -168,7 +168,7 @@ RADIUS_um = 73.0
 def facets() -> tuple[Array, NDArray[np.int_], Array, NDArray[np.int_], NDArray[np.int_]]:
     """Points and facets of a wire's side and ends, and what they become."""
     study = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
-    mesh = build_wire(discretise(study.variant("compliant"), "quick").moving).mesh
+    mesh = build_body(discretise(study.variant("compliant"), "quick").moving).mesh
     corners = np.vstack([mesh.surfaces["side"], mesh.surfaces["ends"]])
     return (mesh.points, corners, *round_facets(mesh.points, corners, RADIUS_mm))
 

@@ -22,7 +22,7 @@ import click
 from wirewear import Study
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
-from wirewear.simulation.workbench import Discretisation, build_wire
+from wirewear.simulation.workbench import Discretisation, build_body
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures
@@ -95,7 +95,7 @@ def write_deck(
         poissons_ratio=of.moving_wire.poissons_ratio,
         method=method,
     )
-    text = deck(build_wire(meshes.moving), build_wire(meshes.fixed), test)
+    text = deck(build_body(meshes.moving), build_body(meshes.fixed), test)
     (folder / f"{JOB}.inp").write_text(text, encoding="utf-8")
 
 

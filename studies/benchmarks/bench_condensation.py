@@ -27,7 +27,7 @@ from scipy.sparse import csr_matrix
 from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import (
     Elastic,
-    build_wire,
+    build_body,
     compliance_of,
     piece_to_condense,
     schur_complement,
@@ -87,7 +87,7 @@ def splu_schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArr
 def solve_one(method: str, contact_mesh_um: float, folder: Path) -> None:
     """Condense the moving wire of the benchmarks; leave schur.npy and result.json in the folder."""
     of = study(contact_mesh_um)
-    wire = build_wire(discretised(of).moving)
+    wire = build_body(discretised(of).moving)
     steel = Elastic(of.moving_wire.youngs_modulus_MPa, of.moving_wire.poissons_ratio)
     gripped = wire.mesh.surface_nodes("grip")
     kept = wire.patch.nodes.ravel()

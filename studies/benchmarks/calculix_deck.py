@@ -14,7 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.simulation.workbench import WireMesh
+from wirewear.simulation.workbench import BodyMesh
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -66,17 +66,17 @@ def element_sides(cells: IntArray, facets: IntArray) -> list[tuple[int, int]]:
     return [found[nodes] for nodes in wanted]
 
 
-def holder_node(lower: WireMesh, upper: WireMesh) -> int:
+def holder_node(lower: BodyMesh, upper: BodyMesh) -> int:
     """Number of the node that stands for the upper wire's holder."""
     return len(lower.mesh.points) + 1 + int(upper.mesh.surface_nodes("grip")[0])
 
 
-def deck(lower: WireMesh, upper: WireMesh, test: CalculixTest) -> str:
+def deck(lower: BodyMesh, upper: BodyMesh, test: CalculixTest) -> str:
     """The whole input file."""
     return "\n".join([*_model(lower, upper, test), *_steps(test)]) + "\n"
 
 
-def _model(lower: WireMesh, upper: WireMesh, test: CalculixTest) -> Iterator[str]:
+def _model(lower: BodyMesh, upper: BodyMesh, test: CalculixTest) -> Iterator[str]:
     first_node, first_cell = len(lower.mesh.points), len(lower.mesh.cells)
     points = np.vstack([lower.mesh.points, upper_points(upper.mesh.points)])
     cells = np.vstack([lower.mesh.cells, upper.mesh.cells + first_node])

@@ -9,7 +9,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Elastic, GeometryError, HexMesh, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, ContactPatch, Elastic, GeometryError, HexMesh, WireGeometry, build_body
 from solvers.interior import Interior
 from solvers.strain import IntegrationPoints, integration_points
 from solvers.surface_stress import SurfaceStress
@@ -26,7 +26,7 @@ _DEEPER = 1.4
 class WornBody:
     """A wire with its nodes in the worn surface, or where they were when fresh, and its factors."""
 
-    wire: WireMesh
+    wire: BodyMesh
     material: Elastic
     interior: Interior
     points: IntegrationPoints
@@ -130,7 +130,7 @@ def _meshed(geometry: WireGeometry, material: Elastic, depth: bytes | None) -> W
     return WornBody(wire, material, interior, integration_points(wire.mesh))
 
 
-def _built(geometry: WireGeometry, depth: bytes | None) -> WireMesh:
-    wire = build_wire(geometry)
+def _built(geometry: WireGeometry, depth: bytes | None) -> BodyMesh:
+    wire = build_body(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
     return wire.worn(worn) if worn.any() else wire

@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
-from geometry import WireMesh
+from geometry import BodyMesh
 from wirewear.base.quantity import counted
 from wirewear.pictures.colours import INK
 from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters, round_below
@@ -72,7 +72,7 @@ def _bulge(start: Array, end: Array, along: Array, radius_mm: float) -> Array:
 
 
 def wire_meshes(
-    moving: WireMesh, fixed: WireMesh, crossing_angle_deg: float, first_moving: WireMesh | None = None
+    moving: BodyMesh, fixed: BodyMesh, crossing_angle_deg: float, first_moving: BodyMesh | None = None
 ) -> Figure:
     """Both meshes in contact, and the moving wire's patch from close by; grips dark, contact patches red.
 
@@ -102,17 +102,17 @@ def wire_meshes(
     return figure
 
 
-def _elements(wire: WireMesh) -> str:
+def _elements(wire: BodyMesh) -> str:
     """Sizes of the smallest elements of a patch along and across the wire."""
     along, across = (1e3 * axis.fine_mm for axis in (wire.geometry.axial, wire.geometry.transverse))
     return f"{along:.1f} × {across:.1f} µm"
 
 
-def _extent(wire: WireMesh) -> float:
+def _extent(wire: BodyMesh) -> float:
     return 2.0 * max(wire.geometry.axial.half_extent_mm, wire.geometry.transverse.half_extent_mm)
 
 
-def surface_fields(wire: WireMesh) -> dict[str, NDArray[np.float64]]:
+def surface_fields(wire: BodyMesh) -> dict[str, NDArray[np.float64]]:
     """Point data that mark a mesh's named surfaces, for export: name -> (n,) 1 on the surface, 0 elsewhere."""
     fields = {}
     for name in wire.mesh.surfaces:
@@ -126,7 +126,7 @@ def surface_fields(wire: WireMesh) -> dict[str, NDArray[np.float64]]:
 class _Body:
     """A wire's mesh with its colour, its name and how it is put in its place."""
 
-    wire: WireMesh
+    wire: BodyMesh
     colour: str
     name: str
     placed: Callable[[Array], Array]

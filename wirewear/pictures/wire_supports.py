@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from geometry import WireMesh
+from geometry import BodyMesh
 from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
 from wirewear.pictures.mesh import round_facets, upper_position
 from wirewear.study import Study
@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 _BESIDE_mm = 1e-6
 
 
-def wire_supports(study: Study, moving: WireMesh, fixed: WireMesh) -> Figure:
+def wire_supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:
     """Both wires' sections along the motion and across it."""
     angle = np.radians(study.wires.crossing_angle_deg)
     motion = np.radians(study.conditions.motion_angle_deg)
@@ -46,7 +46,7 @@ def _supports(study: Study) -> Supports:
     )
 
 
-def _held(wire: WireMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
+def _held(wire: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
     """A wire's section, round as it is; `placed` takes its points to where it lies in the test."""
 
     def cut(facets: NDArray[np.int64]) -> Array:

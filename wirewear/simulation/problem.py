@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import ContactPatch, Cylinder, Elastic, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, WireGeometry, build_body
 from solvers import (
     CondensedBody,
     ContactProblem,
@@ -48,7 +48,7 @@ def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | 
     if path is not None and stored is not None:
         mark_used(path)
         return _on_bricks(stored, geometry, material)
-    wire = build_wire(geometry)
+    wire = build_body(geometry)
     body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
     if path is not None:
         _store(path, body)
@@ -72,9 +72,9 @@ def _on_bricks(body: CondensedBody, geometry: WireGeometry, material: Elastic) -
 
 
 @lru_cache(maxsize=2)
-def _fresh_wire(geometry: WireGeometry) -> WireMesh:
+def _fresh_wire(geometry: WireGeometry) -> BodyMesh:
     """Kept, as both wires of a run are worn again and again from the same fresh mesh."""
-    return build_wire(geometry)
+    return build_body(geometry)
 
 
 def _key(geometry: WireGeometry, material: Elastic) -> str:

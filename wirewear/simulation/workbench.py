@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from geometry import Elastic, HexMesh, WireMesh, build_wire
+from geometry import BodyMesh, Elastic, HexMesh, build_body
 from solvers import (
     ContactProblem,
     ContactState,
@@ -28,15 +28,15 @@ from wirewear.simulation.problem import contact_problem
 from wirewear.study import Study
 
 __all__ = [
+    "BodyMesh",
     "ContactProblem",
     "ContactState",
     "Discretisation",
     "Elastic",
     "HexMesh",
     "IncrementReport",
-    "WireMesh",
     "advance",
-    "build_wire",
+    "build_body",
     "closed_cycle",
     "compliance_of",
     "contact_problem",
@@ -70,8 +70,8 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     require_affordable(plan)
     first, *others = plan.meshes.stages
     last = others[-1] if others else first
-    wires = {"moving": build_wire(last.moving), "fixed": build_wire(last.fixed)}
-    fresh = build_wire(first.moving) if others else None
+    wires = {"moving": build_body(last.moving), "fixed": build_body(last.fixed)}
+    fresh = build_body(first.moving) if others else None
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, wire in wires.items():

@@ -7,7 +7,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import build_planar, build_wire
+from geometry import build_body, build_planar
 from solvers import Holder, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.strain import IntegrationPoints, integration_points, von_mises
@@ -47,7 +47,7 @@ def _wire_rows(level: Level) -> tuple[Row, ...]:
     problem = crossed(body, body, Holder(LOAD_N))
     state, _ = press(problem, unloaded_state(problem))
     force = forces_on_bodies(problem, state)[1]
-    wire = build_wire(wire_geometry(resolution))
+    wire = build_body(wire_geometry(resolution))
     interior = Interior(wire.mesh, STEEL, wire.mesh.surface_nodes("grip"))
     nodes = wire.patch.nodes.ravel()
     displacement = interior.displacements(nodes, force[None])[0]

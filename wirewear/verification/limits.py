@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, build_wire
+from geometry import Elastic, build_body
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.sliding import (
@@ -108,7 +108,7 @@ def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
 
 
 def _in_units(resolution: float, units: _UnitSystem) -> ContactProblem:
-    meshed = scaled(build_wire(wire_geometry(resolution, long_patch=True)), units.length)
+    meshed = scaled(build_body(wire_geometry(resolution, long_patch=True)), units.length)
     material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
     body = condense(meshed.mesh, meshed.patch, material)
     return crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)

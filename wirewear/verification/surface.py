@@ -11,7 +11,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import GradedAxis, Layering, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, GradedAxis, Layering, WireGeometry, build_body
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.strain import integration_points
@@ -48,7 +48,7 @@ def surface_rows(level: Level) -> tuple[Row, ...]:
     return tuple(rows)
 
 
-def _tension_rows(wire: WireMesh, problem: ContactProblem, state: ContactState, level: Level) -> list[Row]:
+def _tension_rows(wire: BodyMesh, problem: ContactProblem, state: ContactState, level: Level) -> list[Row]:
     across, along = forces_on_bodies(problem, state)
     rows = []
     # Of the upper wire the motion runs across its axis.
@@ -67,7 +67,7 @@ def _tension_rows(wire: WireMesh, problem: ContactProblem, state: ContactState, 
     return rows
 
 
-def largest_tension(wire: WireMesh, force_N: Array, axis: int) -> float:
+def largest_tension(wire: BodyMesh, force_N: Array, axis: int) -> float:
     """Largest stress along an axis of a steel wire where its contact ends, by forces (n, 3) on its patch's nodes."""
     nodes = wire.patch.nodes.ravel()
     interior = Interior(wire.mesh, STEEL, wire.mesh.surface_nodes("grip"))
@@ -98,12 +98,12 @@ def _exact_tension(share: float) -> float:
 
 
 @cache
-def _wires(resolution: float) -> tuple[WireMesh, ContactProblem]:
+def _wires(resolution: float) -> tuple[BodyMesh, ContactProblem]:
     a, diameter = CONTACT_RADIUS_mm, 2.0 * _RADIUS_mm
     lines = GradedAxis(a / resolution, 2.0 * a, 2.0 * a / resolution, 3.0 * a)
     geometry = WireGeometry(
         diameter, 2.2 * diameter, lines, lines, 0.155 * diameter, layering=Layering.resolving(resolution)
     )
-    wire = build_wire(geometry)
+    wire = build_body(geometry)
     body = condense(wire.mesh, wire.patch, STEEL)
     return wire, crossed(body, body, Holder(_LOAD_N), friction=FRICTION)

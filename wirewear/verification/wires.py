@@ -19,7 +19,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, GradedAxis, HexMesh, Layering, WireGeometry, WireMesh, build_wire
+from geometry import BodyMesh, Elastic, GradedAxis, HexMesh, Layering, WireGeometry, build_body
 from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, facing, place
 from solvers.near_field import Bricks
 from wirewear import reference
@@ -51,11 +51,11 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 @cache
 def condensed(geometry: WireGeometry) -> CondensedBody:
     """Such a wire of steel, condensed anew: what is verified must not come from the cache on disk."""
-    meshed = build_wire(geometry)
+    meshed = build_body(geometry)
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
 
-def scaled(meshed: WireMesh, factor: float) -> WireMesh:
+def scaled(meshed: BodyMesh, factor: float) -> BodyMesh:
     """The same mesh in another unit of length."""
     mesh, patch = meshed.mesh, meshed.patch
     return replace(

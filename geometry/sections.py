@@ -1,12 +1,13 @@
-"""Half a circular cross-section divided into quadrilaterals that are fine at the contact and coarse elsewhere.
+"""Half a section, of a wire or of a block, in quadrilaterals that are fine at the contact and coarse elsewhere.
 
 Columns of elements go down from the contact. Transition rows join three columns into one wherever they are narrow,
-so a fine contact costs little inside the body, and the topology exists for any number of columns. Below, the columns
-end in a core, around which the layers continue as rings to the back of the wire.
+so a fine contact costs little inside the body, and the topology exists for any number of columns. Below, a wire's
+columns end in a core, around which the layers continue as rings to its back; a block's go on to its back.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import cos, pi, sin
@@ -14,7 +15,7 @@ from math import cos, pi, sin
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry.grading import Layering
+from geometry.grading import Layering, graded_layers
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -41,6 +42,13 @@ class _Quads:
         self.points.append((y, z))
         return len(self.points) - 1
 
+    def below(self, top: float) -> tuple[Array, IntArray]:
+        """All of it, the contact at `top` moved to zero."""
+        points = np.array(self.points)
+        points[:, 1] -= top
+        points[np.abs(points[:, 0]) < 1e-12 * top, 0] = 0.0
+        return points, np.array(self.quads, dtype=np.int64)
+
 
 def wire_section(
     radius_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float | None = None
@@ -52,36 +60,91 @@ def wire_section(
     """
     section = _Quads()
     angles = _top_angles(radius_mm, half_lines_mm, coarse_mm)
-    row = [section.polar(radius_mm, angle) for angle in angles]
-    edge = [row[-1]]
     across = float(half_lines_mm[1])
-    radius, thickness = radius_mm, layering.first * min(across, finest_mm or across)
-    layers = 0
-    while True:
-        widths = radius * np.diff(angles)
-        layers += 1
-        flat = thickness < layering.first * float(widths.min())
-        joins = _joined_columns(widths, coarse_mm) if layers > layering.count and not flat else []
-        if joins:
-            joined = np.concatenate([widths[j : j + 3] for j in joins])
-            step = 2.0 * float(joined.mean())
-        else:
-            step = min(thickness, coarse_mm)
-        if radius - step < _LEAST_RING_RADIUS * radius_mm:
-            break
-        if joins:
-            row, angles = _transition_row(section, row, angles, joins, radius, step)
-            layers, thickness = layering.count - 1, 0.5 * step
-        else:
-            row = _plain_row(section, row, [section.polar(radius - step, angle) for angle in angles])
-        thickness *= layering.growth
-        radius -= step
-        edge.append(row[-1])
+    columns = _Columns(section, section.polar, lambda radius: radius, layering, coarse_mm)
+    first = layering.first * min(across, finest_mm or across)
+    row, angles, edge, _ = columns.down(angles, radius_mm, first, _LEAST_RING_RADIUS * radius_mm)
     _rings_and_core(section, row, edge, angles, radius_mm, coarse_mm)
-    points = np.array(section.points)
-    points[:, 1] -= radius_mm
-    points[np.abs(points[:, 0]) < 1e-12 * radius_mm, 0] = 0.0
-    return points, np.array(section.quads, dtype=np.int64)
+    return section.below(radius_mm)
+
+
+def block_section(
+    half_width_mm: float, height_mm: float, half_lines_mm: Array, coarse_mm: float, layering: Layering, finest_mm: float
+) -> tuple[Array, IntArray]:
+    """The same of half a rectangle of that half-width and height, whose upper side is the contact's."""
+    section = _Quads()
+    beside = half_width_mm - half_lines_mm[-1]
+    size = min(1.4 * float(half_lines_mm[-1] - half_lines_mm[-2]), beside)
+    lines = np.append(half_lines_mm, half_lines_mm[-1] + np.cumsum(graded_layers(size, 1.4, coarse_mm, beside)))
+    columns = _Columns(section, lambda level, y: section.plane(y, level), lambda _: 1.0, layering, coarse_mm)
+    row, lines, _, level = columns.down(lines, height_mm, layering.first * finest_mm, _LEAST_RING_RADIUS * height_mm)
+    last = float(np.diff(lines).min())
+    for step in np.cumsum(graded_layers(min(last, level), layering.growth, coarse_mm, level)):
+        row = _plain_row(section, row, [section.plane(y, max(level - step, 0.0)) for y in lines])
+    return section.below(height_mm)
+
+
+@dataclass
+class _Columns:
+    """Columns of elements that go down from the contact, fewer from each transition row on.
+
+    place: adds a point at a level (mm, falling) of a column.  scale: of columns' distances at a level, in mm.
+    """
+
+    section: _Quads
+    place: Callable[[float, float], int]
+    scale: Callable[[float], float]
+    layering: Layering
+    coarse_mm: float
+
+    def down(
+        self, columns: Array, top: float, thickness: float, least: float
+    ) -> tuple[list[int], Array, list[int], float]:
+        """From a level on, with a first layer of that thickness, as far as `least`.
+
+        Returns the last row of points, its columns, the points on the outer edge of each row, and the last level.
+        """
+        layering, level = self.layering, top
+        row = [self.place(level, column) for column in columns]
+        edge = [row[-1]]
+        layers = 0
+        while True:
+            widths = self.scale(level) * np.diff(columns)
+            layers += 1
+            flat = thickness < layering.first * float(widths.min())
+            joins = _joined_columns(widths, self.coarse_mm) if layers > layering.count and not flat else []
+            if joins:
+                joined = np.concatenate([widths[j : j + 3] for j in joins])
+                step = 2.0 * float(joined.mean())
+            else:
+                step = min(thickness, self.coarse_mm)
+            if level - step < least:
+                return row, columns, edge, level
+            if joins:
+                row, columns = self._transition_row(row, columns, joins, level, step)
+                layers, thickness = layering.count - 1, 0.5 * step
+            else:
+                row = _plain_row(self.section, row, [self.place(level - step, column) for column in columns])
+            thickness *= layering.growth
+            level -= step
+            edge.append(row[-1])
+
+    def _transition_row(
+        self, row: list[int], columns: Array, joins: list[int], level: float, step: float
+    ) -> tuple[list[int], Array]:
+        quads = self.section.quads
+        kept = [j for j in range(len(row)) if not any(first < j < first + 3 for first in joins)]
+        lower = {j: self.place(level - step, columns[j]) for j in kept}
+        for first in joins:
+            t0, t1, t2, t3 = row[first : first + 4]
+            b0, b3 = lower[first], lower[first + 3]
+            m1 = self.place(level - 0.5 * step, columns[first + 1])
+            m2 = self.place(level - 0.5 * step, columns[first + 2])
+            quads += [(t0, b0, m1, t1), (t1, m1, m2, t2), (t2, m2, b3, t3), (m1, b0, b3, m2)]
+        for j, following in pairwise(kept):
+            if following == j + 1:
+                quads.append((row[j], lower[j], lower[following], row[following]))
+        return [lower[j] for j in kept], columns[kept]
 
 
 def _top_angles(radius: float, half_lines: Array, coarse: float) -> Array:
@@ -112,23 +175,6 @@ def _plain_row(section: _Quads, upper: list[int], lower: list[int]) -> list[int]
     for j in range(len(upper) - 1):
         section.quads.append((upper[j], lower[j], lower[j + 1], upper[j + 1]))
     return lower
-
-
-def _transition_row(
-    section: _Quads, row: list[int], angles: Array, joins: list[int], radius: float, step: float
-) -> tuple[list[int], Array]:
-    kept = [j for j in range(len(row)) if not any(first < j < first + 3 for first in joins)]
-    lower = {j: section.polar(radius - step, angles[j]) for j in kept}
-    for first in joins:
-        t0, t1, t2, t3 = row[first : first + 4]
-        b0, b3 = lower[first], lower[first + 3]
-        m1 = section.polar(radius - 0.5 * step, angles[first + 1])
-        m2 = section.polar(radius - 0.5 * step, angles[first + 2])
-        section.quads += [(t0, b0, m1, t1), (t1, m1, m2, t2), (t2, m2, b3, t3), (m1, b0, b3, m2)]
-    for j, following in pairwise(kept):
-        if following == j + 1:
-            section.quads.append((row[j], lower[j], lower[following], row[following]))
-    return [lower[j] for j in kept], angles[kept]
 
 
 def _rings_and_core(

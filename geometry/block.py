@@ -1,0 +1,79 @@
+"""A block whose face may be curved along and across: a segment of a ball or a barrel, a cylinder's crown, a flat."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from geometry.body import Array, BodyGeometry, BoolArray, IntArray
+from geometry.errors import GeometryError
+from geometry.grading import GradedAxis, Layering
+from geometry.profiles import Barrel
+from geometry.sections import block_section
+
+
+@dataclass(frozen=True)
+class BlockGeometry(BodyGeometry):
+    """A block with a barrel's face, held at its back and its sides; lengths in mm.
+
+    curvature_along_per_mm, curvature_across_per_mm: one over the face's radii, 0 where it is straight.
+    half_width_mm: to each side of the contact, along and across.  height_mm: from the contact to the back.
+    """
+
+    curvature_along_per_mm: float
+    curvature_across_per_mm: float
+    half_width_mm: float
+    height_mm: float
+    axial: GradedAxis
+    transverse: GradedAxis
+    coarse_mm: float
+    grip_stiffness_N_per_mm3: float | None = None
+    layering: Layering = field(default_factory=Layering)
+
+    def __post_init__(self) -> None:
+        if not (self.half_width_mm > 0.0 and self.height_mm > 0.0):
+            raise GeometryError(
+                "a block's half-width and height must be positive, but are "
+                f"{self.half_width_mm} and {self.height_mm} mm"
+            )
+        reach = max(self.axial.half_extent_mm, self.transverse.half_extent_mm)
+        if reach > 0.9 * self.half_width_mm:
+            raise GeometryError(
+                f"the contact patch reaches {reach:.4g} mm to each side of a block of half-width {self.half_width_mm} "
+                "mm; it must leave a tenth of it free: give a wider block"
+            )
+        self.profile.require_within(self.half_width_mm, self.half_width_mm)
+
+    @property
+    def profile(self) -> Barrel:
+        """Curved along and across."""
+        return Barrel(self.curvature_along_per_mm, self.curvature_across_per_mm)
+
+    @property
+    def half_length_mm(self) -> float:
+        """As wide along as across."""
+        return self.half_width_mm
+
+    @property
+    def least_extent_mm(self) -> float:
+        """Its width, or its height."""
+        return min(2.0 * self.half_width_mm, self.height_mm)
+
+    def section(self) -> tuple[Array, IntArray]:
+        """Half a rectangle."""
+        lines = self.transverse.half_lines()
+        return block_section(self.half_width_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm)
+
+    def bent(self, points_mm: Array) -> Array:
+        """The face lowered onto its profile, what is below in proportion, the back left where it is."""
+        share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
+        bent = points_mm.copy()
+        bent[:, 2] += share * self.profile.height(points_mm[:, :2])
+        return bent
+
+    def gripped(self, centres_mm: Array) -> BoolArray:
+        """At its back and all around."""
+        x, y, z = centres_mm.T
+        side = np.maximum(np.abs(x), np.abs(y)) > self.half_width_mm * (1.0 - 1e-9)
+        return np.asarray(side | (z < -self.height_mm * (1.0 - 1e-9)))

@@ -1,0 +1,283 @@
+"""All-hexahedral mesh of one body, refined at its contact patch, built with gmsh.
+
+A quarter of the body (y >= 0, x >= 0) is swept by gmsh from a graded cross-section, bent to its shape where it has one
+along itself, and mirrored twice, so the mesh is symmetric to the last bit.
+"""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+
+from geometry.errors import GeometryError
+from geometry.grading import GradedAxis, Layering, graded_layers
+from geometry.hexmesh import HexMesh
+from geometry.mesh_motion import lowered
+from geometry.patch import ContactPatch
+from geometry.profiles import Profile
+
+_HEXAHEDRON = 5
+
+Array = NDArray[np.float64]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+#: Elements with a smaller scaled Jacobian than this are refused.
+LEAST_SCALED_JACOBIAN = 0.2
+
+#: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
+_ROUND_OFF = 1e-9
+
+
+@contextmanager
+def gmsh_session() -> Iterator[Any]:
+    """A quiet, reproducible gmsh session; gmsh's own errors become GeometryError."""
+    import gmsh
+
+    gmsh.initialize(interruptible=False)
+    try:
+        for name, value in {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.RandomSeed": 1}.items():
+            gmsh.option.setNumber(name, value)
+        yield gmsh
+    except GeometryError:
+        raise
+    except Exception as error:
+        raise GeometryError(f"gmsh could not mesh the body: {error}") from error
+    finally:
+        gmsh.finalize()
+
+
+def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tuple[Array, IntArray]:
+    """Sweep a section along x.
+
+    section: (n, 2) points (y, z) in mm; quads: (m, 4) counter-clockwise; lines_mm: (k,) mesh lines on x, first one 0.
+    Returns points (n k, 3) and cells (m (k - 1), 8) in VTK order; GeometryError when gmsh leaves anything but
+    hexahedra.
+    """
+    with gmsh_session() as gmsh:
+        geo = gmsh.model.geo
+        vertices = [geo.addPoint(y, z, 0.0) for y, z in section]
+        lines: dict[tuple[int, int], int] = {}
+
+        def line(a: int, b: int) -> int:
+            if (b, a) in lines:
+                return -lines[b, a]
+            if (a, b) not in lines:
+                lines[a, b] = int(geo.addLine(vertices[a], vertices[b]))
+            return lines[a, b]
+
+        surfaces = []
+        for quad in quads.tolist():
+            loop = geo.addCurveLoop([line(quad[i], quad[(i + 1) % 4]) for i in range(4)])
+            surfaces.append((2, int(geo.addPlaneSurface([loop]))))
+        for tag in lines.values():
+            geo.mesh.setTransfiniteCurve(tag, 2)
+        for _, tag in surfaces:
+            geo.mesh.setTransfiniteSurface(tag)
+            geo.mesh.setRecombine(2, tag)
+        # Else gmsh looks for coincident entities after every single quadrilateral.
+        gmsh.option.setNumber("Geometry.AutoCoherence", 0)
+        length = float(lines_mm[-1])
+        layers = [1] * (len(lines_mm) - 1)
+        geo.extrude(surfaces, 0.0, 0.0, length, layers, list(lines_mm[1:] / length), recombine=True)
+        geo.removeAllDuplicates()
+        geo.synchronize()
+        gmsh.model.mesh.generate(3)
+        return _collect(gmsh)
+
+
+def _collect(gmsh: Any) -> tuple[Array, IntArray]:
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    types, _, _ = gmsh.model.mesh.getElements(3)
+    if list(types) != [_HEXAHEDRON]:
+        raise GeometryError("gmsh left other elements than hexahedra in the body; please report this study")
+    cells = gmsh.model.mesh.getElementsByType(_HEXAHEDRON)[1].astype(np.int64).reshape(-1, 8)
+    row = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    row[tags.astype(np.int64)] = np.arange(len(tags))
+    used = np.unique(row[cells])
+    new = np.full(len(tags), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    y, z, x = coordinates.reshape(-1, 3)[used].T
+    return np.column_stack([x, y, z]), new[row[cells]]
+
+
+class BodyGeometry(ABC):
+    """What a body's mesh is built from; lengths in mm. Its axis is x, its contact the origin, facing +z.
+
+    axial, transverse: gradings of the contact patch along and across the body.
+    coarse_mm: largest element far from the contact.
+    layering: of the elements under the patch.
+    grip_stiffness_N_per_mm3: of an elastic grip per area, None of a rigid one.
+    """
+
+    axial: GradedAxis
+    transverse: GradedAxis
+    coarse_mm: float
+    layering: Layering
+    grip_stiffness_N_per_mm3: float | None
+
+    @property
+    @abstractmethod
+    def profile(self) -> Profile:
+        """The unworn surface."""
+
+    @property
+    @abstractmethod
+    def half_length_mm(self) -> float:
+        """Half of its extent along its axis."""
+
+    @property
+    @abstractmethod
+    def least_extent_mm(self) -> float:
+        """Its smallest dimension."""
+
+    @abstractmethod
+    def section(self) -> tuple[Array, IntArray]:
+        """Half of the section that is swept: points (n, 2) as (y >= 0, z), and counter-clockwise quads (m, 4)."""
+
+    @abstractmethod
+    def gripped(self, centres_mm: Array) -> BoolArray:
+        """Whether the holder grips the mesh's surface at the centres (n, 3) of facets, (n,)."""
+
+    def bent(self, points_mm: Array) -> Array:
+        """Points (n, 3) of the swept section where they are in the body."""
+        return points_mm
+
+    @property
+    def finest_mm(self) -> float:
+        """Smallest spacing of the patch's lines."""
+        return min(float(axis.half_lines()[1]) for axis in (self.axial, self.transverse))
+
+    @property
+    def layers(self) -> tuple[float, float]:
+        """Thickness of the uppermost elements under the patch in mm, and the factor by which it grows downwards."""
+        return self.layering.first * self.finest_mm, self.layering.growth
+
+    def refined(self, factor: float) -> Self:
+        """A copy whose elements are smaller by `factor` everywhere."""
+
+        def finer(axis: GradedAxis) -> GradedAxis:
+            return replace(
+                axis,
+                fine_mm=axis.fine_mm / factor,
+                outer_mm=axis.outer_mm / factor,
+                growth=axis.growth ** (1.0 / factor),
+            )
+
+        return replace(  # type: ignore[type-var]
+            self,
+            axial=finer(self.axial),
+            transverse=finer(self.transverse),
+            coarse_mm=self.coarse_mm / factor,
+            layering=self.layering.refined(factor),
+        )
+
+
+@dataclass(frozen=True)
+class BodyMesh:
+    """A meshed body in its own frame.
+
+    The mesh's surfaces are named 'contact' (the patch), 'grip' (held by the holder), 'ends' (what is
+    not held of both) and 'side' (the rest).
+    """
+
+    geometry: BodyGeometry
+    mesh: HexMesh
+    patch: ContactPatch
+    smallest_scaled_jacobian: float
+
+    @property
+    def bedding(self) -> Array | None:
+        """Stiffness (n,) in N/mm by which an elastic grip holds each node, None where the grip is rigid."""
+        stiffness = self.geometry.grip_stiffness_N_per_mm3
+        return None if stiffness is None else stiffness * self.mesh.surface_areas("grip")
+
+    def worn(self, depth_mm: Array) -> BodyMesh:
+        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
+
+        The patch's height is that of the moved nodes. GeometryError when the depth has another shape than the patch or
+        is negative somewhere, or naming the place of an element that the motion distorts too much.
+        """
+        patch = self.patch
+        if depth_mm.shape != patch.shape:
+            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of shape {patch.shape}")
+        depth_mm = _without_round_off(depth_mm)
+        mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
+        smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
+        before = 0.0 if patch.repositioned_depth_mm is None else patch.repositioned_depth_mm
+        return replace(
+            self,
+            mesh=mesh,
+            patch=replace(patch, repositioned_depth_mm=before + depth_mm),
+            smallest_scaled_jacobian=smallest,
+        )
+
+
+def _without_round_off(depth_mm: Array) -> Array:
+    """A depth that is its own mirror image along or across the body but for round-off, made so to the last bit."""
+    for axis in (0, 1):
+        image = np.flip(depth_mm, axis)
+        if np.abs(depth_mm - image).max() <= _ROUND_OFF * np.abs(depth_mm).max():
+            depth_mm = 0.5 * (depth_mm + image)
+    return depth_mm
+
+
+def build_body(geometry: BodyGeometry) -> BodyMesh:
+    """Mesh a body; GeometryError when gmsh fails, leaves other elements than hexahedra or elements are distorted."""
+    points, cells = extruded_hexahedra(*geometry.section(), _half_lines_to_end(geometry))
+    mesh = HexMesh(geometry.bent(points), cells, {}).with_mirror_image(axis=1).with_mirror_image(axis=0)
+    smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
+    patch = _patch(geometry, mesh)
+    named = HexMesh(mesh.points, mesh.cells, _named_surfaces(geometry, mesh, patch))
+    return BodyMesh(geometry, named, patch, smallest)
+
+
+def _half_lines_to_end(geometry: BodyGeometry) -> Array:
+    """Mesh lines along half the body, from the middle to the end: the patch's lines, then growing ones."""
+    patch_lines = geometry.axial.half_lines()
+    last = patch_lines[-1] - patch_lines[-2]
+    rest = geometry.half_length_mm - patch_lines[-1]
+    layers = graded_layers(min(last * 1.3, rest), 1.35, 1.5 * geometry.coarse_mm, rest)
+    return np.concatenate([patch_lines, patch_lines[-1] + np.cumsum(layers)])
+
+
+def _patch(geometry: BodyGeometry, mesh: HexMesh) -> ContactPatch:
+    axial, transverse, profile = geometry.axial.lines(), geometry.transverse.lines(), geometry.profile
+    x, y, z = mesh.points.T
+    tolerance = 1e-3 * min(np.diff(axial).min(), np.diff(transverse).min())
+    above = np.flatnonzero((np.abs(x) < axial[-1] + tolerance) & (np.abs(y) < transverse[-1] + tolerance))
+    nodes = above[np.abs(z[above] - profile.height(mesh.points[above, :2])) < tolerance]
+    i = _nearest(axial, x[nodes])
+    j = _nearest(transverse, y[nodes])
+    grid = np.full((len(axial), len(transverse)), -1, dtype=np.int64)
+    grid[i, j] = nodes
+    if len(nodes) != grid.size or np.any(grid < 0):
+        raise GeometryError(
+            f"the contact patch has {len(nodes)} surface nodes where {grid.size} were planned; please report this study"
+        )
+    return ContactPatch(axial, transverse, grid, profile)
+
+
+def _nearest(lines: Array, values: Array) -> IntArray:
+    return np.asarray(np.abs(values[:, None] - lines[None, :]).argmin(axis=1))
+
+
+def _named_surfaces(geometry: BodyGeometry, mesh: HexMesh, patch: ContactPatch) -> dict[str, IntArray]:
+    n = patch.nodes
+    contact = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+    facets = mesh.boundary_facets()
+    rest = facets[~np.isin(facets, n).all(axis=1)]
+    gripped = geometry.gripped(mesh.points[rest].mean(axis=1))
+    at_end = (np.abs(mesh.points[rest, 0]) > geometry.half_length_mm * (1.0 - 1e-9)).all(axis=1)
+    return {
+        "contact": contact,
+        "grip": rest[gripped],
+        "side": rest[~gripped & ~at_end],
+        "ends": rest[~gripped & at_end],
+    }
