@@ -9,7 +9,7 @@ import pytest
 
 from tests.diagnosis_cases import autoregressive, tables
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.corners import corners_of, read_at_corners
+from wirewear.diagnosis.observe.mending import corners_of, read_at_corners
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
 AMPLITUDE_um, PLATEAU_N, STICK_um, FREQUENCY_Hz = 60.0, 1.2, 8.0, 3.0

@@ -14,25 +14,23 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.amplitude import Amplitude
-from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
-from wirewear.diagnosis.observe.knee_peak import KneePeak
-from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.normal_along import (
+from wirewear.diagnosis.observe.channels import (
+    Amplitude,
     NormalForce,
     NormalForceAtEnds,
     NormalForceByDirection,
     NormalForceBySides,
 )
+from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
+from wirewear.diagnosis.observe.knee_peak import KneePeak
+from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
-from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.registry import all_observables
+from wirewear.diagnosis.observe.reduction import Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.shelf import ShelfTravel
 from wirewear.diagnosis.observe.sites import Site
-from wirewear.diagnosis.observe.stick import Stick
+from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 
 CYCLES = (1, 300, 10_000, 100_000)
 

@@ -13,13 +13,12 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.knee import knee_index
 from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at
+from wirewear.diagnosis.observe.mending import without_spikes
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reading import read
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.shelf import ShelfTravel, travel_between
 from wirewear.diagnosis.observe.sites import Sites
-from wirewear.diagnosis.observe.spikes import without_spikes
-from wirewear.diagnosis.observe.stick import Stick
+from wirewear.diagnosis.observe.stick import ShelfTravel, Stick, travel_between
 from wirewear.records import ExperimentRecord
 
 WINDOW_um = 4.2

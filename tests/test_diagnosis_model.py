@@ -13,9 +13,9 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import RecordTables
 

@@ -16,7 +16,7 @@ from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.amplitude import Amplitude
+from wirewear.diagnosis.observe.channels import Amplitude
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce

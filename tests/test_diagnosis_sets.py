@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 from scipy.stats import binom, kstest
 
 from tests.diagnosis_cases import diagnosed, nominal, record, states
-from wirewear.diagnosis.infer.gate import SCALE, Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import Fit, Problem
-from wirewear.diagnosis.infer.recognised import LEFT, share_beyond, without
+from wirewear.diagnosis.infer.recognised import LEFT, SCALE, Remainder, remainder_of, share_beyond, without
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, plausible, reach_of
 from wirewear.diagnosis.infer.weighing import Weighed, weigh

@@ -19,8 +19,8 @@ from wirewear import (
     write_record,
 )
 from wirewear.base.errors import WirewearError
-from wirewear.diagnosis.observe import registry as observables
-from wirewear.diagnosis.observe.registry import all_observables
+from wirewear.diagnosis.observe import reduction as observables
+from wirewear.diagnosis.observe.reduction import all_observables
 from wirewear.effects import all_effects, registry
 from wirewear.records.importing import import_record
 from wirewear.records.importing.registry import readers

@@ -23,7 +23,7 @@ from solvers import (
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
-from wirewear.diagnosis.observe.definitions import of_own_definitions
+from wirewear.diagnosis.observe.mending import of_own_definitions
 from wirewear.records import check_record
 from wirewear.simulation.contact_forces import at_mid_stroke, mean_pressures, pressure_figures
 from wirewear.simulation.tally import area_mismatch, bends, energy_mismatch, mirrored_mismatch

@@ -34,7 +34,7 @@ from wirewear import ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.infer import gate, weighing
+from wirewear.diagnosis.infer import recognised, weighing
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
@@ -109,7 +109,7 @@ PARTS = (
     Part("no unnamed second effect beside families", _given(8, -np.inf)),
     Part("a slipping holder is allowed nothing", changed=_unallowed),
     Part("no ripple at full sampling", partial(patch.object, JUDGING, "ripple", lambda *_: None)),
-    Part("no bound on χ² per number", partial(patch.object, gate, "MOST_MISFIT", np.inf)),
+    Part("no bound on χ² per number", partial(patch.object, recognised, "MOST_MISFIT", np.inf)),
     Part(
         "held-out cycles need not bear it out",
         partial(patch.object, Shrink, "supports", new_callable=PropertyMock, return_value=True),

@@ -30,9 +30,9 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.differences import Scale
+from wirewear.diagnosis.observe.mending import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.sites import Scale
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 

@@ -28,9 +28,8 @@ from wirewear.base.reading import read_json
 from wirewear.diagnosis.beginning import reduced_record
 from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
-from wirewear.diagnosis.infer.gate import chance
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.recognised import share_beyond
+from wirewear.diagnosis.infer.recognised import chance, share_beyond
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.

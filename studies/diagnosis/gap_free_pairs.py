@@ -23,10 +23,9 @@ from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.numerical import NUMERICAL
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
 from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.mending import read_at_corners, without_spikes
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.records import RecordTables
 
 Array = NDArray[np.float64]

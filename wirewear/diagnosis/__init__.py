@@ -1,7 +1,6 @@
 """Why simulation and rig disagree: where the gap lies, which effect causes it, how far it shrinks with that effect."""
 
-from wirewear.diagnosis.calibration_on_cycles import calibrated
-from wirewear.diagnosis.confirmation import confirmed
+from wirewear.diagnosis.confirmation import calibrated, confirmed
 from wirewear.diagnosis.diagnose import diagnose
 from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate

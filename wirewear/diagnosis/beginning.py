@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING, Any
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
@@ -12,10 +12,8 @@ from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_li
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.corners import read_at_corners
-from wirewear.diagnosis.observe.definitions import of_own_definitions
+from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.spikes import without_spikes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records import AnyRecord, LineRecord
 from wirewear.records.checking import remarks_told
@@ -25,14 +23,6 @@ from wirewear.study import Study
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.records import ExperimentRecord, LineRecord, Remark
-
-
-def mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
-    """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
-    # Each of these takes either kind, and says so with a type variable, which takes no union.
-    own, notes = of_own_definitions(cast("ExperimentRecord", record))
-    read, note = read_at_corners(own)
-    return without_spikes(read), ((note,) if note else ()) + notes
 
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:

@@ -1,4 +1,4 @@
-"""The full simulation with the leading effects in it, and the shrink that it achieves."""
+"""After a diagnosis: the full simulation with the leading effects in it, or one effect calibrated on some cycles."""
 
 from __future__ import annotations
 
@@ -8,17 +8,21 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import counted
 from wirewear.base.writing import temporary_folder
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.inference import fit
 from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops.reversals import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops
-from wirewear.views.diagnosis_values import Confirmed
+from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
@@ -156,3 +160,22 @@ def course_of_loops(
                 channel[row, side] = np.interp(at, np.arange(2 * n), np.concatenate([values, values]))
     nothing = np.full(cycles.size, np.nan)
     return LoopCourse(cycles, x, q, p, nothing, nothing, nothing, np.ones((2, 4)), np.full(2, np.nan), profiles or {})
+
+
+def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:
+    """Parameters of an effect as the loops of these cycles alone give them, and the nominal model with it.
+
+    Raises:
+        RecordError: the effect was not considered, or the record has no loops of these cycles.
+    """
+    found = diagnosed.search
+    alone = next((one for one in found.singles if one.names == (effect,)), None)
+    keep = np.isin(found.problem.layout.cycle, list(cycles))
+    if alone is None or not keep.any():
+        raise RecordError(
+            f"{effect} cannot be calibrated on the cycles {', '.join(map(counted, cycles))} of the record "
+            f"{diagnosed.record.name!r}: name an effect of the library and cycles that have loops."
+        )
+    known = fit(found.problem.part(keep, found.covariance), alone.candidates)
+    ((candidate, coordinates, deviations),) = known.parts()
+    return estimates(candidate, coordinates, deviations, max(found.remainder.misfit, 1.0)), known.setup

@@ -8,14 +8,13 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from wirewear.base.errors import StudyError
-from wirewear.diagnosis.beginning import beginning_of, mended
+from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
-from wirewear.diagnosis.infer.gate import remainder_of
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.physical import physical_gap
-from wirewear.diagnosis.infer.recognised import force_zero, left_by, share_beyond, unrecognised, without
+from wirewear.diagnosis.infer.recognised import force_zero, left_by, remainder_of, share_beyond, unrecognised, without
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
@@ -26,6 +25,7 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord

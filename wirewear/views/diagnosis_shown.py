@@ -17,7 +17,7 @@ from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
-from wirewear.diagnosis.observe.registry import row_labels
+from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
 from wirewear.effects import all_measurements, effect_named
 from wirewear.pictures.colours import VARIANT_COLOURS

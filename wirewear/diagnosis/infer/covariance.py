@@ -18,10 +18,10 @@ from wirewear.diagnosis.infer.solver_differences import alike, derivatives, smoo
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.amplitude import Amplitude
-from wirewear.diagnosis.observe.differences import Scale
+from wirewear.diagnosis.observe.channels import Amplitude
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.diagnosis.observe.sites import Scale
 from wirewear.effects import Effect
 
 _OF_REPEATABILITY = constants("infer.repeatability")

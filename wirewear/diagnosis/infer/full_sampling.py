@@ -9,12 +9,12 @@ whose periodogram is exponentially distributed (Priestley, Spectral Analysis and
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import e, log
 
 import numpy as np
 from scipy.stats import gamma
 
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.recognised import log_surprise
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
@@ -33,9 +33,6 @@ SAMPLES_A_WAVE = _KNOWN.number("samples_a_wave")
 #: A ripple stands out that chance would make so seldom, and that is so large a share of the plateau force: surfaces of
 #: a mesh leave smaller ones.
 LEAST_P, LEAST_SHARE = _KNOWN.each("least_p", "least_share")
-
-#: Below it a chance has no digits left.
-_LEAST_P = 1e-300
 
 
 @dataclass(frozen=True)
@@ -56,9 +53,8 @@ class Ripple:
 
     @property
     def log_surprise(self) -> float:
-        """Log of the largest Bayes factor that it lends to something else being at work (see `Remainder`)."""
-        p_value = max(self.p_value, _LEAST_P)
-        return -log(-e * p_value * log(p_value)) if p_value < 1.0 / e else 0.0
+        """How much it says for something else being at work."""
+        return log_surprise(self.p_value)
 
 
 @dataclass(frozen=True, eq=False)

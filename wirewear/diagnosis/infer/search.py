@@ -11,8 +11,8 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.gate import Remainder, remainder_of
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
+from wirewear.diagnosis.infer.recognised import Remainder, remainder_of
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates

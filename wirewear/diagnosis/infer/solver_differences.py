@@ -27,8 +27,8 @@ from wirewear.diagnosis.model.numerical import (
 )
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale
 from wirewear.diagnosis.observe.layout import Layout, Part
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 
 #: Share of the variance of `NUMERICAL` and of the remainder that is believed: records without a gap show less of it.
 VARIANCE = constants("infer.solver_differences").number("variance")

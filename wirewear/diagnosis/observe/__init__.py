@@ -5,12 +5,11 @@ A package that adds an observable needs the names of this door alone.
 
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize, rows_of
 
 __all__ = [
     "AlongBranch",

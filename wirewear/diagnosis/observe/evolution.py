@@ -10,11 +10,10 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
-from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
 
 _KNOWN = constants("observe.evolution")
 

@@ -7,12 +7,11 @@ import numpy as np
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.knee import computed_peaks_N, peak_N
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize, rows_of
 
 _KNOWN = constants("observe.knee_peak")
 

@@ -15,11 +15,10 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 
 
 @dataclass(frozen=True)

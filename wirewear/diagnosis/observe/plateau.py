@@ -9,12 +9,11 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ROUGH, ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.diagnosis.observe.sites import ROUGH, ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 
 _KNOWN = constants("observe.plateau")
 

@@ -10,10 +10,9 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 from wirewear.records import MeasuredProfile
 
 _KNOWN = constants("observe.profiles")

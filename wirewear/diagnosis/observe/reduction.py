@@ -1,31 +1,62 @@
-"""From a record to observables: all that is read of its loops, its evolution and its scars."""
+"""All observables there are, of the library and of installed packages, and what a record gives of them."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
+from solvers.plugins import installed
+from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.channels import (
+    Amplitude,
+    NormalForce,
+    NormalForceAtEnds,
+    NormalForceByDirection,
+    NormalForceBySides,
+)
+from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
+from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import Observable
+from wirewear.diagnosis.observe.plateau import PlateauForce
+from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reading import Reading, read
-from wirewear.diagnosis.observe.registry import all_observables
+from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.sites import Sites
+from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records import AnyRecord
-
-if TYPE_CHECKING:
-    pass
-
 
 #: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.
 READ_WITHIN: Mapping[str, float] = constants("observe.read_within").all()
+
+ENTRY_POINT_GROUP = "wirewear.observables"
+
+#: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
+LIBRARY: tuple[type[Observable], ...] = (
+    Stick,
+    ShelfTravel,
+    KneePeak,
+    PlateauForce,
+    Amplitude,
+    NormalForce,
+    NormalForceByDirection,
+    NormalForceAtEnds,
+    NormalForceBySides,
+    Energy,
+    SlipAmplitude,
+    LargestForce,
+    ScarFigures,
+    ScarSkew,
+    ProfileDepths,
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,3 +143,41 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
         "force_offset": None if stated.force_zero_N is None else stated.force_zero_N / load,
     }
     return {name: value for name, value in known.items() if value is not None}
+
+
+#: Entry point group in which a package names its subclasses of `Observable`.
+def all_observables() -> tuple[Observable, ...]:
+    """One of each.
+
+    Raises:
+        WirewearError: a package's entry point holds no observable, or one whose name or zone is taken.
+    """
+    return _all_observables()
+
+
+def row_labels() -> dict[str, str]:
+    """Labels of all zones, in the order of a map's rows."""
+    return {zone.name: zone.picture for observable in all_observables() for zone in observable.zones}
+
+
+@cache
+def _all_observables() -> tuple[Observable, ...]:
+    found = [kind() for kind in LIBRARY]
+    home, needed = "wirewear.diagnosis.observe", ("name", "words", "unit", "zones")
+    for place, kind in installed(ENTRY_POINT_GROUP, Observable, "observable", home, needed, _problem):
+        one = kind()
+        if not _names(*found).isdisjoint(_names(one)):
+            raise WirewearError(
+                f"the entry point {place} adds an observable {one.name!r}, but its name or one of its zones is "
+                "taken: uninstall that package, or give it other names."
+            )
+        found.append(one)
+    return tuple(found)
+
+
+def _names(*observables: Observable) -> set[str]:
+    return {name for one in observables for name in (one.name, *(zone.name for zone in one.zones))}
+
+
+def _problem(sentence: str) -> WirewearError:
+    return WirewearError(f"{sentence}.")

@@ -8,10 +8,9 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, WIRES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, Scale, Smoothness, SolverSize
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites
+from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 from wirewear.records import MeasuredScar
 
 _KNOWN = constants("observe.scars")

@@ -1,4 +1,4 @@
-"""Where numbers are read: the cycle, the branch and the level, or the wire, of each."""
+"""Where numbers are read (cycle, branch, level or wire), and how far solvers differ there."""
 
 from __future__ import annotations
 
@@ -9,8 +9,15 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.model.readings import MIDDLE, SLIDING
+from wirewear.diagnosis.model.setup import Array, Setup
+
+_OF_DIFFERENCES = constants("observe.differences")
+
+#: Share of a solver difference that is not smooth from one level to the next.
+ROUGH = _OF_DIFFERENCES.number("rough")
 
 
 @dataclass(frozen=True)
@@ -71,3 +78,98 @@ class Sites:
 def rows_of(course: LoopCourse, sites: Sites) -> NDArray[np.intp]:
     """Row (n,) of a course in which each site's cycle stands."""
     return np.searchsorted(course.cycles, sites.cycle)
+
+
+@dataclass(frozen=True)
+class Scale:
+    """Amplitude and plateau force of a test, by which places along its loops are measured."""
+
+    amplitude_um: float
+    force_N: float
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothness:
+    """How differences at several numbers (n,) hang together.
+
+    Attributes:
+        along: (n,) place along a branch, in lengths over which differences are alike.
+        turned: by how much differences at both branches are alike where they would be, 0 to 1.
+        rough: (n,) share of a difference's standard deviation that is each number's own.
+        family: (n,) numbers of different families have nothing in common.
+    """
+
+    along: Array
+    turned: float
+    rough: Array
+    family: NDArray[np.intp]
+
+    @classmethod
+    def of_whole_loops(cls, count: int) -> Smoothness:
+        """That of one number a loop: differences hang together over the cycles alone."""
+        return cls(np.zeros(count), 1.0, np.full(count, ROUGH), np.zeros(count, dtype=np.intp))
+
+
+@dataclass(frozen=True, eq=False)
+class SolverSize:
+    """How far solvers differ in several numbers (n,) on the same test, in the observable's unit, standard deviations.
+
+    Attributes:
+        size: (n,) what is smooth over cycles and along branches (`Observable.smoothness`).
+        own: (n,) each number's own; none if left out.
+        common: (n,) by which one unknown moves all of them together; none if left out.
+        wall: (n,) at which end of the stroke ripples of the scar move the number: +1, −1, or 0 for both alike.
+        hooked: whether hooks that solvers compute larger or smaller move the number.
+    """
+
+    size: Array
+    own: Array | None = None
+    common: Array | None = None
+    wall: Array | None = None
+    hooked: bool = True
+
+
+@dataclass(frozen=True, eq=False)
+class ModelLoops:
+    """A course under a setup."""
+
+    setup: Setup
+    course: LoopCourse
+
+    @cached_property
+    def scale(self) -> Scale:
+        """The amplitude, and the least of the loops' largest forces."""
+        force = np.abs(self.course.tangential_force_N).max(axis=(1, 2))
+        return Scale(self.setup.amplitude_um, float(force.min()))
+
+    def rise_N(self, sites: Sites) -> Array:
+        """Force (n,) that the scar's slopes add towards the end of the branch towards +x."""
+        return self._rise_N[rows_of(self.course, sites)]
+
+    def stick_compliance_um_per_N(self, sites: Sites) -> Array:
+        """Travel over rise (n,) of the branch towards +x until it slides."""
+        x, q = self.course.displacement_um, self.course.tangential_force_N
+        travel, rise = (values[:, 0, SLIDING] - values[:, 0, 0] for values in (x, q))
+        return np.asarray(travel / np.maximum(rise, 1e-9))[rows_of(self.course, sites)]
+
+    def travel_um(self, sites: Sites, force_N: float) -> Array:
+        """Travel (n,) of the model's branches over forces within ±`force_N` of each site's level."""
+        return travel_um(self.course, sites, sites.level - force_N, sites.level + force_N)
+
+    @cached_property
+    def _rise_N(self) -> Array:
+        force = self.course.tangential_force_N
+        return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
+
+
+def travel_um(course: LoopCourse, sites: Sites, low_N: Array, high_N: Array) -> Array:
+    """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
+    travel = np.zeros(len(sites))
+    for cycle, branch, places in sites.branches:
+        row, side = int(np.searchsorted(course.cycles, cycle)), int(branch < 0)
+        sign = (1, -1)[side]
+        x, q = sign * course.displacement_um[row, side], sign * course.tangential_force_N[row, side]
+        rising = np.maximum.accumulate(q)
+        low, high = (np.interp(force_N[places], rising, x) for force_N in (low_N, high_N))
+        travel[places] = high - low
+    return travel

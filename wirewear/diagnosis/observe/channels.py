@@ -1,6 +1,6 @@
-"""The normal force along the stroke while the contact slides: at its ends beside its middle, and on one side of it.
+"""Channels as a whole: the displacement's amplitude, and the normal force along the stroke while the contact slides.
 
-Whatever guides the load shows here, and nothing that wears: the scar lifts the wires by micrometres.
+Whatever guides the load shows in the normal force, and nothing that wears: the scar lifts the wires by micrometres.
 """
 
 from __future__ import annotations
@@ -14,11 +14,10 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import SLIDING
 from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.differences import ModelLoops, SolverSize
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
+from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
 
 _OF_NORMAL_FORCE = constants("observe.normal_force")
 
@@ -38,6 +37,11 @@ MIDDLE, OUTER = _KNOWN.each("middle", "outer")
 
 #: Samples that a part of the stroke has at least.
 FEWEST = _KNOWN.count("fewest")
+
+_OF_AMPLITUDE = constants("observe.amplitude")
+
+#: Solver differences, relative.
+SHARE = _OF_AMPLITUDE.number("share")
 
 
 class _OfNormalForce(OfLoops, OfWholeLoops):
@@ -195,3 +199,32 @@ class NormalForceBySides(_AlongStroke):
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of the load."""
         return SolverSize(np.full(len(sites), SIDES_SHARE * loops.setup.load_N))
+
+
+class Amplitude(OfLoops, OfWholeLoops):
+    """Half of a loop's extent."""
+
+    name = "amplitude"
+    words, unit = "displacement amplitude", "um"
+    zones = (Zone("amplitude", "displacement amplitude"),)
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Every loop."""
+        return [Site(cycle) for cycle in reading.cycles]
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
+        """As the loop was cleaned."""
+        return loop.amplitude_um, loop.amplitude_error_um
+
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+        """Half of the computed loop's extent."""
+        x = course.displacement_um
+        return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+        """A share of it."""
+        return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
+        """Its own."""
+        return np.abs(predicted)

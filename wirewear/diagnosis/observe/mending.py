@@ -1,7 +1,7 @@
-"""Loops that are straight lines between few points: those of a coarse simulation, resampled, pass for a dense logger's.
+"""A record mended before it is read: coarse loops at their corners, without spikes and without others' definitions.
 
-Between its increments a simulation knows nothing. Straight lines there cut the corner between stick and slip, which
-looks like a softer rig, a rough layer or a wall of another slope. Such loops are read at their corners.
+Loops of a coarse simulation, resampled, are straight lines between few points and pass for a dense logger's. The lines
+cut the corner between stick and slip, which looks like a softer rig, a rough layer or a wall of another slope.
 """
 
 from __future__ import annotations
@@ -13,8 +13,11 @@ import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
-from wirewear.loops.noise import outliers, sample_noise
+from wirewear.loops import LoopError
+from wirewear.loops.noise import outliers, sample_noise, spikes
 from wirewear.records import AnyRecord, MeasuredLoop
+from wirewear.records.checking import analysed
+from wirewear.records.course_checks import other_definitions
 from wirewear.records.loop_statistics import of_equal_times
 
 _KNOWN = constants("observe.corners")
@@ -47,6 +50,14 @@ MOST_LOOPS = _KNOWN.count("most_loops")
 
 #: A channel is never known better than this share of its extent.
 LEAST_NOISE = _KNOWN.number("least_noise")
+
+_OF_SPIKES = constants("observe.spikes")
+
+#: Loops of more samples do without: their readings are local fits that leave spikes out.
+FEWEST_SAMPLES, MOST_SAMPLES = _OF_SPIKES.count("fewest_samples"), _OF_SPIKES.count("most_samples")
+
+#: Loops of equal times that must be there to say what is usual.
+FEWEST_LOOPS = _OF_SPIKES.count("fewest_loops")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,6 +96,13 @@ class _Lines:
         """Sum of squares that the lines leave of samples (n,), in units of their noise; an outlier counts as 5²."""
         rest = (values - self.hats @ (self.inverse @ values)) / noise
         return float(np.minimum(rest**2, OUTLYING**2).sum())
+
+
+def mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
+    """The record with coarse loops at their corners, without spikes and without figures of other definitions; notes."""
+    own, notes = of_own_definitions(record)
+    read, note = read_at_corners(own)
+    return without_spikes(read), ((note,) if note else ()) + notes
 
 
 def read_at_corners(record: AnyRecord) -> tuple[AnyRecord, str | None]:
@@ -179,3 +197,47 @@ def _at_corners(loop: MeasuredLoop, lines: _Lines, frequency_Hz: float) -> Measu
         lines.at_corners(loop.tangential_force_N),
         None if normal is None else lines.at_corners(normal),
     )
+
+
+def without_spikes(record: AnyRecord) -> AnyRecord:
+    """The record without the samples of coarse loops that are spikes in any channel: NaN."""
+    spiky: dict[int, MeasuredLoop] = {}
+    for group in of_equal_times([loop for loop in record.loops if loop.cycle > 0]):
+        if len(group) < FEWEST_LOOPS or not FEWEST_SAMPLES <= group[0].time_s.size <= MOST_SAMPLES:
+            continue
+        channels = [[loop.displacement_um for loop in group], [loop.tangential_force_N for loop in group]]
+        normal = [loop.normal_force_N for loop in group if loop.normal_force_N is not None]
+        if len(normal) == len(group):
+            channels.append(normal)
+        found = np.logical_or.reduce([spikes(np.stack(channel)) for channel in channels])
+        for loop, bad in zip(group, found, strict=True):
+            if bad.any():
+                spiky[id(loop)] = replace(loop, displacement_um=np.where(bad, np.nan, loop.displacement_um))
+    return replace(record, loops=tuple(spiky.get(id(loop), loop) for loop in record.loops)) if spiky else record
+
+
+def of_own_definitions(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
+    """The record without the columns of its evolution that contradict its own loops (NaN), and a note on each."""
+    if not record.evolution:
+        return record, ()
+    loops = {}
+    for loop in analysed(record.loops):
+        try:
+            loops[loop.repeat, loop.cycle] = loop, loop.figures(record.tables.conditions.normal_load_N)
+        except LoopError:
+            continue
+    other = other_definitions(loops, record.evolution)
+    if not other:
+        return record, ()
+    left_out = {one.column for one in other}
+    evolution = tuple(
+        replace(
+            part,
+            columns={
+                name: np.full_like(values, np.nan) if name in left_out else values
+                for name, values in part.columns.items()
+            },
+        )
+        for part in record.evolution
+    )
+    return replace(record, evolution=evolution), tuple(f"{one.text}, and left out" for one in other)
