@@ -1,6 +1,7 @@
 """Line contact of any even profile with a half-plane, and the scar that gross slip wears into it (N, mm, MPa)."""
 
 import math
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,8 +12,7 @@ from wirewear.reference.wear import LineScar
 
 Array = NDArray[np.float64]
 
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(400)
-_PLACES = 300
+_POINTS, _PLACES = 400, 300
 _LEAST = 1e-6
 
 
@@ -22,9 +22,9 @@ def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -
     P = E* ∫ t h'(t)/√(a² − t²) dt from 0 to a (Johnson, Contact Mechanics, 1985, section 2.7: the profile as a stack of
     flat punches), with t = a sin θ.
     """
-    angle = 0.25 * math.pi * (_NODES + 1.0)
-    t = half_width_mm * np.sin(angle)
-    return float(modulus_MPa * 0.25 * math.pi * (_WEIGHTS @ (t * _steepness(profile, t))))
+    nodes, weights = _rule()
+    t = half_width_mm * np.sin(0.25 * math.pi * (nodes + 1.0))
+    return float(modulus_MPa * 0.25 * math.pi * (weights @ (t * _steepness(profile, t))))
 
 
 def even_line_contact(
@@ -58,9 +58,11 @@ def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineS
     """
     require_positive(area_mm2=area_mm2, widest_mm=widest_mm)
 
+    nodes, weights = _rule()
+
     def missing(half_width: float) -> float:
-        t = 0.5 * half_width * (_NODES + 1.0)
-        mean = float(_WEIGHTS @ (_fall(profile, np.array([half_width])) - _fall(profile, t))) * 0.5
+        t = 0.5 * half_width * (nodes + 1.0)
+        mean = float(weights @ (_fall(profile, np.array([half_width])) - _fall(profile, t))) * 0.5
         return 2.0 * half_width * mean - area_mm2
 
     if missing(widest_mm) < 0.0:
@@ -75,6 +77,15 @@ def _pressure(x: float, half_width: float, s: Array, per_place: Array) -> float:
     """p(x) from P'(s)/s at places s: with s² = x² + u² the integrand has no pole."""
     u = np.linspace(0.0, math.sqrt(half_width**2 - x**2), _PLACES)
     return float(np.trapezoid(np.interp(np.hypot(x, u), s, per_place), u)) / math.pi
+
+
+@cache
+def _rule() -> tuple[Array, Array]:
+    """Gauss points on -1 to 1 and their weights, (400,) each, when they are first asked for."""
+    from scipy.special import roots_legendre
+
+    nodes, weights = roots_legendre(_POINTS)
+    return nodes, weights
 
 
 def _fall(profile: Profile, x_mm: Array) -> Array:
