@@ -9,7 +9,7 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import Any, Self
 
 import numpy as np
@@ -158,6 +158,14 @@ class BodyGeometry(ABC):
     def layers(self) -> tuple[float, float]:
         """Thickness of the uppermost elements under the patch in mm, and the factor by which it grows downwards."""
         return self.layering.first * self.finest_mm, self.layering.growth
+
+    def as_table(self) -> dict[str, Any]:
+        """Nested plain values, for JSON."""
+        return asdict(self)  # type: ignore[call-overload,no-any-return]
+
+    def with_layering(self, layering: Layering) -> Self:
+        """A copy with other layers under the patch."""
+        return replace(self, layering=layering)  # type: ignore[type-var]
 
     def refined(self, factor: float) -> Self:
         """A copy whose elements are smaller by `factor` everywhere."""

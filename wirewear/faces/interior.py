@@ -12,6 +12,7 @@ from wirewear.base.quantity import counted
 from wirewear.base.writing import usable_folder
 from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
 from wirewear.results import POSITIONS
+from wirewear.results.scar import require_body
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -23,6 +24,16 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 
+#: Which body is asked for; of the older name, all were wires.
+BODY = click.option(
+    "--body",
+    "--wire",
+    "body",
+    default="both",
+    show_default=True,
+    help="One of the bodies, as fixed or ball.",
+)
+
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
@@ -33,7 +44,7 @@ T = TypeVar("T")
     multiple=True,
     help=f"{', '.join(POSITIONS)}, a number, or all; may be repeated.  [default: mid-forward]",
 )
-@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@BODY
 @click.option("--fresh-nodes", is_flag=True, help="Leave the nodes where they were when fresh.")
 @click.option("--integration-points", is_flag=True, help="Write the stresses at the integration points, too.")
 @click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
@@ -43,7 +54,7 @@ def fields(
     result_path: Path,
     cycle: float,
     at: tuple[str, ...],
-    wire: str,
+    body: str,
     fresh_nodes: bool,
     integration_points: bool,
     no_pictures: bool,
@@ -67,13 +78,13 @@ def fields(
         result = one_run(result_path)
         kind = kind_of(result)
         given = {
-            "--wire": wire != "both",
+            "--body": body != "both",
             "--integration-points": integration_points,
             "--no-pictures": no_pictures,
             "--animate": animate,
         }
         _require_known(result_path, kind, given)
-        bodies = kind.bodies if wire == "both" else (wire,)
+        bodies = _asked(result, body)
         _tell_taken(cycle, result, bodies)
         usable_folder(folder)
         shown = {
@@ -91,6 +102,14 @@ def fields(
         click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
 
 
+def _asked(result: RunResult, body: str) -> tuple[str, ...]:
+    """Both bodies of a run, or the one of that name."""
+    if body == "both":
+        return result.bodies
+    require_body(body, result.label, result.bodies)
+    return (body,)
+
+
 def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
     """Raise ResultError if an option is given that files of a kind of contact do not know."""
     for option in (one for one, is_given in given.items() if is_given and one not in kind.inside_options):
@@ -102,7 +121,7 @@ def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
 @click.option(
     "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
 )
-@click.option("--wire", type=click.Choice(["both", "moving", "fixed"]), default="both", show_default=True)
+@BODY
 @click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
 @click.option(
     "--crossland-slope",
@@ -123,7 +142,7 @@ def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
 def strength(
     result_path: Path,
     cycles: tuple[float, ...],
-    wire: str,
+    body: str,
     yield_strength: float | None,
     crossland_slope: float,
     averaging_length: float,
@@ -131,7 +150,7 @@ def strength(
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first.
 
-    A wire at one cycle takes 10 to 20 s of one core: ten cycles of both take some minutes. --cycle and --wire ask for
+    A body at one cycle takes 10 to 20 s of one core: ten cycles of both take some minutes. --cycle and --body ask for
     less.
     """
     from wirewear.faces.study_script import progress_bar, wide_console
@@ -139,7 +158,7 @@ def strength(
     from wirewear.interior.strength_files import strength_table, write_strengths
 
     asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
-    chosen, strength_at = _assessing(result_path, wire, cycles, asked)
+    chosen, strength_at = _assessing(result_path, body, cycles, asked)
     folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
     courses: dict[str, list[Strength]] = {one: [] for one in chosen}
     with progress_bar() as bar:
@@ -163,7 +182,7 @@ def strength(
 
 
 def _assessing(
-    path: Path, wire: str, cycles: Sequence[float], asked: StrengthAsked
+    path: Path, body: str, cycles: Sequence[float], asked: StrengthAsked
 ) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
     """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
 
@@ -174,18 +193,18 @@ def _assessing(
 
     result = one_run(path)
     kind = kind_of(result)
-    _require_known(path, kind, {"--wire": wire != "both"})
+    _require_known(path, kind, {"--body": body != "both"})
     every = cycles or _recorded(result.contact_forces)
-    bodies = kind.bodies if wire == "both" else (wire,)
+    bodies = _asked(result, body)
     for cycle in cycles:
         _tell_taken(cycle, result, bodies)
     chosen = {one: _each_once(kind.assessable(result, one, cycle, asked) for cycle in every) for one in bodies}
     return chosen, lambda one, cycle: kind.strength(result, one, cycle, asked)
 
 
-def _tell_taken(cycle: float, result: RunResult, wires: Iterable[str]) -> None:
+def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
     """Say which recorded cycle stands for one that is not recorded."""
-    taken = {result.forces(cycle, one).cycle for one in wires} - {cycle}
+    taken = {result.forces(cycle, one).cycle for one in bodies} - {cycle}
     if taken:
         recorded = ", ".join(map(counted, _recorded(result.contact_forces)))
         click.echo(

@@ -13,6 +13,7 @@ from wirewear.base.quantity import counted, unit_of, words_of
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain
+from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import polars as pl
@@ -74,20 +75,21 @@ class Run(RunResult):
             raise ResultError(f"there is no table {table!r}: choose one of {', '.join(tables)}.")
         return tables[table](self)
 
-    def surface(self, wire: str = "fixed", cycle: float | None = None) -> pyvista.StructuredGrid:
-        """The worn surface of a wire as a mesh in µm, with depth, pressure, slip and energy; by default the last.
+    def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
+        """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
 
         Raises:
             ResultError: no scar is recorded near that cycle, or there is no such wire.
         """
         from wirewear.results.vtk import surface_mesh
 
-        return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, wire))
+        body = wire or self.bodies[1]
+        return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, body), upper=self.is_upper(body))
 
     def body(
-        self, wire: str = "fixed", cycle: float | None = None, at: str | int = "mid-forward", *, worn: bool = True
+        self, wire: str | None = None, cycle: float | None = None, at: str | int = "mid-forward", *, worn: bool = True
     ) -> pyvista.UnstructuredGrid:
-        """A wire's hexahedra in µm with displacements and stresses at a position of a cycle; by default the last.
+        """A body's hexahedra in µm with displacements and stresses at a position of a cycle; by default the last.
 
         at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
         of a recorded position.  worn: the nodes stand in the worn surface.
@@ -98,7 +100,8 @@ class Run(RunResult):
         """
         from wirewear.interior import body_grid, body_states
 
-        return body_grid(body_states(self, wire, self._last_scar() if cycle is None else cycle, [at], worn=worn)[0])
+        cycle = self._last_scar() if cycle is None else cycle
+        return body_grid(body_states(self, wire or self.bodies[1], cycle, [at], worn=worn)[0])
 
     def save(self, path: str | Path) -> Path:
         """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
@@ -121,7 +124,7 @@ class Run(RunResult):
         return (
             f"<Run {self.label!r}, {self.fidelity}, {self.status}: {counted(evolution['cycle'][-1])} cycles, "
             f"{len(self.loops)} loops, slip {evolution['slip_amplitude_um'][-1]:.1f} µm, "
-            f"{evolution['max_depth_fixed_um'][-1]:.2f} µm deep>"
+            f"{evolution[f'max_depth_{self.bodies[1]}_um'][-1]:.2f} µm deep>"
         )
 
     def _repr_html_(self) -> str:
@@ -137,8 +140,10 @@ class Run(RunResult):
             "slip amplitude, first → last": _course(self, "slip_amplitude_um", "µm"),
             "energy per cycle, first → last": _course(self, "dissipated_energy_mJ", "mJ"),
             "friction energy in all": f"{evolution['accumulated_energy_J'][-1]:.4g} J",
-            "deepest wear, moving and fixed wire": f"{evolution['max_depth_moving_um'][-1]:.4g} and "
-            f"{evolution['max_depth_fixed_um'][-1]:.4g} µm",
+            f"deepest wear, {' and '.join(map(called, self.bodies))}": " and ".join(
+                f"{evolution[f'max_depth_{body}_um'][-1]:.4g}" for body in self.bodies
+            )
+            + " µm",
         }
         picture = BytesIO()
         with styled():
@@ -182,7 +187,7 @@ def read_result(path: str | Path) -> Run:
     Raises:
         ResultError: there is none, or it is damaged, or the folder holds several.
     """
-    return Run.of(one_run(Path(path)).of_kind("crossed-wires"))
+    return Run.of(one_run(Path(path)).with_maps())
 
 
 def one_run(path: Path) -> RunResult:
@@ -204,7 +209,7 @@ def read_results(path: str | Path) -> tuple[Run, ...]:
     Raises:
         ResultError: nothing is found there, or a file found cannot be read.
     """
-    return tuple(Run.of(result.of_kind("crossed-wires")) for result in read_all_plain(Path(path)))
+    return tuple(Run.of(result.with_maps()) for result in read_all_plain(Path(path)))
 
 
 def _course(run: RunResult, column: str, unit: str) -> str:

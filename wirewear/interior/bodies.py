@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import BodyMesh, ContactPatch, Elastic, GeometryError, HexMesh, WireGeometry, build_body
+from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, GeometryError, HexMesh, build_body
 from solvers.interior import Interior
 from solvers.strain import IntegrationPoints, integration_points
 from solvers.surface_stress import SurfaceStress
@@ -97,8 +97,9 @@ def body_states(
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
     body = worn_body(result, wire, cycle, worn=worn)
     nodes = body.patch.nodes.ravel()[forces.nodes]
+    upper = result.is_upper(wire)
     displacements = body.interior.displacements(nodes, forces.force_N[chosen])
-    return tuple(BodyState(body, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
+    return tuple(BodyState(body, forces, k, moved, upper) for k, moved in zip(chosen, displacements, strict=True))
 
 
 def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) -> WornBody:
@@ -112,16 +113,16 @@ def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) 
     depth = None
     if worn:
         scar = result.scar(forces.cycle, wire)
-        # A scar's transverse axis is that of the test, an upper wire's own runs backwards.
-        order = slice(None, None, 1 if wire == "moving" else -1)
+        # A scar's transverse axis is that of the test, an upper body's own runs backwards.
+        order = slice(None, None, -1 if result.is_upper(wire) else 1)
         depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
     return _meshed(*forces.meshed, None if depth is None else depth.tobytes())
 
 
 @lru_cache(maxsize=2)
-def _meshed(geometry: WireGeometry, material: Elastic, depth: bytes | None) -> WornBody:
+def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> WornBody:
     try:
-        wire = _built(replace(geometry, layering=geometry.layering.deeper(_DEEPER)), depth)
+        wire = _built(geometry.with_layering(geometry.layering.deeper(_DEEPER)), depth)
     except GeometryError:
         # There may be no room for more layers.
         wire = _built(geometry, depth)
@@ -130,7 +131,7 @@ def _meshed(geometry: WireGeometry, material: Elastic, depth: bytes | None) -> W
     return WornBody(wire, material, interior, integration_points(wire.mesh))
 
 
-def _built(geometry: WireGeometry, depth: bytes | None) -> BodyMesh:
+def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
     wire = build_body(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
     return wire.worn(worn) if worn.any() else wire

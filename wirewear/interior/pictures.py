@@ -22,6 +22,7 @@ from wirewear.interior.bodies import BodyState
 from wirewear.interior.grids import Tracked, body_grid, section, untracked
 from wirewear.pictures.colours import INK, PRESSURE_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, panel_letters, styled
+from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import pyvista
@@ -43,7 +44,7 @@ _FRAME_ms = 160
 
 
 def draw_section(states: Sequence[BodyState]) -> Figure:
-    """Both wires at one moment: whole along the motion, near the contact along it and across it."""
+    """Both bodies at one moment: whole along the motion, near the contact along it and across it."""
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)
@@ -53,7 +54,7 @@ def draw_section(states: Sequence[BodyState]) -> Figure:
     _draw_cut(panels[0], grids, 1, centre, whole, largest, lines=False)
     _draw_cut(panels[1], grids, 1, centre, _AROUND * reach, largest)
     _draw_cut(panels[2], grids, 0, centre, _AROUND * reach, largest)
-    for axes, title in zip(panels, ("both wires", "along the motion", "across the motion"), strict=True):
+    for axes, title in zip(panels, ("both bodies", "along the motion", "across the motion"), strict=True):
         axes.set_title(title)
     panel_letters(list(panels))
     colours = ScalarMappable(Normalize(0.0, largest), STRESS_COLOURS)
@@ -63,7 +64,7 @@ def draw_section(states: Sequence[BodyState]) -> Figure:
 
 
 def draw_tractions(states: Sequence[BodyState]) -> Figure:
-    """The contact from above for each wire: pressure as colour, shear as arrows of its size and direction."""
+    """The contact from above for each body: pressure as colour, shear as arrows of its size and direction."""
     figure = new_figure(3.6)
     panels = figure.subplots(1, len(states), squeeze=False)[0]
     fields = [_tractions(state) for state in states]
@@ -95,7 +96,7 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
         axes.set_xlim(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach)
         axes.set_ylim(centre[1] - 1.4 * reach, centre[1] + 1.4 * reach)
         axes.set_xlabel("x, along the motion [µm]")
-        axes.set_title(f"{state.forces.body} wire, shear up to {strongest:.0f} MPa")
+        axes.set_title(f"{called(state.name)}, shear up to {strongest:.0f} MPa")
         axes.grid(visible=False)
     panels[0].set_ylabel("y [µm]")
     panel_letters(list(panels))
@@ -107,7 +108,7 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
 
 
 def draw_cut(states: Sequence[BodyState]) -> Figure:
-    """Both wires cut open along the motion, from all of them to the contact, coloured by von Mises stress."""
+    """Both bodies cut open along the motion, from all of them to the contact, coloured by von Mises stress."""
     grids = [body_grid(state) for state in states]
     centre, reach = _contact(states)
     largest = _largest(grids)
@@ -115,7 +116,7 @@ def draw_cut(states: Sequence[BodyState]) -> Figure:
     panels = figure.subplots(1, 2)
     tall = 1.15 * sum(float(np.ptp(grid.points[:, 2])) for grid in grids)
     for axes, height, title in zip(
-        panels, (tall, 4.0 * _AROUND * reach), ("both wires", "near the contact"), strict=True
+        panels, (tall, 4.0 * _AROUND * reach), ("both bodies", "near the contact"), strict=True
     ):
         axes.imshow(_rendered(grids, centre, height, largest, edges=height < tall))
         axes.set_title(title)
@@ -128,7 +129,7 @@ def draw_cut(states: Sequence[BodyState]) -> Figure:
 
 
 def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: Tracked = untracked) -> Path:
-    """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all wires.
+    """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all bodies.
 
     Raises:
         ResultError: the file cannot be written, or there is no moment.

@@ -13,7 +13,6 @@ from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, scattered
 from wirewear.results import ContactForces
-from wirewear.results.scar import UPPER
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -67,13 +66,14 @@ B = TypeVar("B", bound=MeshedBody)
 class InnerState(Generic[B]):
     """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
 
-    position: its place in `forces`.  displacement: (n, 3) of the nodes.
+    position: its place in `forces`.  displacement: (n, 3) of the nodes.  is_upper: it stands above and is held.
     """
 
     body: B
     forces: ContactForces
     position: int
     displacement: Array
+    is_upper: bool
 
     @cached_property
     def stress_at_points(self) -> Array:
@@ -119,13 +119,8 @@ class InnerState(Generic[B]):
 
     @property
     def name(self) -> str:
-        """Which body it is: moving, fixed, pad or specimen."""
+        """Which body it is."""
         return self.forces.body
-
-    @property
-    def is_upper(self) -> bool:
-        """Whether it is the body that stands above and is held."""
-        return self.forces.body in UPPER
 
     @property
     def to_world(self) -> Array:

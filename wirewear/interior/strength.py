@@ -105,7 +105,7 @@ class StrengthAsked:
 class Strength:
     """A body over one recorded cycle at its nodes `nodes` (k,) near the contact.
 
-    wire: "moving" or "fixed"; of a line contact "pad" or "specimen".
+    wire: one of the bodies of the result.
     grid: the body as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
     nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa, critical_plane_normal, crossland_MPa,
     crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 4) facets of its contact
@@ -162,7 +162,7 @@ def assessable(result: RunResult, wire: str, cycle: float, asked: StrengthAsked)
     """
     forces = result.forces(cycle, wire)
     geometry, _ = forces.meshed
-    require_room(wire, min(geometry.diameter_mm, geometry.length_mm), asked.averaging_length_um)
+    require_room(wire, geometry.least_extent_mm, asked.averaging_length_um)
     return forces.cycle
 
 

@@ -1,4 +1,4 @@
-"""Fields of a cycle as files: one VTU a wire and position, a PVD that lists them, and pictures."""
+"""Fields of a cycle as files: one VTU a body and position, a PVD that lists them, and pictures."""
 
 from __future__ import annotations
 
@@ -13,8 +13,6 @@ from wirewear.interior.grids import Tracked, body_grid, integration_point_cloud,
 from wirewear.pictures.style import save
 from wirewear.results import RunResult
 
-WIRES = ("moving", "fixed")
-
 
 def write_fields(
     result: RunResult,
@@ -22,19 +20,19 @@ def write_fields(
     *,
     cycle: float,
     at: Sequence[str | int] | None = ("mid-forward",),
-    wires: Sequence[str] = WIRES,
+    wires: Sequence[str] = (),
     worn: bool = True,
     integration_points: bool = False,
     pictures: bool = True,
     animation: bool = False,
     tracked: Tracked = untracked,
 ) -> list[Path]:
-    """Write `<wire>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
+    """Write `<body>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
 
-    Where the wires are apart, nothing is drawn.
+    Where the bodies are apart, nothing is drawn.
 
     at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
-    `<wire>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
+    `<body>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
     files and pictures are.  The time of the PVD file is the share of the cycle passed.
 
     Raises:
@@ -43,7 +41,7 @@ def write_fields(
     """
     from wirewear.interior.pictures import animate_cycle
 
-    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in tracked(wires, "solving")]
+    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in tracked(wires or result.bodies, "solving")]
     moments = list(zip(*by_wire, strict=True))
     logged = moments[0][0].forces.cycle
     written = []

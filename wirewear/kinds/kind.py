@@ -32,7 +32,6 @@ class Kind(Protocol):
     Attributes:
         name: as `kind` in a study and `contact_kind` of studies, records and results say it.
         names: all that `kind` in a study may be, older names too.
-        bodies: names of both, as files inside them are written.
         inside_options: options of `wirewear fields` and `strength` that not all kinds know.
         scatters: whether studies state the scatter of their inputs.
         options: keys of its records alone that `wirewear new --mapping` takes as options.
@@ -40,7 +39,6 @@ class Kind(Protocol):
 
     name: ClassVar[str]
     names: ClassVar[tuple[str, ...]]
-    bodies: ClassVar[tuple[str, str]]
     inside_options: ClassVar[frozenset[str]]
     scatters: ClassVar[bool]
     options: ClassVar[frozenset[str]]

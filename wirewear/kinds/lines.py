@@ -27,7 +27,6 @@ class LineContacts:
 
     name: ClassVar[str] = "line-contact"
     names: ClassVar[tuple[str, ...]] = (name, "cylinder-on-flat")
-    bodies: ClassVar[tuple[str, str]] = ("pad", "specimen")
     inside_options: ClassVar[frozenset[str]] = frozenset()
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))

@@ -26,9 +26,8 @@ class CrossedWires:
 
     name: ClassVar[str] = "crossed-wires"
     names: ClassVar[tuple[str, ...]] = (name,)
-    bodies: ClassVar[tuple[str, str]] = ("moving", "fixed")
     inside_options: ClassVar[frozenset[str]] = frozenset(
-        ("--wire", "--integration-points", "--no-pictures", "--animate")
+        ("--body", "--integration-points", "--no-pictures", "--animate")
     )
     scatters: ClassVar[bool] = True
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))

@@ -1,4 +1,4 @@
-"""Pressure at mid-stroke and distance slid in a cycle, as maps of the fixed wire, whose contact stays where it is.
+"""Pressure at mid-stroke and distance slid in a cycle, as maps of the held body, whose contact stays where it is.
 
 The fields are drawn smoothly between the grid points (see `smooth`), and blank where nothing is pressed or slides.
 """
@@ -16,6 +16,7 @@ from wirewear.pictures.scar_maps import root_ticks
 from wirewear.pictures.smooth import smooth_field
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, round_below, scale_bar, sliding_arrow
 from wirewear.results import RunResult, Scar
+from wirewear.results.scar import called
 
 #: Field, label of its colour bar, unit of its largest value and where that is, colours: the rows of the picture.
 _ROWS = (
@@ -26,7 +27,8 @@ _ROWS = (
 
 def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     """Pressure and slip of one run at several cycles, one column each; every row has one colour scale."""
-    scars = [result.scar(cycle, "fixed") for cycle in cycles]
+    held = result.bodies[1]
+    scars = [result.scar(cycle, held) for cycle in cycles]
     half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
     panel_width_in = 0.80 * WIDTH_in / len(scars)
     figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.42) + 0.5)
@@ -54,8 +56,8 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     sliding_arrow(grid[1, 0])
     scale_bar(grid[0, 0], round_below(0.5 * half_x))
     shown = "pressure at mid-stroke moving towards +x, and distance slid in the cycle"
-    wire = f"{result.label}, fixed wire" if result.label else "fixed wire"
-    figure.suptitle(f"{wire}: {shown}", x=0.01, ha="left", fontsize=9)
+    body = f"{result.label}, {called(held)}" if result.label else called(held)
+    figure.suptitle(f"{body}: {shown}", x=0.01, ha="left", fontsize=9)
     return figure
 
 

@@ -11,9 +11,10 @@ from matplotlib.ticker import FuncFormatter
 from wirewear.pictures.colours import GREY, INK
 from wirewear.pictures.style import cycle_axis, new_figure, panel_letters, variant_style
 from wirewear.results import RunResult
+from wirewear.results.scar import called
 
-#: Line of each wire where colours stand for runs.
-WIRES: dict[str, Any] = {"fixed": "-", "moving": (0, (5, 1.5))}
+#: Lines of the driven and the held body where colours stand for runs.
+DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")
 
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
@@ -65,20 +66,21 @@ def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
 
 
 def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
-    """Deepest wear of each wire over the cycles."""
+    """Deepest wear of each body over the cycles."""
+    lines = list(zip(results[0].bodies, DASHES, strict=True))[::-1]
     for index, result in enumerate(results):
         colour = variant_style(index)["color"]
-        for wire, dashes in WIRES.items():
-            depth = result.evolution[f"max_depth_{wire}_um"]
+        for body, dashes in lines:
+            depth = result.evolution[f"max_depth_{body}_um"]
             axes.plot(result.evolution["cycle"], np.where(depth > 0.0, depth, np.nan), color=colour, linestyle=dashes)
-    for wire, dashes in WIRES.items():
-        axes.plot([], [], color=GREY, linestyle=dashes, label=f"{wire} wire")
+    for body, dashes in lines:
+        axes.plot([], [], color=GREY, linestyle=dashes, label=called(body))
     axes.legend(loc="upper left")
     axes.set_title("worst depth")
     axes.set_ylabel("depth [µm]")
     cycle_axis(axes)
     # A logarithmic axis has no place for a surface that is still unworn.
-    if any((result.evolution[f"max_depth_{wire}_um"] > 0.0).any() for result in results for wire in WIRES):
+    if any((result.evolution[f"max_depth_{body}_um"] > 0.0).any() for result in results for body, _ in lines):
         axes.set_yscale("log")
     axes.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 

@@ -37,6 +37,7 @@ from wirewear.pictures.style import (
     variant_style,
 )
 from wirewear.results import RunResult, read_results
+from wirewear.results.scar import called
 
 #: Milliseconds of a frame and of the last one; dots per inch.
 FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100
@@ -52,7 +53,7 @@ MOST_CONTACTS = 4
 
 
 def overview(results: Sequence[RunResult]) -> Figure:
-    """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the fixed wires.
+    """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the held bodies.
 
     Raises:
         ResultError: a run has no measured cycle yet.
@@ -75,14 +76,14 @@ def overview(results: Sequence[RunResult]) -> Figure:
 def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
     with_scars = [(index, result) for index, result in enumerate(results) if result.scar_cycles()]
     for index, result in with_scars:
-        scar = smooth_scar(result.scar(result.scar_cycles()[-1], "fixed"))
+        scar = smooth_scar(result.scar(result.scar_cycles()[-1], result.bodies[1]))
         reach, _ = scar.section_along_motion()
         x = np.linspace(reach[0], reach[-1], 401)
         unworn, worn = profile(scar, x)
         if index == with_scars[0][0]:
             axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)))
         axes.plot(x, worn, **variant_style(index))
-        axes.set_title(f"fixed wire, {cycle_name(scar.cycle)} cycles")
+        axes.set_title(f"{called(scar.body)}, {cycle_name(scar.cycle)} cycles")
     axes.set_xlabel("position along the motion x [µm]")
     axes.set_ylabel("height z [µm]")
 
@@ -117,7 +118,7 @@ def animation(result: RunResult, path: Path) -> Path:
 
 def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     """Loop and scar of one cycle; axes and colours are those of all cycles."""
-    scars = [result.scar(one, "fixed") for one in cycles]
+    scars = [result.scar(one, result.bodies[1]) for one in cycles]
     half_x, half_y = (1.25 * half for half in worn_half_extent(scars))
     norm = Normalize(0.0, max(scar.max_depth_um for scar in scars) or 1.0)
     figure = new_figure(HEIGHT_in)
@@ -131,9 +132,9 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     left.set_xlabel("displacement δ [µm]")
     left.set_ylabel("tangential force Q [N]")
     left.set_title(f"{result.label}: cycle {cycle_name(cycle)}")
-    scar = result.scar(cycle, "fixed")
+    scar = result.scar(cycle, result.bodies[1])
     draw_map(right, scar, half_x, half_y, norm)
-    right.set_title(f"fixed wire, deepest {scar.max_depth_um:.3g} µm")
+    right.set_title(f"{called(scar.body)}, deepest {scar.max_depth_um:.3g} µm")
     right.set_xlabel("x [µm]")
     right.set_ylabel("y [µm]")
     sliding_arrow(right)
@@ -154,14 +155,14 @@ def show(
 
     They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
     run that is still going has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, loop and scar of
-    each run are drawn as a GIF, too. `drawn` says what there is to draw of results, without it of crossed wires alone.
+    each run are drawn as a GIF, too. `drawn` says what there is to draw of results, without it of contacts at a point.
 
     Raises:
         ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
     """
     results = read_results(result_path)
     if drawn is None or moving:
-        results = tuple(result.of_kind("crossed-wires") for result in results)
+        results = tuple(result.with_maps() for result in results)
     base = result_path if result_path.is_dir() else result_path.parent
     folder = base / FOLDER_NAME if output_dir is None else output_dir
     pictures = (drawn or drawings)(results)
@@ -208,7 +209,7 @@ def section_cycles(results: Sequence[RunResult]) -> tuple[int, ...]:
         return (min(result.scar_cycles()[-1] for result in results),)
 
     def depth_um(cycle: int) -> float:
-        return min(result.scar(cycle, "fixed").max_depth_um for result in results)
+        return min(result.scar(cycle, result.bodies[1]).max_depth_um for result in results)
 
     seen = next(cycle for cycle in shared if depth_um(cycle) >= WELL_SEEN * depth_um(shared[-1]))
     return tuple(sorted({seen, shared[-1]}))

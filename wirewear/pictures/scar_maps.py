@@ -21,8 +21,7 @@ from wirewear.pictures.style import (
     sliding_arrow,
 )
 from wirewear.results import RunResult, Scar
-
-WIRES = ("moving", "fixed")
+from wirewear.results.scar import called
 
 #: Pixels along the longer side of a map.
 RESOLUTION = 420
@@ -37,7 +36,7 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            axes.set_title(f"{result.label}: {scar.body} wire")
+            axes.set_title(f"{result.label}: {called(scar.body)}")
             note = f"{cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
             sliding_arrow(axes)
@@ -47,29 +46,29 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
 
 
 def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
-    """Depth of both scars of one run at several cycles, one row for each wire; colours follow the root of the depth."""
-    rows = [[result.scar(cycle, wire) for cycle in cycles] for wire in WIRES]
+    """Depth of both scars of one run at several cycles, one row for each body; colours follow the root of the depth."""
+    rows = [[result.scar(cycle, body) for cycle in cycles] for body in result.bodies]
     worst = deepest(rows)
     figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), root_ticks(worst))
     for axes, scar in zip(grid[0], rows[0], strict=True):
         axes.set_title(f"cycle {cycle_name(scar.cycle)}")
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
-    for axes, wire in zip(grid[:, 0], WIRES, strict=True):
-        axes.set_ylabel(f"{wire} wire\ny [µm]")
+    for axes, body in zip(grid[:, 0], result.bodies, strict=True):
+        axes.set_ylabel(f"{called(body)}\ny [µm]")
     scale_bar(grid[0, 0], round_below(0.5 * grid[0, 0].get_xlim()[1]))
     figure.suptitle(result.label, x=0.01, ha="left", fontweight="bold", fontsize=9)
     return figure
 
 
 def last_scars(result: RunResult) -> list[Scar]:
-    """The moving and the fixed wire's scar at the last cycle that has both.
+    """The driven and the held body's scar at the last cycle that has both.
 
     Raises:
         ResultError: the run has logged no scars.
     """
     last = max(result.scar_cycles(), default=1)
-    return [result.scar(last, wire) for wire in WIRES]
+    return [result.scar(last, body) for body in result.bodies]
 
 
 def deepest(rows: Sequence[Sequence[Scar]]) -> float:
@@ -110,7 +109,7 @@ def _grid_of_maps(
 
 
 def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
-    """Depth of one scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the wire's axis."""
+    """Depth of one scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the axis of a body that has one."""
     step = 2.0 * max(half_x, half_y) / RESOLUTION
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
     extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
@@ -121,6 +120,8 @@ def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normali
     axes.set_xlim(-half_x, half_x)
     axes.set_ylim(-half_y, half_y)
     axes.set_aspect("equal")
+    if scar.diameter_mm == scar.diameter_along_mm:
+        return
     angle = np.radians(scar.axis_angle_deg)
     # Dash-dotted, as engineers draw the axis of a cylinder.
     axes.axline((0.0, 0.0), (np.cos(angle), np.sin(angle)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))

@@ -17,6 +17,7 @@ from wirewear.pictures.smooth import smooth_scar, worn_half_extent
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
+from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import pyvista
@@ -66,11 +67,12 @@ VIEW = View.from_angles(azimuth_deg=-62.0, elevation_deg=38.0)
 
 
 def scars_in_3d(results: Sequence[RunResult]) -> Figure:
-    """Both wires at each run's last logged cycle, crowns up: one row for each run, one view and scale for all."""
+    """Both bodies at each run's last logged cycle, crowns up: one row for each run, one view and scale for all."""
     rows = [last_scars(result) for result in results]
     scars = [scar for row in rows for scar in row]
     half_length = 1.3 * max(worn_half_extent(scars))
-    half_strip = max(LEAST_STRIP * max(scar.radius_um for scar in scars), 0.8 * half_length)
+    radii = [scar.radius_um for scar in scars if np.isfinite(scar.radius_um) and np.isinf(scar.diameter_along_mm)]
+    half_strip = max(LEAST_STRIP * max(radii, default=0.0), 0.8 * half_length)
     norm = Normalize(0.0, deepest(rows))
     pictures = [[_render(scar, half_length, half_strip, norm.vmax or 1.0) for scar in row] for row in rows]
     left, right, bottom, top = (
@@ -87,7 +89,7 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
             axes.set_axis_off()
             axes.set_xlim(left, right)
             axes.set_ylim(bottom, top)
-            axes.set_title(f"{result.label}: {scar.body} wire, {cycle_name(scar.cycle)} cycles")
+            axes.set_title(f"{result.label}: {called(scar.body)}, {cycle_name(scar.cycle)} cycles")
             _draw_rulers(axes, round_below(0.5 * half_length))
     panel_letters(list(grid.flat))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=grid, label="worn depth [µm]", shrink=0.7, pad=0.01)
@@ -95,18 +97,19 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
 
 
 def worn_surface(scar: Scar, half_length_um: float, half_strip_um: float) -> "pyvista.StructuredGrid":
-    """The worn wire near its crown, in the sliding frame [µm], with the point data `depth_um`.
+    """The worn body near its crown, in the sliding frame [µm], with the point data `depth_um`.
 
-    z = sqrt(R² − t²) − R − depth over |axial| ≤ half_length_um and |t| ≤ half_strip_um (cut to 0.98 R).
+    Over |axial| ≤ half_length_um and |transverse| ≤ half_strip_um, cut short of its flanks.
     """
     import pyvista
 
-    half_strip = min(half_strip_um, 0.98 * scar.radius_um)
-    axial = np.linspace(-half_length_um, half_length_um, RESOLUTION)[:, None]
+    reach = (half_length_um, half_strip_um)
+    half_length, half_strip = (min(one, flank) for one, flank in zip(reach, scar.flanks_um, strict=True))
+    axial = np.linspace(-half_length, half_length, RESOLUTION)[:, None]
     transverse = np.linspace(-half_strip, half_strip, RESOLUTION)[None, :]
     x, y = scar.sliding_coordinates(axial, transverse)
     depth = smooth_scar(scar).depth_at(x, y)
-    z = scar.unworn_height_um(transverse) - depth
+    z = scar.unworn_height_um(axial, transverse) - depth
     surface = pyvista.StructuredGrid(x, y, z)
     surface["depth_um"] = depth.ravel(order="F")
     return surface

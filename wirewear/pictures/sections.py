@@ -11,22 +11,22 @@ from wirewear.pictures.smooth import smooth_scar
 from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below, variant_style
 from wirewear.results import RunResult, Scar
 from wirewear.results.checks import FloatArray
-
-WIRES = ("moving", "fixed")
+from wirewear.results.scar import called
 
 #: Height over width that a panel should not exceed.
 TALLEST_PANEL = 0.75
 
 
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
-    """Unworn and worn profile on y = 0: one row for each cycle, one column for each wire, the runs overlaid.
+    """Unworn and worn profile on y = 0: one row for each cycle, one column for each body, the runs overlaid.
 
     All panels have the same scale; the heights are exaggerated by a round factor, stated in the picture.
 
     Raises:
         ResultError: a run has logged no scar near one of the cycles.
     """
-    shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in WIRES}
+    bodies = results[0].bodies
+    shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in bodies}
     half_width = 1.3 * max(_half_extent(scar) for scars in shown.values() for scar in scars)
     x = np.linspace(-half_width, half_width, 801)
     # The flanks beside the scars are of no interest: the panels end a little below the lowest worn point.
@@ -35,12 +35,12 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     exaggeration = round_below(max(TALLEST_PANEL * 2.0 * half_width / (top - bottom), 1.0))
     panel_height_in = 0.42 * WIDTH_in * exaggeration * (top - bottom) / (2.0 * half_width)
     figure = new_figure(len(cycles) * (panel_height_in + 0.3) + 0.7)
-    grid = figure.subplots(len(cycles), len(WIRES), sharex=True, sharey=True, squeeze=False)
+    grid = figure.subplots(len(cycles), len(bodies), sharex=True, sharey=True, squeeze=False)
     for row, cycle in zip(grid, cycles, strict=True):
-        for axes, wire in zip(row, WIRES, strict=True):
-            scars = shown[cycle, wire]
+        for axes, body in zip(row, bodies, strict=True):
+            scars = shown[cycle, body]
             _draw_section(axes, results, scars, x)
-            axes.set_title(f"{wire} wire, {cycle_name(scars[0].cycle)} cycles")
+            axes.set_title(f"{called(body)}, {cycle_name(scars[0].cycle)} cycles")
             axes.set_aspect(exaggeration)
             axes.set_xlim(-half_width, half_width)
             axes.set_ylim(bottom, top)
@@ -67,8 +67,7 @@ def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar
 
 def profile(scar: Scar, x: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Heights [µm] of the unworn and the worn surface at (x, 0), above the crown."""
-    _, transverse = scar.wire_coordinates(x, 0.0)
-    unworn = scar.unworn_height_um(transverse)
+    unworn = scar.unworn_height_um(*scar.wire_coordinates(x, 0.0))
     return unworn, unworn - scar.sampled(x, np.zeros(1))[:, 0]
 
 

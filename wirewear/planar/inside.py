@@ -69,7 +69,8 @@ def planar_states(
     found = _meshed(_tables(result), result.fidelity, body, depth)
     nodes = found.patch.nodes.ravel()[forces.nodes]
     displacements = found.interior.displacements(nodes, forces.force_N[chosen])
-    return tuple(InnerState(found, forces, k, moved) for k, moved in zip(chosen, displacements, strict=True))
+    upper = result.is_upper(body)
+    return tuple(InnerState(found, forces, k, moved, upper) for k, moved in zip(chosen, displacements, strict=True))
 
 
 def run_geometry(result: RunResult, body: str) -> PlanarGeometry:

@@ -9,11 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import Elastic, GradedAxis, Layering, WireGeometry
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
 from wirewear.results.positions import POSITIONS
-from wirewear.results.scar import BODIES, WIRES, require_body
 
 IntArray = NDArray[np.int64]
 
@@ -28,10 +27,10 @@ class ContactForces:
     driven body's displacement, `holder_x_um` and `holder_z_um` those of the other's holder, and
     `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
     flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
-    out of its surface. `geometry` and `material` make a wire's mesh anew; a line contact's follows from its study.
+    out of its surface. `geometry` and `material` make a body's mesh anew; a line contact's follows from its study.
 
     Raises:
-        ResultError: arrays do not fit together, are not finite, or there is no such body.
+        ResultError: arrays do not fit together, or are not finite.
     """
 
     cycle: int
@@ -44,12 +43,11 @@ class ContactForces:
     nodes: IntArray
     force_N: FloatArray
     axis_angle_deg: float = 0.0
-    geometry: WireGeometry | None = None
+    geometry: BodyGeometry | None = None
     material: Elastic | None = None
 
     def __post_init__(self) -> None:
         where = f"contact forces of cycle {self.cycle}"
-        require_body(self.body, where, BODIES if self.geometry is None else WIRES)
         columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in POSITION_COLUMNS}
         columns["force_N"] = float_array(f"{where}: force_N", self.force_N, 3)
         for name, values in columns.items():
@@ -60,8 +58,8 @@ class ContactForces:
             raise ResultError(f"{where}: force_N must have shape {wanted}, not {self.force_N.shape}")
 
     @property
-    def meshed(self) -> tuple[WireGeometry, Elastic]:
-        """What a wire's mesh is made of; ResultError of a line contact."""
+    def meshed(self) -> tuple[BodyGeometry, Elastic]:
+        """What the body's mesh is made of; ResultError of a line contact."""
         if self.geometry is None or self.material is None:
             raise ResultError(f"contact forces of the {self.body} of a line contact say nothing of its mesh")
         return self.geometry, self.material
@@ -79,17 +77,18 @@ class ContactForces:
         return position_of(at, self.phase, self.cycle)
 
 
-def wire_geometry_of(table: Mapping[str, Any]) -> WireGeometry:
-    """A wire's geometry from the nested mapping that dataclasses.asdict makes of it.
+def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
+    """A body's geometry from the nested mapping that dataclasses.asdict makes of it.
 
     Raises:
         ResultError: it is none of this version.
     """
     try:
         axes = {name: GradedAxis(**table[name]) for name in ("axial", "transverse")}
-        return WireGeometry(**{**table, **axes, "layering": Layering(**table["layering"])})
+        shape = WireGeometry if "diameter_mm" in table else BlockGeometry
+        return shape(**{**table, **axes, "layering": Layering(**table["layering"])})
     except (KeyError, TypeError) as problem:
-        raise ResultError(f"a wire's geometry of another version of wirewear: {problem}") from problem
+        raise ResultError(f"a body's geometry of another version of wirewear: {problem}") from problem
 
 
 def named_positions(phase: FloatArray) -> dict[str, int]:

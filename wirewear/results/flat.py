@@ -12,7 +12,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, write_csv, writing
 from wirewear.results.checks import FloatArray
 from wirewear.results.per_mm import per_mm
-from wirewear.results.scar import FIELD_COLUMNS
+from wirewear.results.scar import FIELD_COLUMNS, WIRES
 from wirewear.results.values import LOOP_COLUMNS, RunResult
 
 if TYPE_CHECKING:
@@ -40,10 +40,10 @@ def scars_table(result: RunResult) -> pl.DataFrame:
     import polars as pl
 
     places = [scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :]) for scar in result.scars]
-    wires = [np.full(scar.depth_um.size, scar.body) for scar in result.scars]
+    bodies = [np.full(scar.depth_um.size, scar.body) for scar in result.scars]
     columns = {
         "cycle": _joined([np.full(scar.depth_um.size, scar.cycle) for scar in result.scars], np.int64),
-        "wire": np.concatenate(wires) if wires else np.empty(0, dtype=str),
+        "wire" if result.bodies == WIRES else "body": np.concatenate(bodies) if bodies else np.empty(0, dtype=str),
         "x_um": _joined([np.broadcast_to(x, s.depth_um.shape) for s, (x, _) in zip(result.scars, places, strict=True)]),
         "y_um": _joined([np.broadcast_to(y, s.depth_um.shape) for s, (_, y) in zip(result.scars, places, strict=True)]),
     }
@@ -54,15 +54,8 @@ def profiles_table(result: RunResult) -> pl.DataFrame:
     """One row for each point of each recorded profile of a line contact."""
     import polars as pl
 
-    renamed = scars_table(result).rename({"wire": "body", "slip_distance_um": "slip_amplitude_um"})
+    renamed = scars_table(result).rename({"slip_distance_um": "slip_amplitude_um"})
     return renamed.drop("y_um").with_columns(pl.col("slip_amplitude_um") / 4.0)
-
-
-#: Tables of worn surfaces by their file's name, and columns as users find them, by the kind of contact.
-_WORN: dict[str, dict[str, Callable[[RunResult], pl.DataFrame]]] = {
-    "crossed-wires": {"scars": scars_table},
-    "line-contact": {"profiles": profiles_table},
-}
 
 
 def named_for_users(result: RunResult, columns: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
@@ -72,7 +65,9 @@ def named_for_users(result: RunResult, columns: Mapping[str, FloatArray]) -> Map
 
 def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame]]:
     """The tables of a result by their file's name."""
-    return {"evolution": evolution_table, "loops": loops_table, **_WORN[result.contact_kind]}
+    worn: dict[str, Callable[[RunResult], pl.DataFrame]]
+    worn = {"profiles": profiles_table} if result.length_mm else {"scars": scars_table}
+    return {"evolution": evolution_table, "loops": loops_table, **worn}
 
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:

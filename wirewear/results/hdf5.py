@@ -9,12 +9,12 @@ Layout (format 3; format 1 has no checksum behind it); every name carries its un
                                  relative_displacement_um, tangential_force_N, normal_force_N, friction_work_mJ,
                                  tilt_deg
     /evolution                   data sets (n,): those of EVOLUTION_COLUMNS, and any other column
-    /scars/NNNN                  one logged scar, attributes: cycle, body, diameter_mm, axis_angle_deg, and
-                                 length_mm of a line contact; data sets
+    /scars/NNNN                  one logged scar, attributes: cycle, body, diameter_mm, axis_angle_deg,
+                                 length_mm of a line contact, diameter_along_mm where curved along; data sets
                                  axial_um (n_a,), transverse_um (n_t,), depth_um, energy_density_mJ_per_mm2,
                                  pressure_MPa, slip_distance_um (n_a, n_t)
     /contact_forces/NNNN         forces on a body in a logged cycle, attributes: cycle, body, axis_angle_deg,
-                                 of wires geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
+                                 of maps geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
                                  drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
                                  force_N (k, m, 3), compressed once a run has ended; the group is missing in older files
 
@@ -40,7 +40,7 @@ from wirewear.base.hdf5 import hdf5_image, opened_hdf5
 from wirewear.base.recognised import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import earlier_lines
-from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, wire_geometry_of
+from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 
@@ -55,6 +55,8 @@ HEADER = (*TEXTS, "contact_kind", "bodies", "length_mm")
 TABLES = ("study", "settings", "quality", "versions", "timings_s")
 FORCES_ATTRIBUTES = ("cycle", "body", "axis_angle_deg")
 SCAR_ATTRIBUTES = ("cycle", "body", "diameter_mm", "axis_angle_deg")
+#: Attributes of few scars, and what they are of the others.
+_SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 
 
 def write_result(path: str | Path, result: RunResult) -> None:
@@ -119,8 +121,10 @@ def _fill(file: h5py.File, result: RunResult) -> None:
     _write_arrays(file.create_group("evolution", track_order=True), result.evolution)
     for index, scar in enumerate(result.scars):
         group = scars.create_group(f"{index:04d}")
-        for name in (*SCAR_ATTRIBUTES, "length_mm"):
-            if (value := getattr(scar, name)) is not None:
+        for name in SCAR_ATTRIBUTES:
+            group.attrs[name] = getattr(scar, name)
+        for name, usual in _SELDOM.items():
+            if (value := getattr(scar, name)) != usual:
                 group.attrs[name] = value
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
@@ -135,7 +139,7 @@ def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping
     for name in FORCES_ATTRIBUTES:
         group.attrs[name] = getattr(forces, name)
     if forces.geometry is not None and forces.material is not None:
-        group.attrs["geometry"] = json.dumps(asdict(forces.geometry))
+        group.attrs["geometry"] = json.dumps(forces.geometry.as_table())
         group.attrs.update(asdict(forces.material))
     _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
     group.create_dataset("force_N", data=forces.force_N, track_times=False, **compression)
@@ -146,7 +150,7 @@ def _forces(group: h5py.Group) -> ContactForces:
     made_of: dict[str, Any] = {}
     if "geometry" in attributes:
         made_of = {
-            "geometry": wire_geometry_of(json.loads(attributes["geometry"])),
+            "geometry": geometry_of(json.loads(attributes["geometry"])),
             "material": Elastic(float(attributes["youngs_modulus_MPa"]), float(attributes["poissons_ratio"])),
         }
     return ContactForces(
@@ -201,15 +205,18 @@ def _body(attributes: Mapping[str, Any]) -> str:
 
 def _scar(group: h5py.Group) -> Scar:
     attributes = group.attrs
+    seldom: dict[str, Any] = {name: float(attributes[name]) for name in _SELDOM if name in attributes}
+    fields: dict[str, Any] = {name: group[name][()] for name in GRID_COLUMNS}
+    # Files of older versions lack a field; it is then unknown, which is shown as nothing.
+    missing = np.zeros(group["depth_um"].shape)
+    fields |= {name: group[name][()] if name in group else missing for name in FIELD_COLUMNS}
     return Scar(
         cycle=int(attributes["cycle"]),
         body=_body(attributes),
-        length_mm=float(attributes["length_mm"]) if "length_mm" in attributes else None,
         diameter_mm=float(attributes["diameter_mm"]),
         axis_angle_deg=float(attributes["axis_angle_deg"]),
-        **{name: group[name][()] for name in GRID_COLUMNS},
-        # Files of older versions lack a field; it is then unknown, which is shown as nothing.
-        **{name: group[name][()] if name in group else np.zeros(group["depth_um"].shape) for name in FIELD_COLUMNS},
+        **seldom,
+        **fields,
     )
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import unit_of, words_of
 from wirewear.base.writing import write_bytes, writing
-from wirewear.results.scar import FIELD_COLUMNS, Scar
+from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult
 
 if TYPE_CHECKING:
@@ -98,7 +98,11 @@ def _scar(scar: Scar) -> Any:
         name: (grid, np.array(np.broadcast_to(values, scar.depth_um.shape)), _attributes(name))
         for name, values in (("x_um", x), ("y_um", y))
     }
-    attributes = {"wire": scar.body, "cycle": scar.cycle, "diameter_mm": scar.diameter_mm}
+    attributes = {
+        "wire" if scar.body in WIRES else "body": scar.body,
+        "cycle": scar.cycle,
+        "diameter_mm": scar.diameter_mm,
+    }
     return _xarray().Dataset(fields, coords=coordinates | places, attrs=attributes)
 
 

@@ -1,18 +1,20 @@
-"""The worn surface of one body: of a wire, or of a line contact's pad or specimen, which is the same all along it."""
+"""The worn surface of one body: a map, or of a line contact a profile, which is the same all along it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from geometry import Barrel
 from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
 
 WIRES = ("moving", "fixed")
 #: Bodies of a line contact.
 BODIES = ("pad", "specimen")
-#: Of either kind the body that stands above and is held.
-UPPER = ("fixed", "pad")
+#: What bodies are called in sentences whose names say only how they stand.
+_CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
@@ -34,7 +36,7 @@ def worn_volume_mm3(x_um: FloatArray, y_um: FloatArray, depth_um: FloatArray) ->
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
 
 
-def require_body(body: str, where: str, bodies: tuple[str, ...] = WIRES) -> None:
+def require_body(body: str, where: str, bodies: Sequence[str]) -> None:
     """ResultError of `where` unless there is such a body."""
     if body not in bodies:
         what = "wire" if bodies == WIRES else "body"
@@ -43,7 +45,7 @@ def require_body(body: str, where: str, bodies: tuple[str, ...] = WIRES) -> None
 
 def called(body: str) -> str:
     """What a body is called in sentences and headings."""
-    return f"{body} wire" if body in WIRES else body
+    return _CALLED.get(body, body)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +59,8 @@ class Scar:
     pressure during that cycle.
 
     A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; a wire has no
-    such length. Of a body that is no round bar the diameter is infinite.
+    such length. The unworn surface is round across with `diameter_mm` and along with `diameter_along_mm`, infinite
+    where it is straight, as a line contact's are said to be.
 
     Raises:
         ResultError: shapes do not match, the grid does not increase, values are not finite, or a depth is negative.
@@ -74,9 +77,9 @@ class Scar:
     pressure_MPa: FloatArray
     slip_distance_um: FloatArray
     length_mm: float | None = None
+    diameter_along_mm: float = float("inf")
 
     def __post_init__(self) -> None:
-        require_body(self.body, f"scar of cycle {self.cycle}", BODIES if self.length_mm else WIRES)
         where = f"scar of the {called(self.body)} at cycle {self.cycle}"
         if not self.diameter_mm > 0.0:
             raise ResultError(f"{where}: diameter_mm must be positive, not {self.diameter_mm:g}")
@@ -99,8 +102,15 @@ class Scar:
 
     @property
     def radius_um(self) -> float:
-        """Radius of the unworn wire [µm]."""
+        """Radius of the unworn surface across [µm]."""
         return 500.0 * self.diameter_mm
+
+    @property
+    def flanks_um(self) -> tuple[float, float]:
+        """How far the unworn surface is shown along and across, short of its flanks [µm]; infinite where straight."""
+        radii = (500.0 * self.diameter_along_mm, self.radius_um)
+        share = 0.94 if max(radii) == float("inf") else 0.68
+        return share * radii[0], share * radii[1]
 
     @property
     def max_depth_um(self) -> float:
@@ -176,11 +186,11 @@ class Scar:
         x = x[self._covers(*self.wire_coordinates(x, 0.0))]
         return x, self.depth_at(x, 0.0)
 
-    def unworn_height_um(self, transverse_um: ArrayLike) -> FloatArray:
-        """Height [µm] of the unworn wire's surface above the crown's tangent plane: sqrt(R² − t²) − R, with |t| ≤ R."""
-        transverse = np.asarray(transverse_um, dtype=np.float64)
-        height: FloatArray = np.sqrt(np.maximum(self.radius_um**2 - transverse**2, 0.0)) - self.radius_um
-        return height
+    def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> FloatArray:
+        """Height [µm] of the unworn surface above its tangent plane at the origin; shapes broadcast."""
+        along, across = np.broadcast_arrays(np.asarray(axial_um, float), np.asarray(transverse_um, float))
+        barrel = Barrel(2e-3 / self.diameter_along_mm, 2e-3 / self.diameter_mm)
+        return barrel.height(np.column_stack([along.ravel(), across.ravel()])).reshape(along.shape)
 
     def _covers(self, axial: FloatArray, transverse: FloatArray) -> NDArray[np.bool_]:
         return _within(axial, self.axial_um) & _within(transverse, self.transverse_um)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Self, TypeVar
+from typing import Any, NoReturn, Self, TypeVar
 
 import numpy as np
 
@@ -195,15 +195,15 @@ class Evolution(Mapping[str, FloatArray]):
 class RunResult:
     """All that one run (one variant of a study) leaves.
 
-    `bodies` are the driven one and the other. A line contact's result is of `length_mm` of it, of one millimetre where
-    its study states no length; wires have no such length. `study` is the resolved study, `settings` what the
-    discretisation came to (mesh sizes, numbers of unknowns), `quality` the worst residuals met, `versions` those of the
-    programs used, `timings_s` wall times. `path` is the file that it was read from; it is not written.
-    `contact_forces` are missing in files of earlier versions. `label` names the run in pictures: its variant, or else
-    its name.
+    `bodies` are the driven one, which lies below, and the one that is held above it. A line contact's result is of
+    `length_mm` of it, of one millimetre where its study states no length; other contacts have no such length. `study`
+    is the resolved study, `settings` what the discretisation came to (mesh sizes, numbers of unknowns), `quality` the
+    worst residuals met, `versions` those of the programs used, `timings_s` wall times. `path` is the file that it was
+    read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names the run in
+    pictures: its variant, or else its name.
 
     Raises:
-        ResultError: the status is none of complete, running, failed.
+        ResultError: the status is none of complete, running, failed, or a scar or force is of another body.
     """
 
     name: str
@@ -237,6 +237,8 @@ class RunResult:
         if missing := [name for name in columns if name not in self.evolution and self.evolution["cycle"].size]:
             raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
         object.__setattr__(self, "label", self.variant or self.name)
+        for body in {*(scar.body for scar in self.scars), *(forces.body for forces in self.contact_forces)}:
+            require_body(body, self.label, self.bodies)
 
     @property
     def full_name(self) -> str:
@@ -245,12 +247,19 @@ class RunResult:
 
     def of_kind(self, contact_kind: str) -> Self:
         """The result itself; ResultError unless it is of that kind of contact."""
-        if self.contact_kind != contact_kind:
-            raise ResultError(
-                f"{self.path or self.full_name} is a result of a {self.contact_kind.replace('-', ' ')}, where one of "
-                f"{contact_kind.replace('-', ' ')} is needed."
-            )
-        return self
+        return self if self.contact_kind == contact_kind else self._refused(contact_kind.replace("-", " "))
+
+    def with_maps(self) -> Self:
+        """The result itself; ResultError of a line contact, whose scars are no maps but profiles."""
+        return self if not self.length_mm else self._refused("a contact at a point, such as crossed wires,")
+
+    def _refused(self, needed: str) -> NoReturn:
+        own = self.contact_kind.replace("-", " ")
+        raise ResultError(f"{self.path or self.full_name} is a result of a {own}, where one of {needed} is needed.")
+
+    def is_upper(self, body: str) -> bool:
+        """Whether it is the body that stands above and is held."""
+        return body == self.bodies[1]
 
     def of_length(self, length_mm: float) -> RunResult:
         """The result of so much of a line contact, whose conditions are stated per mm."""

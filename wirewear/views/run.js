@@ -22,30 +22,21 @@ function unpacked(scar, k) {
   return scar.fields[k];
 }
 
-/* Heights of the unworn wire, null beyond its flanks. */
-function unworn(scar) {
-  const angle = scar.axis_angle_deg * Math.PI / 180, R = scar.radius_um;
-  return scar.lines.map(x => scar.lines.map(y => {
-    const across = y * Math.cos(angle) - x * Math.sin(angle);
-    return Math.abs(across) < .98 * R ? Math.sqrt(R * R - across * across) - R : null;
-  }));
-}
-
 const surface = scarRuns.length ? new Surface(by("scar"), data.shades) : null;
-const choices = scarRuns.flatMap((r, i) => ["fixed", "moving"].map(w => [i, w]));
-for (const [i, wire] of choices) by("which").add(new Option(`${scarRuns.length > 1 ? scarRuns[i].label + ", " : ""}${wire} wire`, `${i} ${wire}`));
+const choices = scarRuns.flatMap((r, i) => Object.keys(r.scars).map(b => [i, b]));
+for (const [i, body] of choices) by("which").add(new Option(`${scarRuns.length > 1 ? scarRuns[i].label + ", " : ""}${scarRuns[i].scars[body].called}`, `${i} ${body}`));
 function showScar(cycle) {
   if (!surface) { by("scar-card").hidden = by("section-card").hidden = true; return; }
-  const [i, wire] = by("which").value.split(" "), scar = scarRuns[i].scars[wire], k = near(scar.cycles, cycle), depth = unpacked(scar, k);
+  const [i, body] = by("which").value.split(" "), scar = scarRuns[i].scars[body], k = near(scar.cycles, cycle), depth = unpacked(scar, k);
   const steep = by("steep").checked ? 4 : 1;
-  const z = unworn(scar).map((row, a) => row.map((h, b) => h === null ? null : h / steep - depth[a][b]));
+  const z = scar.unworn.map((row, a) => row.map((h, b) => h === null ? null : h / steep - depth[a][b]));
   surface.show({x: scar.lines, y: scar.lines, z, depth, deepest: scar.deepest, exaggeration: steep});
   by("scale").textContent = `Cycle ${figure(scar.cycles[k])}: ${figure(Math.max(...depth.map(r => Math.max(...r))), 3)} µm deep; dark is ${figure(scar.deepest, 3)} µm.`;
-  const wires = scarRuns.map(r => [r, r.scars[wire]]), own = wires[0][1].section, heights = wires.flatMap(([, s]) => s.section.unworn.map((h, a) => h - s.section.depths[s.cycles.length - 1][a]));
-  const low = 1.5 * Math.min(...wires.map(([, s]) => -s.deepest + Math.min(0, ...s.section.unworn.filter((h, a) => s.section.depths[s.cycles.length - 1][a] > 0))), -1e-3);
-  chart(by("section"), {x: {label: "position along the motion x [µm]"}, y: {label: `height z, ${wire} wire [µm]`, min: Math.max(low, Math.min(...heights)), max: -0.12 * low}, series: [
+  const shown = scarRuns.map(r => [r, r.scars[body]]), own = shown[0][1].section, heights = shown.flatMap(([, s]) => s.section.unworn.map((h, a) => h - s.section.depths[s.cycles.length - 1][a]));
+  const low = 1.5 * Math.min(...shown.map(([, s]) => -s.deepest + Math.min(0, ...s.section.unworn.filter((h, a) => s.section.depths[s.cycles.length - 1][a] > 0))), -1e-3);
+  chart(by("section"), {x: {label: "position along the motion x [µm]"}, y: {label: `height z, ${scar.called} [µm]`, min: Math.max(low, Math.min(...heights)), max: -0.12 * low}, series: [
     {x: own.x, y: own.unworn, color: "#8a8a8a", dash: "4 3", width: 1.2, name: "unworn"},
-    ...wires.map(([r, s]) => line(r, s.section.x, s.section.unworn.map((h, a) => h - s.section.depths[near(s.cycles, cycle)][a]), {kind: "worn"}))]});
+    ...shown.map(([r, s]) => line(r, s.section.x, s.section.unworn.map((h, a) => h - s.section.depths[near(s.cycles, cycle)][a]), {kind: "worn"}))]});
 }
 
 function showAll(cycle) {
@@ -63,12 +54,11 @@ function showCourse() {
     line(r, r.friction.cycle, r.friction.friction_energy, {dash: "", width: 1, hidden: true}),
     line(r, r.friction.cycle, r.friction.friction_geometry_independent, {dash: "5 3", width: 1.4, hidden: true})])});
   chart(by("energy"), column("dissipated_energy_mJ", "energy per cycle [mJ]"));
-  chart(by("depth"), {x: CYCLES, y: {label: "depth [µm]", log: true}, series: runs.flatMap(r => [
-    line(r, r.evolution.cycle, r.evolution.max_depth_fixed_um, {dash: "", name: `${runs.length > 1 ? r.label + ", " : ""}fixed wire`}),
-    line(r, r.evolution.cycle, r.evolution.max_depth_moving_um, {dash: "5 3", name: `${runs.length > 1 ? r.label + ", " : ""}moving wire`})])});
+  chart(by("depth"), {x: CYCLES, y: {label: "depth [µm]", log: true}, series: runs.flatMap(r => r.bodies.map(([body, called], k) =>
+    line(r, r.evolution.cycle, r.evolution[`max_depth_${body}_um`], {dash: ["", "5 3"][k], name: `${runs.length > 1 ? r.label + ", " : ""}${called}`})))});
   chart(by("volume"), {x: {label: "friction energy ΣE [J]", zero: true}, y: {label: "worn volume V [10⁻³ mm³]", zero: true}, series: runs.flatMap(r => {
     const e = r.evolution, end = Math.max(...e.accumulated_energy_J);
-    return [line(r, e.accumulated_energy_J, e.worn_volume_moving_mm3.map((v, k) => 1e3 * (v + e.worn_volume_fixed_mm3[k])), {marks: true, width: 0}),
+    return [line(r, e.accumulated_energy_J, e.cycle.map((_, k) => 1e3 * r.bodies.reduce((sum, [body]) => sum + e[`worn_volume_${body}_mm3`][k], 0)), {marks: true, width: 0}),
       line(r, [0, end], [0, 1e3 * (r.slope_mm3_per_J ?? 0) * end], {hidden: true, width: 1.2, dash: ""})];
   })});
   by("slope").textContent = runs.map(r => `${runs.length > 1 ? r.label + ": s" : "S"}lope ${figure(r.slope_mm3_per_J, 3)} mm³/J`).join("; ") + ", of the line through the origin.";
@@ -92,10 +82,10 @@ offer({
   friction: () => joined(runs, r => r.friction),
   loops: () => joined(runs, r => ({cycle: r.loops.flatMap(l => l.x.map(() => l.cycle)), displacement_um: r.loops.flatMap(l => l.x), tangential_force_N: r.loops.flatMap(l => l.q)})),
   sections: () => joined(runs, r => {
-    const rows = {wire: [], cycle: [], x_um: [], unworn_um: [], depth_um: []};
-    for (const wire of ["fixed", "moving"]) for (const [k, cycle] of (r.scars?.[wire].cycles ?? []).entries()) r.scars[wire].section.x.forEach((x, a) => {
-      rows.wire.push(wire); rows.cycle.push(cycle); rows.x_um.push(x);
-      rows.unworn_um.push(r.scars[wire].section.unworn[a]); rows.depth_um.push(r.scars[wire].section.depths[k][a]);
+    const rows = {body: [], cycle: [], x_um: [], unworn_um: [], depth_um: []};
+    for (const body of Object.keys(r.scars ?? {})) for (const [k, cycle] of r.scars[body].cycles.entries()) r.scars[body].section.x.forEach((x, a) => {
+      rows.body.push(body); rows.cycle.push(cycle); rows.x_um.push(x);
+      rows.unworn_um.push(r.scars[body].section.unworn[a]); rows.depth_um.push(r.scars[body].section.depths[k][a]);
     });
     return rows;
   }),

@@ -14,6 +14,7 @@ from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
+from wirewear.results.scar import called
 from wirewear.views.regression import line_through_origin
 from wirewear.views.response import tension_lines
 from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions
@@ -36,8 +37,6 @@ DIGITS = 5
 
 #: Surfaces are shown to this many times the worn half-length.
 MARGIN = 1.25
-
-WIRES = ("fixed", "moving")
 
 #: The map of the material's response reaches beyond the test's displacement by this factor.
 BEYOND = 4.0
@@ -106,13 +105,14 @@ def _run(result: RunResult, index: int) -> dict[str, Any]:
     common = of_any_kind(result, index)
     common["evolution"]["energy_ratio"] = numbers(ratio)
     return common | {
+        "bodies": [(body, called(body)) for body in result.bodies[::-1]],
         "friction": _friction(result),
         "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], result.worn_volume_mm3)),
         "conditions": None
         if conditions is None
         else {name: numbers(getattr(conditions, name)) for name in ("normal_load_N", "contact_um", "test_um")},
         "tensions": _tensions(result),
-        "scars": {wire: _scars(result, wire) for wire in WIRES} if result.scar_cycles() else None,
+        "scars": {body: _scars(result, body) for body in result.bodies[::-1]} if result.scar_cycles() else None,
     }
 
 
@@ -144,10 +144,10 @@ def _friction(result: RunResult) -> dict[str, list[float | None]]:
     return columns
 
 
-def _scars(result: RunResult, wire: str) -> dict[str, Any]:
-    """The scars of a wire on one grid in the sliding frame, and their sections along the motion."""
+def _scars(result: RunResult, body: str) -> dict[str, Any]:
+    """The scars of a body on one grid in the sliding frame, and their sections along the motion."""
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
-    scars = [result.scar(cycle, wire) for cycle in cycles]
+    scars = [result.scar(cycle, body) for cycle in cycles]
     half_x, half_y = (MARGIN * half for half in worn_half_extent(scars))
     reach = max(half_x, half_y)
     lines = np.linspace(-reach, reach, LINES)
@@ -160,8 +160,8 @@ def _scars(result: RunResult, wire: str) -> dict[str, Any]:
         "lines": numbers(lines),
         "deepest": number(deepest),
         "depths": [_packed(depth, deepest) for depth in depths],
-        "radius_um": scars[-1].radius_um,
-        "axis_angle_deg": scars[-1].axis_angle_deg,
+        "called": called(body),
+        "unworn": [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])],
         "section": {
             "x": numbers(section),
             "unworn": numbers(_heights(scars[-1], section, np.zeros(1))),
@@ -171,10 +171,10 @@ def _scars(result: RunResult, wire: str) -> dict[str, Any]:
 
 
 def _heights(scar: Scar, x: Array, y: Array) -> Array:
-    """Heights [µm] of the unworn wire, NaN beyond its flanks."""
-    _, transverse = scar.wire_coordinates(x, y)
-    inside = np.abs(transverse) < 0.98 * scar.radius_um
-    return np.where(inside, scar.unworn_height_um(np.where(inside, transverse, 0.0)), np.nan)
+    """Heights [µm] of the unworn surface, NaN beyond its flanks."""
+    places, flanks = scar.wire_coordinates(x, y), scar.flanks_um
+    inside = (np.abs(places[0]) < flanks[0]) & (np.abs(places[1]) < flanks[1])
+    return np.where(inside, scar.unworn_height_um(*places), np.nan)
 
 
 def _packed(depth: Array, deepest: float) -> str:

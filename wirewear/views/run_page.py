@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -138,17 +138,13 @@ def page_of(
     )
 
 
-#: Pages by the kind of contact.
-_PAGES: dict[str, Callable[[Any], str]] = {"crossed-wires": run_page, "line-contact": line_page}
-
-
 def write_page(results: Sequence[RunResult], folder: Path) -> Path:
     """Write the page of runs, all of one study, as report.html into a folder and return its path.
 
     Raises:
         ResultError: no run has measured a cycle yet, or the page cannot be written.
     """
-    text = _PAGES[results[0].contact_kind](results)
+    text = line_page(results) if results[0].length_mm else run_page(results)
     with writing(ResultError, f"cannot write the page to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         return write_text(folder / PAGE_NAME, text)
