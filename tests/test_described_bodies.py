@@ -17,7 +17,7 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, check_record
-from wirewear.records.line_believed import assumed_heights_mm, believed_study, doubts_bodies
+from wirewear.records.believed import believed_study
 from wirewear.results import BODIES, RunResult
 from wirewear.study import load_study
 
@@ -71,23 +71,22 @@ def undescribed(record: LineRecord) -> LineRecord:
 def test_a_pad_of_unknown_height_is_taken_for_a_block_and_not_for_a_column_that_bends(record: LineRecord) -> None:
     def taken(radius_mm: float) -> dict[str, float]:
         pad = record.tables.pad.model_copy(update={"radius_mm": radius_mm, "half_width_mm": None})
-        return assumed_heights_mm(
-            undescribed(replace(record, tables=record.tables.model_copy(update={"pad": pad}))).tables
-        )
+        bare = undescribed(replace(record, tables=record.tables.model_copy(update={"pad": pad})))
+        return bare.tables.assumed_heights_mm
 
     assert taken(40.0) == {"pad": 10.0, "specimen": 10.0}
     assert taken(3.0) == pytest.approx({"pad": 4.8, "specimen": 10.0})
-    assert assumed_heights_mm(record.tables) == {}
+    assert record.tables.assumed_heights_mm == {}
 
 
 def test_the_compliance_of_bodies_is_in_doubt_unless_they_are_described_or_part_of_a_stated_stiffness(
     record: LineRecord,
 ) -> None:
-    assert not doubts_bodies(record.tables)
+    assert not record.tables.doubts_bodies
     bare = undescribed(record)
-    assert doubts_bodies(bare.tables)
-    assert doubts_bodies(stating(bare, stiffness_includes="bodies").tables)
-    assert not doubts_bodies(stating(bare, stiffness_includes="bodies", tangential_stiffness_N_per_mm=1e4).tables)
+    assert bare.tables.doubts_bodies
+    assert stating(bare, stiffness_includes="bodies").tables.doubts_bodies
+    assert not stating(bare, stiffness_includes="bodies", tangential_stiffness_N_per_mm=1e4).tables.doubts_bodies
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.base.course import enclosed_energy
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.loading import spring_of_loads
-from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
+from wirewear.fitting.stiffness import rig_compliance
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord
 from wirewear.records.course_checks import accumulated_energy_J
@@ -22,7 +22,7 @@ from wirewear.records.course_checks import accumulated_energy_J
 @pytest.fixture(autouse=True)
 def _frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wear states of the article's test in place of a finite element run."""
-    monkeypatch.setattr("wirewear.fitting.wires.wear_states", lambda _study, _observer: (frozen_states(), ()))
+    monkeypatch.setattr("wirewear.kinds.CrossedWires.states", lambda *_: (frozen_states(), ()))
 
 
 RIGS: dict[str, dict[str, Mapping[str, float]]] = {
@@ -140,4 +140,5 @@ def test_a_rigs_stiffness_is_that_of_the_loop_less_that_of_the_contact(rig: floa
 
 
 def test_the_contacts_stiffness_is_mindlins() -> None:
-    assert 1e3 * contact_stiffness_N_per_um(record_of("as stated")) == pytest.approx(2709.0, rel=0.005)
+    stiffness = record_of("as stated").tables.contact_stiffness_N_per_um
+    assert stiffness == pytest.approx(2.709, rel=0.005)

@@ -29,7 +29,7 @@ CYCLES = (100, 1000, 10_000)
 
 @pytest.fixture(autouse=True)
 def _closed_form_states(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.fitting.wires.wear_states", lambda _study, _observer: (states(), ()))
+    monkeypatch.setattr("wirewear.kinds.CrossedWires.states", lambda *_: (states(), ()))
 
 
 def changed(one: ExperimentRecord, change: Callable[[MeasuredLoop], MeasuredLoop]) -> ExperimentRecord:

@@ -45,10 +45,10 @@ ROOMS = (
     "diagnosis.model",
     "diagnosis.observe",
     "diagnosis.infer",
+    "kinds",
     "views",
     "fitting",
     "diagnosis",
-    "kinds",
     "",  # what `import wirewear` offers
     "faces",
     "__main__",

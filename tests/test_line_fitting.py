@@ -96,11 +96,10 @@ def record_of_nothing() -> LineRecord:
 
 
 def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:
-    from wirewear.fitting.fit import subject_of
     from wirewear.fitting.wear import fitted_wear
 
     record = record_of_nothing()
-    parameters, found, notes = fitted_wear(subject_of(record))
+    parameters, found, notes = fitted_wear(record)
     loop = record.loops[0]
     x, q = loop.displacement_um, loop.tangential_force_N
     area_mJ = 0.5e-3 * abs(float(np.sum(q * (np.roll(x, -1) - np.roll(x, 1)))))

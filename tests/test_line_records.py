@@ -17,7 +17,7 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
-from wirewear.records.line_believed import believed_study
+from wirewear.records.believed import believed_study
 from wirewear.records.line_comparing import compare_line
 from wirewear.records.remarks import Remark
 from wirewear.results import RunResult, read_result, write_result

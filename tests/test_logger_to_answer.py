@@ -7,7 +7,6 @@ A test's first thousand cycles go the same way with the finite elements themselv
 import dataclasses
 import json
 from collections.abc import Callable
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -35,9 +34,7 @@ def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
         return [found]
 
     nominal = synthetic_results.result("", 167.0)
-    for room in ("diagnosis.beginning", "fitting.wires"):
-        # The package offers a function of the module's name.
-        monkeypatch.setattr(import_module(f"wirewear.{room}"), "nominal_run", lambda *_: nominal)
+    monkeypatch.setattr("wirewear.diagnosis.model.nominal.nominal_run", lambda *_: nominal)
     monkeypatch.setattr(WearStates, "of_run", classmethod(lambda *_: frozen_states()))
     monkeypatch.setattr("wirewear.simulation.run_study", run_study)
 

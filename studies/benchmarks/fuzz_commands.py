@@ -124,6 +124,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
     def known(*_: object, **__: object) -> RunResult:
         return nominal
 
+    stand_ins = {"wirewear.diagnosis.model.nominal:nominal_run": known}
     diagnose = command("diagnose", "{}/record", "--model", "{}/study.toml", "--output", "{}/out", "--jobs", "1")
     score = command("score", "{}/batch", "{}/diagnoses", "--key", "{}/batch.key", "--output", "{}/out", of=exam)
     fit = command("fit", "{}/record", "--check", "none", "--output", "{}/out")
@@ -135,9 +136,8 @@ def _on_records(made: Made) -> dict[str, Reader]:
                          0.5),
         "new --mapping": Reader(loops, tuple(loops), guess, (".",), 0.3),
         "loops": Reader(loops, tuple(loops), command("loops", "{}/l.csv", "--json"), share=0.3),
-        "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins={"wirewear.fitting.wires:nominal_run": known}),
-        "diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAREST,
-                           stand_ins={"wirewear.diagnosis.beginning:nominal_run": known}),
+        "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins=stand_ins),
+        "diagnose": Reader(modelled, (*tables, "study.toml"), diagnose, ("out",), DEAREST, stand_ins=stand_ins),
         "blind score": Reader(batch, (*OF_BATCH, BATCH_LOG, "diagnoses/case_001/diagnosis.json"), score, (".",),
                               DEAREST),
     }  # fmt: skip

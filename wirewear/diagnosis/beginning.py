@@ -7,22 +7,17 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.candidates import nominal_line_setup, nominal_setup
-from wirewear.diagnosis.model.line_nominal import checked_line_model, nominal_line_run, nominal_line_study
-from wirewear.diagnosis.model.line_states import LineStates
-from wirewear.diagnosis.model.nominal import ObserverOf, checked_model, limits_of, nominal_run, nominal_study
+from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.planar.tables import PlanarStudy
-from wirewear.records import AnyRecord, LineRecord
-from wirewear.records.checking import remarks_told
-from wirewear.records.line_believed import doubts_bodies
-from wirewear.study import Study
+from wirewear.kinds import kind_of
+from wirewear.records import AnyRecord
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
-    from wirewear.records import ExperimentRecord, LineRecord, Remark
+    from wirewear.planar.tables import PlanarStudy
+    from wirewear.study import Study
 
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
@@ -49,10 +44,9 @@ class Nominal:
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """A nominal model that is yet to be run: its study, and what the record's check says."""
+    """A nominal model that is yet to be run: its study, and how that is done."""
 
     study: Study | PlanarStudy
-    check: Callable[[], tuple[Remark, ...]]
     run: Callable[[ObserverOf | None], Nominal]
 
 
@@ -67,34 +61,16 @@ def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginn
             f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
             f"kind {record.contact_kind}."
         )
-    return _BEGINNINGS[record.contact_kind](record, model)
-
-
-def _of_wires(record: ExperimentRecord, model: Study | None) -> Beginning:
-    study = nominal_study(record) if model is None else checked_model(record, model)
+    kind, tables = kind_of(record), record.tables
+    study = nominal_study(record) if model is None else kind.checked_model(record, model)
 
     def run(observer_of: ObserverOf | None) -> Nominal:
-        nominal = nominal_run(study, observer_of)
-        setup = nominal_setup(study, record.tables.conditions.drive)
-        return Nominal(WearStates.of_run(nominal), setup, limits_of(nominal))
+        states: Any
+        states, limits = kind.states(study, tables, observer_of)
+        if model is None and tables.doubts_bodies:
+            states = replace(states, described=False)
+            told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance"
+            limits = (f"{told} are in doubt, which height_mm of [pad] and [specimen] would settle.",)
+        return Nominal(states, kind.setup(study, tables), limits)
 
-    return Beginning(study, lambda: remarks_told(record), run)
-
-
-def _of_line(record: LineRecord, model: PlanarStudy | None) -> Beginning:
-    study = nominal_line_study(record) if model is None else checked_line_model(record, model)
-    length = record.tables.contact.length_mm
-
-    def run(observer_of: ObserverOf | None) -> Nominal:
-        states = LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, length)
-        setup = nominal_line_setup(study, length, record.tables.conditions.drive)
-        if model is not None or not doubts_bodies(record.tables):
-            return Nominal(states, setup)
-        states = replace(states, described=False)
-        told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance are"
-        return Nominal(states, setup, (f"{told} in doubt, which height_mm of [pad] and [specimen] would settle.",))
-
-    return Beginning(study, lambda: remarks_told(record), run)
-
-
-_BEGINNINGS: dict[str, Callable[[Any, Any], Beginning]] = {"crossed-wires": _of_wires, "line-contact": _of_line}
+    return Beginning(study, run)

@@ -29,6 +29,7 @@ from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord
+from wirewear.records.checking import remarks_told
 from wirewear.views.diagnosis_notes import (
     of_chance,
     of_hum,
@@ -92,7 +93,7 @@ def diagnose(
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     beginning = beginning_of(record, model)
     with stage("checking the record"):
-        checked = beginning.check()
+        checked = remarks_told(record)
     with stage("reducing the loops"):
         record, notes = mended(record)
         observed = reduce(record)

@@ -127,14 +127,15 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
     Raises:
         StudyError: the study is to be of a kind that is never recorded.
     """
-    from wirewear.kinds import kind_of
+    from wirewear.fitting.fit import tables_of_record
     from wirewear.records import read_record
 
     record = read_record(record_path)
-    own = kind_of(record)
-    if given("kind") and kind != own.name:
-        raise StudyError(f"{record_path} is a record of kind {own.name}, and gives no study of --kind {kind}.")
-    return own.tables_of(record) | {"kind": own.name}
+    if given("kind") and kind != record.contact_kind:
+        raise StudyError(
+            f"{record_path} is a record of kind {record.contact_kind}, and gives no study of --kind {kind}."
+        )
+    return tables_of_record(record)
 
 
 def _new_mapping(

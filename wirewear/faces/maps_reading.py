@@ -13,8 +13,8 @@ import numpy as np
 from wirewear.base.errors import RecordError
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.faces.maps_values import MappedTest, SlidingMap, WornTest, regime_of
-from wirewear.fitting.wires import contact_stiffness_N_per_um, rig_compliance
-from wirewear.kinds import kind_of
+from wirewear.fitting.fit import tables_of_record
+from wirewear.fitting.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
@@ -59,7 +59,7 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
     load = float(np.mean(loads)) if loads else asked.normal_load_N
     contact = None
     with suppress(RecordError):
-        contact = fresh_contact(kind_of(record).tables_of(record))
+        contact = fresh_contact(tables_of_record(record))
     test = MappedTest(
         name=record.name,
         source=record.tables.metadata.source or "record",
@@ -136,11 +136,12 @@ def _behind_measured_rig(
     """The contact behind the rig that the first loops show, 1/K_rig = 1/K_t,m − 1/K_c, if they show one."""
     known = [(cycle, one.measured_stiffness_N_per_um) for cycle, one in loops]
     stiffness = [(cycle, one.value) for cycle, one in known if one is not None]
-    if not stiffness:
+    own = record.tables.contact_stiffness_N_per_um
+    if not stiffness or own is None:
         return contact
     first = min(cycle for cycle, _ in stiffness)
     mean = _mean([value for cycle, value in stiffness if cycle == first])
-    return replace(contact, rig_um_per_N=rig_compliance(mean, contact_stiffness_N_per_um(record)))
+    return replace(contact, rig_um_per_N=rig_compliance(mean, own))
 
 
 def _mean(values: Sequence[float]) -> float:

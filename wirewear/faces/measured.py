@@ -52,9 +52,9 @@ class Record(ExperimentRecord[Any, Any]):
         Raises:
             RecordError: they have nothing in common, or nothing can be concluded from the record.
         """
-        from wirewear.kinds import kind_of
+        from wirewear.views.compared import COMPARISONS
 
-        return kind_of(self).comparison(run, self)
+        return COMPARISONS[self.contact_kind](run, self)
 
     def fit(
         self,

@@ -245,20 +245,20 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.base.locks import occupied
     from wirewear.base.recognised import Held, recognised
     from wirewear.faces.study_script import wide_console
-    from wirewear.kinds import kind_of
     from wirewear.records import read_record
+    from wirewear.views.compared import compared
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
         result_path, record_path = record_path, result_path
     with busy("comparing"):
         record = read_record(record_path)
-        compared = kind_of(record).compared(_run_at(result_path, variant).of_kind(record.contact_kind), record)
+        shown_beside = compared(_run_at(result_path, variant).of_kind(record.contact_kind), record)
         with occupied(output, f"compare {record_path}"):
-            written = compared.write(output)
-    if compared.unlike:
-        click.echo(f"wirewear: {compared.unlike}", err=True)
+            written = shown_beside.write(output)
+    if shown_beside.unlike:
+        click.echo(f"wirewear: {shown_beside.unlike}", err=True)
     console = wide_console(100)
-    for shown in compared.shown:
+    for shown in shown_beside.shown:
         console.print(shown)
     _echo(written)

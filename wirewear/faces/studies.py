@@ -115,6 +115,8 @@ def run(
         observer_of=ProgressBar,
         jobs=jobs or os.cpu_count() or 1,
     )
+    for result in results:
+        kind.write_beside(result)
     if as_json:
         click.echo(runs_json(results))
     else:

@@ -11,10 +11,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.fitting.fit import subject_of
 from wirewear.fitting.loops_of_tests import FITTED, loops_of_tests
 from wirewear.fitting.values import FittedTest
+from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
+from wirewear.records.exporting import true_loop
+from wirewear.results import read_loops
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
@@ -61,7 +63,10 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
 
     tests = loops_of_tests(fitted.record)
     quiet = observer_of or (lambda _: nullcontext(NoObserver()))
-    result, loops = subject_of(fitted.record).run(fitted.study, output, fidelity, quiet)
+    kind, length_mm = kind_of(fitted.record), fitted.record.tables.length_mm
+    (result,) = kind.run(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
+    whole = result if length_mm is None else result.of_length(length_mm)
+    loops = {loop.cycle: true_loop(loop) for loop in read_loops(whole)}
     simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
     for row, cycle in enumerate(tests.cycles):
         if (loop := loops.get(int(cycle))) is None:

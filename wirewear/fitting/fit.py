@@ -10,21 +10,30 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy.stats import t as students_t
 
+from wirewear.base.errors import RecordError
 from wirewear.fitting.fast_fit import FastFit, fast_fit
-from wirewear.fitting.lines import LineTestFit
 from wirewear.fitting.loading import SPRING, with_spring
 from wirewear.fitting.loops_of_tests import FITTED, LoopsOfTests, loops_of_tests
-from wirewear.fitting.subject import ANY_WEAR_mm3_per_J, FitSubject
+from wirewear.fitting.stiffness import ContactStiffness, contact_stiffness, fitted_tables
 from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.fitting.wear import GivenWear, fitted_wear, wear_given
-from wirewear.fitting.wires import WiresTestFit
+from wirewear.fitting.wear import (
+    ANY_WEAR_mm3_per_J,
+    GivenWear,
+    Worn,
+    fitted_wear,
+    parted,
+    stated_wear,
+    total_of,
+    wear_given,
+    where_volumes,
+)
+from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord
+from wirewear.records.believed import believed_tables, stated_friction
 from wirewear.records.checking import remarks_told
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.planar.tables import PlanarStudy
-    from wirewear.study import Study
 
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03
@@ -63,47 +72,57 @@ def fit_record(
             loops nor evolution tell the energy.
         StudyError, SolverError: a nominal run of the fast model fails.
     """
-    subject = subject_of(record)
+    kind, tables = kind_of(record), record.tables
     with stage("checking the record"):
         told = tuple(remark.text for remark in remarks_told(record))
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
-        worn, found, notes = fitted_wear(subject)
+        worn, found, notes = fitted_wear(record)
         if given is not None:
-            worn, notes = wear_given(given, subject, worn, found)
+            worn, notes = wear_given(given, tables, worn, found)
     with stage("the contact on a rigid rig"):
-        contact = subject.contact_stiffness_N_per_um(_friction_of(tests))
-        found |= _stiffnesses(subject, contact, tests)
-    rough = _rough_study(subject, contact, tests, worn)
-    states, limits = subject.states(rough, observer_of)
+        some_wear = {} if stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
+        contact = contact_stiffness(record, _friction_of(tests), some_wear)
+        found |= _stiffnesses(contact, tests, kind.rigid_N_per_mm)
+    rough = _rough_study(record, contact, tests, worn)
+    states, limits = kind.states(rough, tables, observer_of)
+    setup = kind.setup(rough, tables)
     with stage("fitting all cycles"):
-        states, spring = with_spring(states, subject.setup(rough), record, tests)
-        fitted = fast_fit(states, subject.setup(rough), tests)
-    parameters = _of_fit(fitted, len(tests.repeats), subject, contact) | spring | _play(tests) | worn
-    study = fitted_study(subject, parameters, record.cycles)
-    notes = [*told, *limits, *_misfit(fitted), *notes, *_missing(subject, parameters, tests)]
-    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=subject.rigid_N_per_mm)
+        states, spring = with_spring(states, setup, record, tests)
+        fitted = fast_fit(states, setup, tests)
+    parameters = _of_fit(fitted, len(tests.repeats), record, contact.N_per_um) | spring | _play(tests) | worn
+    study = fitted_study(record, parameters, record.cycles)
+    notes = [*told, *limits, *_misfit(fitted), *notes, *_missing(record, parameters, tests)]
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind.rigid_N_per_mm)
 
 
-#: Tests as a fit sees them, by their kind of contact.
-_SUBJECTS: dict[str, Callable[[Any], FitSubject]] = {"crossed-wires": WiresTestFit, "line-contact": LineTestFit}
+def tables_of_record(record: AnyRecord) -> dict[str, Any]:
+    """A record's test as tables of a study: what is stated, with the friction of its loops where none is.
+
+    Raises:
+        RecordError: friction is not stated, and no loop slides as a whole.
+    """
+    friction = stated_friction(record.tables)
+    if friction is None:
+        try:
+            friction = round(_friction_of(loops_of_tests(record)), 3)
+        except RecordError as problem:
+            raise RecordError(f"[stated] gives no friction, and {problem}") from None
+    last = record.tables.conditions.cycles
+    cycles = [cycle for cycle in record.cycles if 1 <= cycle <= last]
+    return believed_tables(record.tables, friction) | {"log": {"loop_cycles": cycles}}
 
 
-def subject_of(record: AnyRecord) -> FitSubject:
-    """The record's test as its kind of contact has it."""
-    return _SUBJECTS[record.contact_kind](record)
-
-
-def fitted_study(
-    subject: FitSubject, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]
-) -> Study | PlanarStudy:
+def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycles: tuple[int, ...]) -> Any:
     """The record's test with fitted parameters; what was not fitted is as the record states it. It logs `cycles`."""
-    stated = stated_by(parameters, subject.rigid_N_per_mm)
+    kind = kind_of(record)
+    stated = stated_by(parameters, kind.rigid_N_per_mm)
     course, play = stated.pop("friction_evolution", None), parameters.get("free_play_um")
     effects: list[dict[str, Any]] = [{"name": "friction_evolution", **course}] if course is not None else []
     effects += [{"name": "free_play", "gap_um": float(f"{play.value:.4g}")}] if play is not None else []
-    last = subject.record.tables.conditions.cycles
-    return subject.study(stated, effects, [cycle for cycle in cycles if 1 <= cycle <= last])
+    last = record.tables.conditions.cycles
+    data = fitted_tables(record, stated, effects, [cycle for cycle in cycles if 1 <= cycle <= last])
+    return kind.study_from_tables(data, f"the fit of {record.name!r}")
 
 
 def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:
@@ -125,12 +144,17 @@ def _friction_of(tests: LoopsOfTests) -> float:
     return float(np.nanmean(tests.figures[:, :, 0]))
 
 
+def _some_wear(tables: Any) -> Worn:
+    return parted(tables, FittedParameter(ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))
+
+
 def _rough_study(
-    subject: FitSubject, contact_N_per_um: float, tests: LoopsOfTests, worn: dict[str, FittedParameter]
-) -> Study | PlanarStudy:
+    record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests, worn: dict[str, FittedParameter]
+) -> Any:
     """The test with what loops and scars say by themselves."""
-    friction, rigid = _friction_of(tests), subject.rigid_N_per_mm
-    stiffness = 1e3 / max(_first_compliance(subject, contact_N_per_um, tests), 1e3 / rigid)
+    friction, tables, first = _friction_of(tests), record.tables, _first(tests)
+    compliance = 0.0 if first is None else contact.rig_um_per_N(float(first[1].mean()))
+    stiffness = 1e3 / max(compliance, 1e3 / kind_of(record).rigid_N_per_mm)
     rough = {
         "friction": FittedParameter(round(friction, 3), (friction, friction), "1", 1),
         "tangential_stiffness_N_per_mm": FittedParameter(
@@ -138,12 +162,11 @@ def _rough_study(
         ),
     }
     rough |= _play(tests)
-    if subject.total_of(worn) is not None:
-        rough |= {name: replace(one, value=float(f"{one.value:.2g}")) for name, one in worn.items()}
-        rough.pop("moving_share", None)
-    elif subject.stated_wear() is None:
-        rough |= subject.parted(FittedParameter(ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))[0]
-    return fitted_study(subject, rough, ())
+    if total_of(tables, worn) is not None:
+        rough |= {key: replace(worn[key], value=float(f"{worn[key].value:.2g}")) for key in tables.wear if key in worn}
+    elif stated_wear(tables) is None:
+        rough |= _some_wear(tables)[0]
+    return fitted_study(record, rough, ())
 
 
 def _first(tests: LoopsOfTests) -> tuple[int, Any] | None:
@@ -152,23 +175,17 @@ def _first(tests: LoopsOfTests) -> tuple[int, Any] | None:
     return next(((j, column) for j, column in columns if column.size), None)
 
 
-def _first_compliance(subject: FitSubject, contact_N_per_um: float, tests: LoopsOfTests) -> float:
-    first = _first(tests)
-    return 0.0 if first is None else subject.rig_compliance(float(first[1].mean()), contact_N_per_um)
-
-
-def _stiffnesses(subject: FitSubject, contact: float, tests: LoopsOfTests) -> dict[str, FittedParameter]:
+def _stiffnesses(contact: ContactStiffness, tests: LoopsOfTests, rigid_N_per_mm: float) -> dict[str, FittedParameter]:
     """K_t,m of the first loops, K_c of the contact, and K_rig by 1/K_rig = 1/K_t,m − 1/K_c."""
-    found = {
-        "contact_stiffness_N_per_mm": FittedParameter(1e3 * contact, (1e3 * contact, 1e3 * contact), "N_per_mm", 0)
-    }
+    own = 1e3 * contact.N_per_um
+    found = {"contact_stiffness_N_per_mm": FittedParameter(own, (own, own), "N_per_mm", 0)}
     first = _first(tests)
     if first is None:
         return found
     deviation = float(tests.deviations[first[0], _STIFFNESS]) / np.sqrt(first[1].size)
     measured = FittedParameter.of_repeats(1e3 * first[1], "N_per_mm", 1e3 * deviation)
     ends = (measured.value, *reversed(measured.interval95))
-    rigs = [1e3 / max(subject.rig_compliance(1e-3 * k, contact), 1e3 / subject.rigid_N_per_mm) for k in ends]
+    rigs = [1e3 / max(contact.rig_um_per_N(1e-3 * k), 1e3 / rigid_N_per_mm) for k in ends]
     found["measured_stiffness_N_per_mm"] = measured
     found["rig_stiffness_of_first_loops_N_per_mm"] = FittedParameter(
         rigs[0], (min(rigs[1:]), max(rigs[1:])), "N_per_mm", first[1].size
@@ -176,7 +193,7 @@ def _stiffnesses(subject: FitSubject, contact: float, tests: LoopsOfTests) -> di
     return found
 
 
-def _of_fit(fitted: FastFit, repeats: int, subject: FitSubject, contact_N_per_um: float) -> dict[str, FittedParameter]:
+def _of_fit(fitted: FastFit, repeats: int, record: AnyRecord, contact_N_per_um: float) -> dict[str, FittedParameter]:
     deviations = np.sqrt(np.diag(fitted.covariance) * max(fitted.misfit / max(fitted.points - 2, 1), 1.0))
     # What the model errs by, it errs by in all loops.
     model = np.full(deviations.size, FITTED["friction_geometry_independent"])
@@ -196,7 +213,7 @@ def _of_fit(fitted: FastFit, repeats: int, subject: FitSubject, contact_N_per_um
         value, ends = np.exp(fitted.coordinates[place]), np.exp([low[place], high[place]])
         unit = "cycles" if name == "friction_cycles" else "1"
         parameters[name] = FittedParameter(float(value), (float(ends[0]), float(ends[1])), unit, repeats)
-    rotation, least = _rotation_um_per_N(subject.record), 1e3 / subject.rigid_N_per_mm
+    rotation, least = _rotation_um_per_N(record), 1e3 / kind_of(record).rigid_N_per_mm
     stiffness = [float(1e3 / max(c - rotation, least)) for c in (fitted.compliance_um_per_N, high[-1], low[-1])]
     parameters["tangential_stiffness_N_per_mm"] = FittedParameter(
         stiffness[0], (stiffness[1], stiffness[2]), "N_per_mm", repeats
@@ -231,15 +248,15 @@ def _misfit(fitted: FastFit) -> list[str]:
     return [f"{said}: its values and intervals do not describe this record"]
 
 
-def _missing(subject: FitSubject, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
+def _missing(record: AnyRecord, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
     """What the record does not tell, and where to get it."""
     notes = []
-    if subject.total_of(parameters) is None:
-        stated = subject.stated_wear()
+    if total_of(record.tables, parameters) is None:
+        stated = stated_wear(record.tables)
         wears = f"takes the stated {stated}" if stated is not None else "does not wear"
         notes.append(
             f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume; "
-            f"{subject.where_volumes}, or give --worn-volume or --wear-coefficient"
+            f"{where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"
         )
         if stated is None:
             notes.append(
@@ -256,6 +273,6 @@ def _missing(subject: FitSubject, parameters: dict[str, FittedParameter], tests:
             "no loop shows a stiffness: log more samples after the reversals, or measure the rig by pressing on its "
             "holder with a dial gauge"
         )
-    if all(loop.normal_force_N is None for loop in subject.record.loops):
+    if all(loop.normal_force_N is None for loop in record.loops):
         notes.append("the normal force was not measured: friction takes the asked load for granted")
     return notes

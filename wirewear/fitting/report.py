@@ -17,9 +17,9 @@ from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.checking import CheckedRun
 from wirewear.fitting.fit import stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.planar.tables import LINE_CONTACT
+from wirewear.kinds import kind_of
 from wirewear.records.toml_file import with_checksums
-from wirewear.study.template import CROSSED_WIRES, study_text
+from wirewear.study.template import study_text
 
 #: What parameters and figures are called.
 NAMES = {
@@ -57,10 +57,6 @@ CHECKSUM = "# sha256 "
 
 #: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
 STIFF = 0.9
-
-
-#: What a study begins with, by its kind of contact.
-_TEMPLATES = {template.kind: template for template in (CROSSED_WIRES, LINE_CONTACT)}
 
 
 def fit_table(fitted: FittedTest) -> Table:
@@ -150,9 +146,7 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     for name, found in fitted.parameters.items():
         value, interval = _shown(found, stiff)
         lines.append(f"  {NAMES[name]}: {value} ({interval})")
-    write_text(
-        study, study_text(str(study), fitted.study.given(), "\n".join(lines), _TEMPLATES[fitted.study.contact_kind])
-    )
+    write_text(study, study_text(str(study), fitted.study.given(), "\n".join(lines), kind_of(fitted.study).template))
     write_text(stated, toml_text({"stated": stated_by(fitted.parameters, fitted.rigid_N_per_mm)}).lstrip())
     return [study, stated]
 

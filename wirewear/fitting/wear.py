@@ -1,16 +1,28 @@
-"""Wear fitted to worn volumes and friction energies, or as it is given in place of volumes."""
+"""Wear fitted to worn volumes and friction energies, or as it is given in place of volumes.
+
+A kind of contact has a coefficient for each body, or one for several with the share of the first of them.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Any
+
+import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.fitting.values import FittedParameter
+from wirewear.records import AnyRecord
 from wirewear.records.course_checks import accumulated_energy_J
 
-if TYPE_CHECKING:
-    from wirewear.fitting.subject import FitSubject
+#: Wear coefficient of both bodies with which wear states are made where the record does not tell it: steel on steel's.
+ANY_WEAR_mm3_per_J = 3e-5
+
+_UNITS = {"mm3_per_J": "mm³/J", "mm3_per_N_m": "mm³/(N·m)"}
+
+#: Fitted wear: parameters, and what is missing or assumed.
+Worn = tuple[dict[str, FittedParameter], list[str]]
 
 
 @dataclass(frozen=True)
@@ -21,12 +33,11 @@ class GivenWear:
     volume_mm3: float | None = None
 
 
-def fitted_wear(subject: FitSubject) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
+def fitted_wear(record: AnyRecord) -> tuple[dict[str, FittedParameter], dict[str, FittedParameter], list[str]]:
     """Wear parameters, energies and volumes, and what is missing."""
-    record = subject.record
     energies = {repeat: accumulated_energy_J(record, repeat) for repeat in record.repeats}
     known = {repeat: energy for repeat, energy in energies.items() if energy}
-    volumes = subject.record.worn_volumes_mm3
+    volumes = record.worn_volumes_mm3
     found = {
         f"worn_volume_{body}_mm3": FittedParameter.of_repeats([*own.values()], "mm3")
         for body, own in volumes.items()
@@ -34,13 +45,79 @@ def fitted_wear(subject: FitSubject) -> tuple[dict[str, FittedParameter], dict[s
     }
     if known:
         found["accumulated_energy_J"] = FittedParameter.of_repeats([*known.values()], "J")
-    fitted, notes = subject.worn(volumes, known)
+    fitted, notes = _worn(record.tables, volumes, known)
     return fitted, found, notes
 
 
+def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: Mapping[int, float]) -> Worn:
+    fitted: dict[str, FittedParameter] = {}
+    notes, name = [], tables.worn.name
+    for key, bodies in tables.wear.items():
+        known = {body: repeats for body in bodies if (repeats := sorted({*energies_J} & {*volumes[body]}))}
+        if both := sorted(set(energies_J).intersection(*(volumes[body] for body in bodies))):
+            own = np.array([[volumes[body][repeat] for repeat in both] for body in bodies])
+            total = own.sum(axis=0)
+            per_J = total / np.array([energies_J[repeat] for repeat in both])
+            fitted[key] = FittedParameter.of_repeats(per_J, "mm3_per_J")
+            if len(bodies) > 1:
+                fitted[f"{bodies[0]}_share"] = FittedParameter.of_repeats(own[0] / total, "1")
+        elif known:
+            alone, repeats = next(iter(known.items()))
+            share = tables.stated.shares[alone]
+            per_J = np.array([volumes[alone][repeat] / energies_J[repeat] for repeat in repeats])
+            fitted[key] = FittedParameter.of_repeats(per_J / share, "mm3_per_J")
+            notes.append(
+                f"only the {alone} wire's {name} is known: the wear coefficient of both takes its share of {share:g} "
+                f"for granted; measure the other wire's {name}, too"
+            )
+    missing = [body for key, bodies in tables.wear.items() if key not in fitted for body in bodies]
+    if fitted and missing:
+        (body,) = missing
+        wears = "wears as stated" if body in (stated_wear(tables) or "") else "does not wear in the study"
+        notes.append(f"no {name} of the {body} is known, which {wears}; measure it, too")
+    return fitted, notes
+
+
+def parted(tables: Any, total: FittedParameter) -> Worn:
+    """A wear coefficient of both bodies together as parameters, in the proportion that is stated."""
+    shares = {key: sum(tables.stated.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
+    low, high = total.interval95
+    parts = {
+        key: FittedParameter(share * total.value, (share * low, share * high), total.unit, total.repeats)
+        for key, share in shares.items()
+    }
+    if len(parts) == 1:
+        return parts, []
+    proportion = " to ".join(f"{share:.2g}" for share in shares.values())
+    return parts, [f"it is parted between {' and '.join(tables.bodies)} as {proportion}"]
+
+
+def total_of(tables: Any, parameters: Mapping[str, FittedParameter]) -> float | None:
+    """Wear coefficient of both bodies together by fitted parameters; None where none was fitted."""
+    known = [parameters[key].value for key in tables.wear if key in parameters]
+    return sum(known) if known else None
+
+
+def stated_wear(tables: Any) -> str | None:
+    """What the record states of wear, for a sentence; None where it states nothing."""
+    words = []
+    for key in type(tables.stated).WEAR:
+        law, found, unit = key.partition("_wear_coefficient_")
+        if found and (value := getattr(tables.stated, key)) is not None:
+            body = law.rpartition("_")[0]
+            words.append(f"{value:.3g} {_UNITS[unit]}" + (f" of the {body}" if body else ""))
+    return " and ".join(words) or None
+
+
+def where_volumes(tables: Any) -> str:
+    """How a laboratory gets the worn volumes into its record, for a sentence."""
+    names = f"{tables.worn.name}s"
+    return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.bodies)} of the mapping)"
+
+
 def wear_given(
-    given: GivenWear, subject: FitSubject, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
-) -> tuple[dict[str, FittedParameter], list[str]]:
+    given: GivenWear, tables: Any, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
+) -> Worn:
     """Wear as given; what scars say of it no longer counts but for the bodies' shares.
 
     Raises:
@@ -58,7 +135,7 @@ def wear_given(
         source = f"the wear coefficient is the given volume of {given.volume_mm3:g} mm³ over the tests' energy"
     else:
         raise RecordError("a worn volume is given, but neither loops nor an evolution tell the energy that wore it.")
-    measured = subject.total_of(worn)
+    measured = total_of(tables, worn)
     beside = "" if measured is None else f"; the scars of the record say {measured:.3g} mm³/J"
-    parts, notes = subject.parted(coefficient)
+    parts, notes = parted(tables, coefficient)
     return worn | parts, [source + beside, *notes]

@@ -3,27 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from rich.console import RenderableType
 
+    from wirewear.diagnosis.model.nominal import ObserverOf
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.study.template import Template
-
-
-@dataclass(frozen=True, eq=False)
-class Compared:
-    """A run beside a record: `unlike` says where they are of different tests, `shown` is for a terminal."""
-
-    unlike: str | None
-    shown: Sequence[RenderableType]
-    write: Callable[[Path], list[Path]]
 
 
 class Kind(Protocol):
@@ -35,6 +27,7 @@ class Kind(Protocol):
         inside_options: options of `wirewear fields` and `strength` that not all kinds know.
         scatters: whether studies state the scatter of their inputs.
         options: keys of its records alone that `wirewear new --mapping` takes as options.
+        rigid_N_per_mm: a rig as stiff as this takes nothing of any stroke.
     """
 
     name: ClassVar[str]
@@ -42,6 +35,7 @@ class Kind(Protocol):
     inside_options: ClassVar[frozenset[str]]
     scatters: ClassVar[bool]
     options: ClassVar[frozenset[str]]
+    rigid_N_per_mm: ClassVar[float]
 
     @property
     def template(self) -> Template:
@@ -60,8 +54,22 @@ class Kind(Protocol):
     def refined(self) -> Any:
         """What a study of convergence refines and watches."""
 
-    def tables_of(self, record: Any) -> dict[str, Any]:
-        """A record's test as the tables of a study; RecordError where it tells no friction."""
+    def write_beside(self, result: Any) -> None:
+        """Write what a run's folder holds beside its result for other programs."""
+
+    def checked_model(self, record: Any, study: Any) -> Any:
+        """A study that is to be diagnosed against a record; RecordError where it is of another test."""
+
+    def states(self, study: Any, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """Wear states of a finite element run of a record's test, and what that run says against them.
+
+        Raises:
+            StudyError, SolverError: the study cannot be run.
+            RunError: no loop of the run slides as a whole.
+        """
+
+    def setup(self, study: Any, tables: Any) -> Setup:
+        """The circumstances that a study states of a record's test, for the fast model."""
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
@@ -70,12 +78,6 @@ class Kind(Protocol):
 
     def surfaces(self, result: Any, noise_um: float, seed: int) -> Mapping[str, Surface]:
         """Worn bodies as a profilometer sees them, by names of files."""
-
-    def comparison(self, result: Any, record: Any) -> Any:
-        """A run beside a record, for those who go on with it."""
-
-    def compared(self, result: Any, record: Any) -> Compared:
-        """A run beside a record."""
 
     def write_fields(self, result: Any, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """Stresses inside both bodies; `shown` is what `inside_options` say, the rest as of `write_fields`."""

@@ -6,18 +6,18 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wirewear.kinds.kind import Compared
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
-    from rich.console import RenderableType
 
+    from wirewear.diagnosis.model.nominal import ObserverOf
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.records.line_comparing import LineComparison
+    from wirewear.records.line_tables import LineRecordTables
     from wirewear.results import RunResult
     from wirewear.study.template import Template
 
@@ -30,6 +30,7 @@ class LineContacts:
     inside_options: ClassVar[frozenset[str]] = frozenset()
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
+    rigid_N_per_mm: ClassVar[float] = 1e7  # stiffer than what a record may state
 
     @property
     def template(self) -> Template:
@@ -50,6 +51,9 @@ class LineContacts:
 
         return run_planar_variants(study, **asked)
 
+    def write_beside(self, result: RunResult) -> None:
+        """Nothing: its tables and pictures are drawn by the run."""
+
     def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
         """Pad and specimen, and what holds them."""
         from wirewear.planar.supports import write_planar_meshes
@@ -63,11 +67,26 @@ class LineContacts:
 
         return LINES
 
-    def tables_of(self, record: LineRecord) -> dict[str, Any]:
-        """Of one millimetre."""
-        from wirewear.fitting.study_of_record import tables_of_line_record
+    def checked_model(self, record: LineRecord, study: PlanarStudy) -> PlanarStudy:
+        """One of the same face, load and amplitude."""
+        from wirewear.diagnosis.model.line_nominal import checked_line_model
 
-        return tables_of_line_record(record)
+        return checked_line_model(record, study)
+
+    def states(
+        self, study: PlanarStudy, tables: LineRecordTables, observer_of: ObserverOf | None
+    ) -> tuple[WearStates, tuple[str, ...]]:
+        """Those of the whole contact, of the nominal run."""
+        from wirewear.diagnosis.model.line_nominal import nominal_line_run
+        from wirewear.diagnosis.model.line_states import LineStates
+
+        return LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, tables.length_mm), ()
+
+    def setup(self, study: PlanarStudy, tables: LineRecordTables) -> Setup:
+        """Of the whole contact."""
+        from wirewear.diagnosis.model.candidates import nominal_line_setup
+
+        return nominal_line_setup(study, tables.length_mm, tables.conditions.drive)
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
@@ -84,25 +103,6 @@ class LineContacts:
         from wirewear.records.as_heights import profile_surfaces
 
         return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
-
-    def comparison(self, result: RunResult, record: LineRecord) -> LineComparison:
-        """Loops, evolution, and profiles moved onto one another."""
-        from wirewear.records.line_comparing import compare_line
-
-        return compare_line(result, record)
-
-    def compared(self, result: RunResult, record: LineRecord) -> Compared:
-        """Loops, evolution, and profiles moved onto one another."""
-        from wirewear.records.line_comparing import line_differences_table, write_line_comparison
-
-        comparison = self.comparison(result, record)
-        aside = comparison.aside_um
-        moved = [
-            f"{left:.3g} µm rms are left between the profiles of the {body}, moved by {aside[body]:+.0f} µm"
-            for body, left in comparison.left_um.items()
-        ]
-        shown: list[RenderableType] = [line_differences_table(comparison), *moved]
-        return Compared(comparison.unlike, shown, lambda folder: write_line_comparison(comparison, folder))
 
     def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """With a picture of the section at each position."""

@@ -6,19 +6,19 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wirewear.kinds.kind import Compared
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from wirewear.diagnosis.model.nominal import ObserverOf
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.strength import Strength, StrengthAsked
-    from wirewear.records import ExperimentRecord
+    from wirewear.records import ExperimentRecord, RecordTables
     from wirewear.records.as_heights import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.results import RunResult
     from wirewear.study import Study
     from wirewear.study.template import Template
-    from wirewear.views.comparison import RecordComparison
 
 
 class CrossedWires:
@@ -31,6 +31,7 @@ class CrossedWires:
     )
     scatters: ClassVar[bool] = True
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
+    rigid_N_per_mm: ClassVar[float] = 1e6
 
     @property
     def template(self) -> Template:
@@ -46,15 +47,17 @@ class CrossedWires:
         return study_from_tables(tables, where)
 
     def run(self, study: Study, **asked: Any) -> list[RunResult]:
-        """Results, and the scars over the cycles for ParaView beside each."""
-        from wirewear.results.vtk import FOLDER_NAME, write_time_series
+        """Results of whole wires."""
         from wirewear.simulation import run_study
 
-        results = run_study(study, **asked)
-        for result in results:
-            if result.path is not None:
-                write_time_series(result, result.path.parent / FOLDER_NAME)
-        return results
+        return run_study(study, **asked)
+
+    def write_beside(self, result: RunResult) -> None:
+        """The scars over the cycles for ParaView."""
+        from wirewear.results.vtk import FOLDER_NAME, write_time_series
+
+        if result.path is not None:
+            write_time_series(result, result.path.parent / FOLDER_NAME)
 
     def write_meshes(self, study: Study, fidelity: str, folder: Path) -> list[Path]:
         """Both wires."""
@@ -69,11 +72,28 @@ class CrossedWires:
 
         return WIRES
 
-    def tables_of(self, record: ExperimentRecord) -> dict[str, Any]:
-        """Of the whole test."""
-        from wirewear.fitting.study_of_record import tables_of_record
+    def checked_model(self, record: ExperimentRecord, study: Study) -> Study:
+        """One of the same wires, load and amplitude."""
+        from wirewear.diagnosis.model.nominal import checked_model
 
-        return tables_of_record(record)
+        return checked_model(record, study)
+
+    def states(
+        self, study: Study, tables: RecordTables, observer_of: ObserverOf | None
+    ) -> tuple[WearStates, tuple[str, ...]]:
+        """Those of the nominal run, which may end early."""
+        from wirewear.diagnosis.model.nominal import limits_of, nominal_run
+        from wirewear.diagnosis.model.wear_states import WearStates
+
+        del tables
+        result = nominal_run(study, observer_of)
+        return WearStates.of_run(result), limits_of(result)
+
+    def setup(self, study: Study, tables: RecordTables) -> Setup:
+        """With the fast model's numerical freedoms as expected."""
+        from wirewear.diagnosis.model.candidates import nominal_setup
+
+        return nominal_setup(study, tables.conditions.drive)
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
@@ -91,21 +111,6 @@ class CrossedWires:
         from wirewear.records.as_heights import scar_surfaces
 
         return scar_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
-
-    def comparison(self, result: RunResult, record: ExperimentRecord) -> RecordComparison:
-        """Loops, evolution, and scars laid onto one another."""
-        from wirewear.views.comparison import compare
-
-        return compare(result, record)
-
-    def compared(self, result: RunResult, record: ExperimentRecord) -> Compared:
-        """Loops, evolution and scars."""
-        from wirewear.views.comparison_writing import differences_table, write_comparison
-
-        comparison = self.comparison(result, record)
-        return Compared(
-            comparison.unlike, [differences_table(comparison)], lambda folder: write_comparison(comparison, folder)
-        )
 
     def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """With pictures and animations."""

@@ -1,12 +1,14 @@
 """The tables of a line contact's experiment.toml (format 1, second edition)."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, PadFace
+from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
+from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PadFace, PlanarStudy, Specimen
 from wirewear.records.metadata import Metadata
 from wirewear.records.surfaces import PROFILES
 from wirewear.records.tables import (
@@ -88,6 +90,8 @@ class LineConditions(RecordConditions):
 class LineStatedWear(Table):
     """The wear that the rig's owner states, of either body."""
 
+    WEAR: ClassVar[tuple[str, ...]] = tuple(key for key, _ in OF_WHOLE.values() if "_wear_" in key)
+
     pad_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
         None, description="worn volume of the pad per dissipated energy"
     )
@@ -108,6 +112,20 @@ class LineStated(StatedRig, LineStatedWear, StatedFriction):
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(one_of("rig only", "bodies"))] = Field(
         "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'
     )
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Parts of the worn volume that either body loses: as is stated, or even."""
+        stated = {body: getattr(self, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
+        total = sum(stated.values())
+        return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}
+
+    def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
+        """The same; a body that wears by the energy does not by Archard's law as well, and a fitted rig is its own."""
+        energy, archard = "energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"
+        rig = {"stiffness_includes": "rig only"} if "tangential_stiffness_N_per_mm" in fitted else {}
+        other = {key.replace(energy, archard): None for key in fitted if key.endswith(energy)}
+        return super().with_fitted({**fitted, **rig, **other})
 
 
 class LineNoise(Noise):
@@ -132,6 +150,9 @@ class LineTest(OfTest):
 
     contact_kind, described_by, bodies = KINDS[0], "contact", BODIES
     worn, needs_loops = PROFILES, False
+    wear: ClassVar[Mapping[str, tuple[str, ...]]] = {
+        f"{body}_energy_wear_coefficient_mm3_per_J": (body,) for body in BODIES
+    }
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the record's format", examples=[FORMAT]
@@ -185,6 +206,68 @@ class LineTest(OfTest):
             if value is not None and (value != 0.0 or per_length):
                 found[key] = value * (length_mm or 1.0) if per_length and not isinstance(value, str) else value
         return found
+
+    @classmethod
+    def study_of(cls, data: Mapping[str, Any], where: str) -> PlanarStudy:
+        """A study of one millimetre."""
+        return planar_study_from_tables(data, where)
+
+    def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """The same of one millimetre."""
+        own = {key: (name, per_length) for name, (key, per_length) in OF_WHOLE.items()}
+        renamed = {own.get(key, (key, False)): value for key, value in values.items()}
+        return {
+            name: value / self.length_mm if per_length and not isinstance(value, str) else value
+            for (name, per_length), value in renamed.items()
+        }
+
+    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Pad and specimen, of heights that are taken where they are not stated.
+
+        Raises:
+            RecordError: the bodies alone are no stiffer than what is stated of all.
+        """
+        heights = self.assumed_heights_mm
+        for body in BODIES:
+            own = getattr(self, body).model_dump(mode="json", exclude_none=True, exclude={"material"})
+            data[body] = own | ({"height_mm": heights[body]} if body in heights else {})
+        holder = data["holder"]
+        key = "tangential_stiffness_N_per_mm2"
+        if self.stated.stiffness_includes == "bodies" and holder.get(key, "rigid") != "rigid":
+            without_rig = {name: table for name, table in data.items() if name not in ("holder", "wear", "effects")}
+            data["holder"] = holder | {key: self._without_bodies(without_rig)}
+        return data
+
+    @property
+    def assumed_heights_mm(self) -> dict[str, float]:
+        """Heights taken of the bodies whose own is not stated, by body: a study's, of a pad no more than it is wide.
+
+        A block is sheared by friction; a column would bend, and give way with the cube of a height that no one knows.
+        """
+        width = 2.0 * (self.pad.half_width_mm or half_width_of(self.pad.profile))
+        usual = {"pad": min(Pad.model_fields["height_mm"].default, width)}
+        usual["specimen"] = Specimen.model_fields["height_mm"].default
+        return {body: height for body, height in usual.items() if getattr(self, body).height_mm is None}
+
+    @property
+    def doubts_bodies(self) -> bool:
+        """Whether the compliance between rig and contact is unsure: a stiffness that includes the bodies settles it."""
+        stated = self.stated
+        whole = stated.stiffness_includes == "bodies" and stated.tangential_stiffness_N_per_mm != "rigid"
+        return bool(self.assumed_heights_mm) and not whole
+
+    def _without_bodies(self, data: Mapping[str, Any]) -> float:
+        """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen."""
+        whole = float(self.stated.tangential_stiffness_N_per_mm)
+        study = planar_study_from_tables(data, f"the bodies of the record {self.name!r}")
+        of_bodies = self.length_mm * bodies_stiffness_N_per_mm2(study)
+        if whole >= of_bodies:
+            raise RecordError(
+                f"[stated] of the record {self.name!r} gives a stiffness of {whole:.4g} N/mm that includes the bodies, "
+                f"but these alone have {of_bodies:.4g} N/mm: correct it, height_mm or half_width_mm of [pad] and "
+                '[specimen], or say stiffness_includes = "rig only".'
+            )
+        return 1.0 / (1.0 / whole - 1.0 / of_bodies) / self.length_mm
 
     def require_whole(self, where: str) -> None:
         """See that the pad has one face.

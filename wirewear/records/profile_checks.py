@@ -13,7 +13,6 @@ import numpy as np
 
 from geometry import Elastic
 from wirewear.loops import LoopFigures
-from wirewear.records.line_believed import assumed_heights_mm
 from wirewear.records.remarks import CheckedRecord, Remark
 from wirewear.records.scar_geometry import CLEAR, LEVEL, NARROWEST, WIDEST
 from wirewear.records.surfaces import MeasuredProfile
@@ -51,7 +50,7 @@ def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Ite
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:
     """What is assumed of bodies that are not described: their compliance adds to the rig's."""
-    missing = assumed_heights_mm(record.tables)
+    missing = record.tables.assumed_heights_mm
     if not missing:
         return []
     taken = " and ".join(f"the {body} is taken to be {height:.3g} mm high" for body, height in missing.items())

@@ -1,7 +1,7 @@
 """The tables of experiment.toml: every key with its unit, sensible range, default and meaning."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
@@ -9,7 +9,9 @@ from wirewear.base.errors import RecordError
 from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
 from wirewear.records.surfaces import SCARS, MeasuredScar, WornSurfaces
+from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results.scar import WIRES
+from wirewear.study import Study, study_from_tables
 from wirewear.study.keys import (
     FORMAT,
     Amplitude,
@@ -158,9 +160,15 @@ class StatedRig(StatedFriction):
         """Coefficient of friction once it has run in; None where it is not stated."""
         return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
+    def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
+        """The same with fitted values in place of what is stated; friction then runs in only if that is fitted."""
+        return self.model_copy(update={"friction_evolution": None, **fitted})
+
 
 class StatedWear(Table):
     """The wear that the rig's owner states."""
+
+    WEAR: ClassVar[tuple[str, ...]] = ("energy_wear_coefficient_mm3_per_J", "moving_share")
 
     energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
         None, description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
@@ -170,6 +178,11 @@ class StatedWear(Table):
 
 class Stated(StatedRig, StatedWear, StatedFriction):
     """What the rig's owner states; what is not stated is taken as ideal."""
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """Parts of the worn volume that either body loses."""
+        return {"moving": self.moving_share, "fixed": 1.0 - self.moving_share}
 
 
 class Noise(Table):
@@ -233,6 +246,7 @@ class OfTest(Table):
         described_by: the table that only records of the kind have.
         bodies: their names.
         worn: how the worn surfaces stand in the record.
+        wear: coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each.
         needs_loops: whether there is no record without loops.
     """
 
@@ -240,6 +254,7 @@ class OfTest(Table):
     described_by: ClassVar[str]
     bodies: ClassVar[tuple[str, str]]
     worn: ClassVar[WornSurfaces]
+    wear: ClassVar[Mapping[str, tuple[str, ...]]]
     needs_loops: ClassVar[bool]
 
     @property
@@ -274,6 +289,33 @@ class OfTest(Table):
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
 
+    @classmethod
+    def study_of(cls, data: Mapping[str, Any], where: str) -> Any:
+        """A study of the kind from nested tables; StudyError in one sentence that names `where`."""
+        raise NotImplementedError
+
+    def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Values by keys of a record as studies of the kind have them."""
+        return dict(values)
+
+    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Tables of a study with those of the bodies.
+
+        Raises:
+            RecordError: what is stated of bodies and rig does not fit together.
+        """
+        raise NotImplementedError
+
+    @property
+    def contact_stiffness_N_per_um(self) -> float | None:
+        """Stiffness of the unworn contact; None where the bodies give way as well, by what no closed form tells."""
+        return None
+
+    @property
+    def doubts_bodies(self) -> bool:
+        """Whether the compliance between rig and contact is unsure."""
+        return False
+
     def require_whole(self, where: str) -> None:
         """See that the tables of a file say all that they must; RecordError where they do not."""
 
@@ -287,6 +329,7 @@ class RecordTables(OfTest):
 
     contact_kind, described_by, bodies = "crossed-wires", "wires", WIRES
     worn, needs_loops = SCARS, True
+    wear: ClassVar[Mapping[str, tuple[str, ...]]] = {"energy_wear_coefficient_mm3_per_J": WIRES}
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the record's format", examples=[FORMAT]
@@ -320,6 +363,25 @@ class RecordTables(OfTest):
         return {
             "wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default},
         }
+
+    @classmethod
+    def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
+        """A study of crossed wires."""
+        return study_from_tables(data, where)
+
+    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Two wires; the motion has an angle to the moving one."""
+        wires = self.wires.model_dump(mode="json", exclude_none=True)
+        angle = {"motion_angle_deg": wires.pop("motion_angle_deg")}
+        return data | {"wires": wires, "conditions": data["conditions"] | (angle if any(angle.values()) else {})}
+
+    @property
+    def contact_stiffness_N_per_um(self) -> float:
+        """Mindlin's 2G*a of the unworn wires under the asked load."""
+        radius, body = 0.5 * self.wires.diameter_mm, Elastic(self.wires.youngs_modulus_MPa, self.wires.poissons_ratio)
+        load, angle = self.conditions.normal_load_N, self.wires.crossing_angle_deg
+        hertz = hertz_crossed_cylinders(load, radius, radius, angle, first=body, second=body)
+        return 1e-3 * mindlin_stiffness(tangential_contact_modulus(body, body), hertz.contact_radius_mm)
 
     def placed(self, surface: MeasuredScar) -> MeasuredScar:
         """The map turned where its file has it along the wire."""

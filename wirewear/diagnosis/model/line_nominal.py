@@ -23,17 +23,6 @@ _KNOWN = constants("model.line_nominal")
 WEAR_MARGIN, JUMP_TOLERANCE = _KNOWN.each("wear_margin", "jump_tolerance")
 
 
-def nominal_line_study(record: LineRecord) -> PlanarStudy:
-    """What the record's owner believes, as a study; what is not stated is ideal.
-
-    Raises:
-        RecordError: friction or wear coefficients are not stated.
-    """
-    from wirewear.records.line_believed import believed_study
-
-    return believed_study(record.tables)
-
-
 def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
     """A study that is to be diagnosed against a line contact's record.
 

@@ -12,9 +12,10 @@ from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
+from wirewear.records.believed import believed_study
 
 if TYPE_CHECKING:
-    from wirewear.records import ExperimentRecord
+    from wirewear.records import AnyRecord, ExperimentRecord
     from wirewear.results import RunResult
     from wirewear.simulation import Observer
     from wirewear.study import Study
@@ -71,60 +72,13 @@ def kept_or_made(
     return result, path
 
 
-def nominal_study(record: ExperimentRecord) -> Study:
-    """What the record's owner believes, as a study; what is not stated is ideal.
+def nominal_study(record: AnyRecord) -> Any:
+    """What the record's owner believes, as a study of its kind of contact; what is not stated is ideal.
 
     Raises:
-        RecordError: friction or wear coefficient is not stated, or friction twice and differently.
+        RecordError: friction or wear is not stated, or friction twice and differently.
     """
-    from wirewear.study import study_from_tables
-
-    tables = record.tables
-    stated = tables.stated
-    evolution = stated.friction_evolution
-    if evolution is not None and stated.friction not in (None, evolution.final):
-        raise RecordError(
-            f"[stated] of the record {record.name!r} gives friction = {stated.friction:g}, but final = "
-            f"{evolution.final:g} in friction_evolution: leave friction out, or make them equal."
-        )
-    needed = {
-        "friction": stated.final_friction,
-        "energy_wear_coefficient_mm3_per_J": stated.energy_wear_coefficient_mm3_per_J,
-    }
-    for key, value in needed.items():
-        if value is None:
-            raise RecordError(
-                f"[stated] of the record {record.name!r} does not give {key}, without which there is no model to "
-                "diagnose: add it, or fit the record (`wirewear fit`) and give the fitted study by --model."
-            )
-    holder: dict[str, Any] = {
-        "tangential_stiffness_N_per_mm": stated.tangential_stiffness_N_per_mm,
-        "rotational_stiffness_N_mm_per_rad": stated.rotational_stiffness_N_mm_per_rad,
-        "normal_spring_stiffness_N_per_mm": stated.normal_spring_stiffness_N_per_mm,
-    }
-    if stated.pivot_height_mm is not None:
-        holder["pivot_height_mm"] = stated.pivot_height_mm
-    conditions = tables.conditions.model_dump(exclude={"drive"})
-    conditions["motion_angle_deg"] = tables.wires.motion_angle_deg
-    data = {
-        "format": 1,
-        "name": record.name,
-        "kind": "crossed-wires",
-        "wires": tables.wires.model_dump(exclude={"motion_angle_deg"}, exclude_none=True),
-        "conditions": conditions,
-        "contact": {"friction": stated.final_friction},
-        "wear": {
-            "energy_wear_coefficient_mm3_per_J": stated.energy_wear_coefficient_mm3_per_J,
-            "moving_share": stated.moving_share,
-        },
-        "holder": holder,
-        "effects": [
-            {"name": name, **known.model_dump()}
-            for name in ("friction_evolution", "wear_rate_evolution")
-            if (known := getattr(stated, name)) is not None
-        ],
-    }
-    return study_from_tables(data, f"the nominal model of the record {record.name!r}")
+    return believed_study(record.tables)
 
 
 def checked_model(record: ExperimentRecord, study: Study) -> Study:
