@@ -122,15 +122,15 @@ PARTS = (
 def answers_of(record: Path, left_out: Sequence[str]) -> dict[str, Any]:
     """The answers to a record by each part's words, and those of the baselines."""
     whole = diagnose(read_record(record), left_out=left_out)
-    with _remembered("distances"), _remembered("shrink_of"), _remembered("undetectable"):
+    with _remembered(Search, "apart"), _remembered(JUDGING, "shrink_of"), _remembered(JUDGING, "undetectable"):
         found = {part.words: _judged_without(part, whole) for part in PARTS}
     return found | baseline_answers(whole)
 
 
 @contextmanager
-def _remembered(name: str) -> Iterator[None]:
+def _remembered(owner: object, name: str) -> Iterator[None]:
     """A step of the judgement that costs much and depends on which fits it is given alone, done once for each."""
-    step: Callable[..., object] = getattr(JUDGING, name)
+    step: Callable[..., object] = getattr(owner, name)
     known: dict[tuple[object, ...], object] = {}
 
     def once(*given: object) -> object:
@@ -139,7 +139,7 @@ def _remembered(name: str) -> Iterator[None]:
             known[key] = step(*given)
         return known[key]
 
-    with patch.object(JUDGING, name, once):
+    with patch.object(owner, name, once):
         yield
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
+
+import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study
@@ -74,3 +76,22 @@ def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginn
         return Nominal(states, kind.setup(study, tables), limits)
 
     return Beginning(study, run)
+
+
+def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
+    """Further records must be of the same kind of contact, and measurements of their own.
+
+    Raises:
+        RecordError: one is not.
+    """
+    for other in further:
+        if other.contact_kind != record.contact_kind:
+            raise RecordError(
+                f"{other.name!r} is a record of kind {other.contact_kind}, {record.name!r} of kind "
+                f"{record.contact_kind}: a further record must be of the same rig."
+            )
+        if any(np.array_equal(a.tangential_force_N, b.tangential_force_N) for a in record.loops for b in other.loops):
+            raise RecordError(
+                f"{other.name!r} holds loops of {record.name!r}: a record with what was measured later of the same "
+                "test is diagnosed alone."
+            )

@@ -8,7 +8,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
 from wirewear.base.errors import StudyError
-from wirewear.diagnosis.beginning import beginning_of
+from wirewear.diagnosis.beginning import Nominal, beginning_of, require_of_one_rig
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
@@ -19,7 +19,8 @@ from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippl
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
-from wirewear.diagnosis.infer.weighing import Weighed, classes_of, distances, relevant, undetectable, weigh
+from wirewear.diagnosis.infer.updating import updated
+from wirewear.diagnosis.infer.weighing import Weighed, classes_of, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, findings, places, relevance_of
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
@@ -28,7 +29,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
-from wirewear.records import AnyRecord
+from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
 from wirewear.views.diagnosis_notes import (
     of_chance,
@@ -75,22 +76,45 @@ def diagnose(
     record: AnyRecord,
     *,
     model: Study | PlanarStudy | None = None,
+    further: Sequence[AnyRecord] = (),
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
     stage: Callable[[str], AbstractContextManager[object]] = nullcontext,
 ) -> Diagnosed:
     """Diagnose a record against the model built from it, or against `model`; `left_out` names effects not considered.
 
+    `further` are records of the same rig, other measurements of it, which update the answer to the first one.
     `stage` is entered for each part of the work, with what it is.
 
     Raises:
-        RecordError: the record states too little, has no loops in gross slip, or the model is of another test.
-        StudyError, SolverError: the nominal model cannot be run, or there is no effect of a name left out.
+        RecordError: a record states too little, has no loops in gross slip, or the model is of another test; or a
+            further one is of another kind of contact or holds the first one's own loops.
+        StudyError, SolverError: a nominal model cannot be run, or there is no effect of a name left out.
     """
     known = all_effects()
     for name in left_out:
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
+    require_of_one_rig(record, further)
+    checked, own, study, nominal, observed = _begun(record, model, observer_of, stage)
+    others = [_begun(other, None, observer_of, stage) for other in further]
+    with stage("searching for causes"):
+        found = search(nominal.states, nominal.setup, observed, left_out)
+        for _, _, _, its, seen in others:
+            found = updated(found, its.states, its.setup, seen)
+        diagnosed = judged(own, study, nominal.states, observed, found, [each[1] for each in others])
+    told = tuple(remark.text for remark in checked if remark.level == "problem")
+    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
+    return replace(diagnosed, diagnosis=answer)
+
+
+def _begun(
+    record: AnyRecord,
+    model: Study | PlanarStudy | None,
+    observer_of: ObserverOf | None,
+    stage: Callable[[str], AbstractContextManager[object]],
+) -> tuple[tuple[Remark, ...], AnyRecord, Study | PlanarStudy, Nominal, Observations]:
+    """What its check says of a record, the record as it is read, its study with its nominal run, and observations."""
     beginning = beginning_of(record, model)
     with stage("checking the record"):
         checked = remarks_told(record)
@@ -99,11 +123,8 @@ def diagnose(
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
-    with stage("searching for causes"):
-        diagnosed = concluded(record, beginning.study, nominal.states, observed, left_out, nominal.setup)
-    told = tuple(remark.text for remark in checked if remark.level == "problem")
-    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
-    return replace(diagnosed, diagnosis=answer)
+    setup = replace(nominal.setup, motion=observed.motion)
+    return checked, record, beginning.study, replace(nominal, setup=setup), observed
 
 
 def concluded(
@@ -127,11 +148,12 @@ def judged(
     states: WearStates,
     observed: Observations,
     found: Search,
+    further: Sequence[AnyRecord] = (),
 ) -> Diagnosed:
-    """The diagnosis that a search comes down to."""
+    """The diagnosis that a search comes down to, of a record and of further ones that it took in."""
     setup = found.problem.setup
     near = relevant(found.singles)
-    classes = classes_of(near, distances(found.problem, near))
+    classes = classes_of(near, found.apart(near))
     left = found.remainder.misfit
     dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
@@ -191,8 +213,10 @@ def judged(
         causes=causes,
         equivalent=equivalent,
         undetectable=unseen,
-        next_measurement=_next(record, weighed, equivalent),
+        next_measurement=_next((record, *further), weighed, equivalent),
+        updated_by=tuple(other.name for other in further),
         notes=(
+            *(f"the further record {other.name!r} is taken in" for other in further),
             *of_hum(wave),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *(of_chance(share_beyond(left_by(found.problem, found.none))) if said_of_wires else ()),
@@ -286,17 +310,17 @@ def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:
     return causes
 
 
-def _next(record: AnyRecord, weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
+def _next(records: Sequence[AnyRecord], weighed: Weighed, equivalent: Sequence[Sequence[str]]) -> dict[str, Any] | None:
     single: dict[str, float] = {}
     for names, probability in weighed.probabilities.items():
         for name in map(effect_of, names or ("none",)):
             single[name] = single.get(name, 0.0) + probability / max(len(names), 1)
     present = []
-    if record.scars:
+    if any(record.scars for record in records):
         present.append(measurements.SCAR_MAPS)
-    if record.loops and all(loop.normal_force_N is not None for loop in record.loops):
+    if any(record.loops and all(loop.normal_force_N is not None for loop in record.loops) for record in records):
         present.append(measurements.NORMAL_FORCE)
-    if record.tables.conditions.drive == "stroke":
+    if any(record.tables.conditions.drive == "stroke" for record in records):
         present.append(measurements.ENCODER)
     chosen = next_measurement(single, equivalent, frozenset(present))
     if chosen is None:

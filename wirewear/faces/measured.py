@@ -82,9 +82,16 @@ class Record(ExperimentRecord[Any, Any]):
         )
 
     def diagnose(
-        self, *, model: Study | PlanarStudy | None = None, without: Sequence[str] = (), progress: bool = True
+        self,
+        *,
+        model: Study | PlanarStudy | None = None,
+        further: Sequence[AnyRecord] = (),
+        without: Sequence[str] = (),
+        progress: bool = True,
     ) -> Diagnosed:
         """Why the record and its model disagree; without a model, the one that the record states.
+
+        `further` are other measurements of the same rig, which update the answer.
 
         Raises:
             RecordError: the record states too little, has nothing to be diagnosed, or the model is of another test.
@@ -95,6 +102,7 @@ class Record(ExperimentRecord[Any, Any]):
         return diagnose(
             self,
             model=model,
+            further=further,
             left_out=without,
             observer_of=lambda label: watched(label, shown=progress),
         )

@@ -23,19 +23,27 @@ if TYPE_CHECKING:
 @click.option(
     "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
 )
+@click.option("--next", "further", metavar="RECORD2", multiple=True, type=click.Path(path_type=Path),
+              help="A further measurement of the same rig, which updates the answer; may be repeated.")  # fmt: skip
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
 @click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
 @click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
 @most_memory
 def diagnose_command(
-    record_path: Path, output: Path, model: Path | None, confirm: bool, without: tuple[str, ...], jobs: int | None
+    record_path: Path,
+    output: Path,
+    model: Path | None,
+    further: tuple[Path, ...],
+    confirm: bool,
+    without: tuple[str, ...],
+    jobs: int | None,
 ) -> None:
     """Say why a record and its model disagree: where, by which effect, and how far the gap shrinks with it."""
     from threadpoolctl import threadpool_limits
 
     from wirewear.base.locks import occupied
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.diagnosis.beginning import beginning_of
+    from wirewear.diagnosis.beginning import beginning_of, require_of_one_rig
     from wirewear.kinds import load_any_study
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
@@ -45,9 +53,13 @@ def diagnose_command(
         record = read_record(record_path)
         # Before a folder is made that nothing would come into.
         beginning_of(record, study)
+        others = [read_record(path) for path in further]
+        require_of_one_rig(record, others)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
-            diagnosed = diagnose(record, model=study, observer_of=ProgressBar, left_out=without, stage=stage)
+            diagnosed = diagnose(
+                record, model=study, further=others, observer_of=ProgressBar, left_out=without, stage=stage
+            )
             if confirm:
                 diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
         with busy("writing the report"):

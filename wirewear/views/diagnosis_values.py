@@ -112,7 +112,7 @@ class Diagnosis:
 
     `physical` pairs measurement less model before and after; `notes` are sentences about what limits the answer;
     `resembles` says what a gap of unknown cause behaves like, `checked` what `wirewear check` finds in the record;
-    `plausible` are the classes among which the cause is in nine records of ten.
+    `plausible` are the classes among which the cause is in nine records of ten; `updated_by` names further records.
     """
 
     record: str
@@ -132,6 +132,7 @@ class Diagnosis:
     partial: Partial | None = None
     plausible: tuple[tuple[str, ...], ...] = ()
     relevance: Relevance | None = None
+    updated_by: tuple[str, ...] = ()
     checked: tuple[Remark, ...] = field(default=())
 
     def to_json(self) -> dict[str, Any]:
@@ -141,6 +142,7 @@ class Diagnosis:
             "format": FORMAT,
             "record": self.record,
             "model": self.model,
+            "updated_by": list(self.updated_by),
             "program": program(),
             "verdict": self.verdict,
             "sentence": self.sentence,

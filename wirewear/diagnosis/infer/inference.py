@@ -8,7 +8,7 @@ themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -136,25 +136,35 @@ def fit(
     candidates: Sequence[Candidate],
     starts: Sequence[Array] | None = None,
     iterations: int = ITERATIONS,
+    known: Fit | None = None,
 ) -> Fit:
-    """The best coordinates of these effects together, from several starts."""
+    """The best coordinates of these effects together, from several starts, or from what another record says of them.
+
+    With `known`, its normal distribution of the coordinates is what is expected, and the evidence is that of this
+    record given the other.
+    """
     candidates = tuple(candidates)
     if not candidates:
         whitened = problem.whitened(problem.setup)
         distance2 = float(whitened @ whitened)
         return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
 
-    known: dict[bytes, Array] = {}
+    low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
+    ends = np.maximum(low, -REACH), np.minimum(high, REACH)
+    middle: Array = np.zeros(low.size)
+    root: Array = np.eye(low.size)
+    if known is not None:
+        middle, root = known.coordinates, np.asarray(np.linalg.cholesky(known.spread), dtype=np.float64)
+        starts, ends = [np.zeros(low.size)], (np.full(low.size, -REACH), np.full(low.size, REACH))
+    seen: dict[bytes, Array] = {}
 
     def residual(z: Array) -> Array:
         # Where a search begins has been looked at before.
         place = z.tobytes()
-        if place not in known:
-            known[place] = problem.whitened(applied(candidates, problem.setup, z))
-        return known[place]
+        if place not in seen:
+            seen[place] = problem.whitened(applied(candidates, problem.setup, middle + root @ z))
+        return seen[place]
 
-    low, high = np.vstack([candidate.bounds() for candidate in candidates]).T
-    ends = np.maximum(low, -REACH), np.minimum(high, REACH)
     best: tuple[float, Array, Array, Array] | None = None
     for start in _promising(residual, starts if starts is not None else _starts(candidates)):
         cost, z, rest, jacobian = _descend(residual, np.clip(start, *ends), iterations, ends)
@@ -166,10 +176,11 @@ def fit(
     hessian = jacobian.T @ jacobian + np.eye(z.size)
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
-    evidence -= sum(LENT.get(candidate.name, 0.0) for candidate in candidates)
-    setup = applied(candidates, problem.setup, z)
-    spread = np.asarray(np.linalg.inv(hessian), dtype=np.float64)
-    return Fit(candidates, z, spread, setup, distance2, evidence)
+    if known is None:
+        evidence -= sum(LENT.get(candidate.name, 0.0) for candidate in candidates)
+    found = middle + root @ z
+    spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)
+    return Fit(candidates, found, spread, applied(candidates, problem.setup, found), distance2, evidence)
 
 
 def _starts(candidates: Sequence[Candidate]) -> list[Array]:
@@ -255,8 +266,8 @@ def free_log_evidence(problem: Problem, covariance: Array) -> float:
     return float(np.logaddexp.reduce(logs) - np.log(len(logs)))
 
 
-def separation(problem: Problem, one: Fit, other: Candidate, starts: Sequence[Array]) -> float:
-    """Least whitened distance between an explanation and another effect at any size, nuisances free."""
-    target = problem.predicted(one.setup)
-    twin = Problem(problem.states, problem.setup, problem.layout, target, problem.whitening, problem.log_determinant)
-    return float(np.sqrt(fit(twin, (other,), starts, iterations=_SEPARATION_ITERATIONS).distance2))
+def separation(problem: Problem, one: Fit, other: Fit, known: Fit | None = None) -> float:
+    """Least whitened distance between an explanation and another's effect, nuisances free, from where that is."""
+    twin = replace(problem, mean=problem.predicted(one.setup))
+    near = fit(twin, other.candidates, [other.coordinates], _SEPARATION_ITERATIONS, known)
+    return float(np.sqrt(near.distance2))

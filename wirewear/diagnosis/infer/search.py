@@ -13,6 +13,7 @@ from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
 from wirewear.diagnosis.infer.recognised import Remainder, remainder_of
+from wirewear.diagnosis.infer.weighing import distances
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -36,7 +37,7 @@ _CLEAR, _SMALL = _KNOWN.each("clear", "small")
 _SCREENING, _SECONDS, _LIKELY = _KNOWN.count("screening"), _KNOWN.count("seconds"), _KNOWN.count("likely")
 
 #: Distortions are tried beside so many of the likeliest explanations, and beside none.
-_DISTORTED = _KNOWN.count("distorted")
+DISTORTED = _KNOWN.count("distorted")
 
 #: Scars alone: log evidence that a second effect must gain there, where few effects show; an effect shows whose
 #: coordinates a fit moves by so much.
@@ -76,11 +77,15 @@ class Search:
         """Share of χ² that it takes."""
         return 1.0 - self.best.distance2 / self.none.distance2 if self.none.distance2 > 0.0 else 0.0
 
+    def apart(self, fits: Sequence[Fit]) -> Array:
+        """Least distances (k, k) between explanations."""
+        return distances(self.problem, fits)
+
 
 def search(states: WearStates, setup: Setup, observed: Observations, left_out: Sequence[str] = ()) -> Search:
     """All explanations of a record; `left_out` names effects that are not to be considered."""
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
-    problem, covariance = _problem(states, setup, setup, observed)
+    problem, covariance = problem_around(states, setup, setup, observed)
     none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
     best = _best(none, singles)
     around: list[tuple[str, ...]] = [()]
@@ -89,11 +94,13 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     while best.log_evidence > none.log_evidence + _CLEAR and best.names not in around:
         first, gained = best, best.log_evidence - none.log_evidence
         around.append(first.names)
-        problem, covariance = _problem(states, setup, first.setup, observed, first.candidates)
+        problem, covariance = problem_around(states, setup, first.setup, observed, first.candidates)
         none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
         best = _best(none, singles)
         if best.log_evidence - none.log_evidence < min(_SMALL, gained):
-            problem, covariance = _problem(states, setup, first.setup, observed, first.candidates, errors_around=setup)
+            problem, covariance = problem_around(
+                states, setup, first.setup, observed, first.candidates, errors_around=setup
+            )
             none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
             best = _best(none, singles)
     tried: list[Fit] = []
@@ -103,7 +110,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         tried = _pair_fits(problem, none, singles)
         pairs = _enough(problem, singles, tried)
         if pairs:
-            problem, covariance = _problem(states, setup, pairs[0].setup, observed, pairs[0].candidates)
+            problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
             single = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
@@ -113,7 +120,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     free = free_log_evidence(problem, covariance.total)
     ordered = sorted((*singles, *pairs), key=lambda one: -one.merit)
     chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
-    distorted = distortions(problem, (none, *ordered[:_DISTORTED]))
+    distorted = distortions(problem, (none, *ordered[:DISTORTED]))
     rival = chosen.log_evidence
     if chosen.candidates and not pairs and _speaks(distorted) > rival + _CLEAR:
         # A second effect that is too small to be named may be what a distortion imitates.
@@ -127,7 +134,7 @@ def _speaks(found: Sequence[Distortion]) -> float:
     return max((one.log_evidence for one in found if one.family.counts), default=-np.inf)
 
 
-def _problem(
+def problem_around(
     states: WearStates,
     setup: Setup,
     around: Setup,
@@ -135,6 +142,7 @@ def _problem(
     effects: Sequence[Candidate] = (),
     errors_around: Setup | None = None,
 ) -> tuple[Problem, Covariance]:
+    """A record as a problem, its covariance taken around a setup with these effects in it."""
     covariance = estimate(states, errors_around or around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:

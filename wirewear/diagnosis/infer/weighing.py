@@ -69,15 +69,18 @@ class Weighed:
         return next((members for members in self.classes if name in members), (name,))
 
 
-def distances(problem: Problem, fits: Sequence[Fit]) -> Array:
-    """Least distance (k, k) from each fit to every other's effects at any size; symmetric by the larger of both."""
+def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) -> Array:
+    """Least distance (k, k) from each fit to every other's effects; symmetric by the larger of both.
+
+    Effects may have any size, or those that they are known to have.
+    """
     count = len(fits)
     matrix = np.full((count, count), np.inf)
     np.fill_diagonal(matrix, 0.0)
     for i, one in enumerate(fits):
         for j, other in enumerate(fits):
             if i != j and len(one.candidates) == 1 and len(other.candidates) == 1:
-                matrix[i, j] = separation(problem, one, other.candidates[0], [other.coordinates])
+                matrix[i, j] = separation(problem, one, other, known[j] if known else None)
     symmetric: Array = np.maximum(matrix, matrix.T)
     return symmetric
 
