@@ -73,7 +73,7 @@ def surface_of_wire(scar: Scar, noise_um: float, random: np.random.Generator) ->
     )
     transverse = transverse[np.abs(transverse) <= FLANK * scar.radius_um]
     a, t = np.meshgrid(axial, transverse, indexing="ij")
-    height = (scar.unworn_height_um(t) - scar.depth_at(*scar.sliding_coordinates(a, t))).ravel()
+    height = (scar.unworn_height_um(a, t) - scar.depth_at(*scar.sliding_coordinates(a, t))).ravel()
 
     def surface() -> Mapping[str, Array]:
         noise = noise_um * random.standard_normal(height.size)
