@@ -18,9 +18,9 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.believed import believed_study
-from wirewear.records.line_comparing import compare_line
 from wirewear.records.remarks import Remark
 from wirewear.results import RunResult, read_result, write_result
+from wirewear.views.comparison import compare, write_comparison
 
 pytestmark = pytest.mark.seconds
 
@@ -64,28 +64,36 @@ def test_an_exported_simulation_is_sound_and_agrees_with_itself(result: RunResul
     assert "Depth, width and worn area of the pad and specimen at the end." in report.supports
     assert report.supports[-1].startswith("A simulation from the record alone")
     assert "source: simulated" in report.metadata
-    exact = compare_line(result, record_of_result(result, 8.0))
-    assert {row.cycle for row in exact.differences} == {1, 200}
+    exact = compare(result, record_of_result(result, 8.0))
+    assert {pair.cycle for pair in exact.loops} == {1, 200}
+    assert {pair.wire for pair in exact.scars} == {"pad", "specimen"}
     for row in exact.differences:
-        # Loops are analysed from their samples, and edges lie between points.
-        assert row.relative == pytest.approx(0.0, abs=0.05), row.quantity
-    noisy = compare_line(result, record)
+        assert row.difference == pytest.approx(0.0, abs=1e-6 * max(abs(row.simulated or 0.0), 1.0)), row.quantity
+    noisy = compare(result, record)
     assert all(row.scatter is not None and row.scatter > 0.0 for row in noisy.differences if "force" in row.quantity)
-    forces = [row for row in noisy.differences if row.quantity.startswith("largest") and row.cycle == 200]
-    assert forces[0].simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
+    (forces,) = (row for row in noisy.differences if row.quantity.startswith("largest"))
+    assert forces.simulated == pytest.approx(8.0 * 0.6 * 30.0, rel=0.02)
 
 
 @pytest.mark.seconds
-def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult) -> None:
+def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunResult, tmp_path: Path) -> None:
     x, profile = result.scar(200, "specimen").section_along_motion()
     moved = MeasuredProfile(1, "specimen", x + 17.0, 1.2 * profile)
     exact = record_of_result(result, 8.0)
-    comparison = compare_line(result, replace(exact, loops=(), scars=(moved,)))
-    assert comparison.aside_um["specimen"] == pytest.approx(17.0, abs=1.0)
-    deepest = next(row for row in comparison.differences if "depth" in row.quantity)
-    assert deepest.relative == pytest.approx(0.2)
-    with pytest.raises(RecordError, match="no loop of a common cycle"):
-        compare_line(result, replace(exact, loops=(), scars=()))
+    comparison = compare(result, replace(exact, loops=(), evolution=(), scars=(moved,)))
+    (pair,) = comparison.scars
+    assert pair.registrations[0].shift_x_um == pytest.approx(17.0, abs=0.1)
+    rows = {row.quantity: row for row in comparison.differences}
+    volume = rows["worn volume"]
+    assert volume.measured == pytest.approx(1.2 * (volume.simulated or 0.0), rel=0.01)
+    assert volume.simulated == pytest.approx(1e3 * 8.0 * result.scar(200, "specimen").volume_mm3, rel=0.01)
+    assert rows["width"].measured == pytest.approx(rows["width"].simulated, rel=0.01)
+    with pytest.raises(RecordError, match="no analysable loop of a common cycle"):
+        compare(result, replace(exact, loops=(), scars=()))
+    written = write_comparison(comparison, tmp_path)
+    assert [path.name for path in written] == [
+        "comparison.html", "differences.csv", "differences.json", "scar_sections.png",
+    ]  # fmt: skip
 
 
 def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_mm(result: RunResult) -> None:

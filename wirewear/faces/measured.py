@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
     from wirewear.results import RunResult
     from wirewear.study import Study
+    from wirewear.views.comparison import RecordComparison
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -46,15 +47,15 @@ class Record(ExperimentRecord[Any, Any]):
         """What is wrong with the record, and what it can and cannot support."""
         return check_record(self)
 
-    def compare(self, run: RunResult) -> Any:
-        """The record beside a simulation: a `RecordComparison`, of a line contact a `LineComparison`.
+    def compare(self, run: RunResult) -> RecordComparison:
+        """The record beside a simulation: loops, evolution, worn surfaces, and what differs.
 
         Raises:
             RecordError: they have nothing in common, or nothing can be concluded from the record.
         """
-        from wirewear.views.compared import COMPARISONS
+        from wirewear.views.comparison import compare
 
-        return COMPARISONS[self.contact_kind](run, self)
+        return compare(run, self)
 
     def fit(
         self,

@@ -258,19 +258,17 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.base.recognised import Held, recognised
     from wirewear.faces.study_script import wide_console
     from wirewear.records import read_record
-    from wirewear.views.compared import compared
+    from wirewear.views.comparison import compare, differences_table, write_comparison
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
         result_path, record_path = record_path, result_path
     with busy("comparing"):
         record = read_record(record_path)
-        shown_beside = compared(_run_at(result_path, variant).of_kind(record.contact_kind), record)
+        comparison = compare(_run_at(result_path, variant).of_kind(record.contact_kind), record)
         with occupied(output, f"compare {record_path}"):
-            written = shown_beside.write(output)
-    if shown_beside.unlike:
-        click.echo(f"wirewear: {shown_beside.unlike}", err=True)
-    console = wide_console(100)
-    for shown in shown_beside.shown:
-        console.print(shown)
+            written = write_comparison(comparison, output)
+    if comparison.unlike:
+        click.echo(f"wirewear: {comparison.unlike}", err=True)
+    wide_console(100).print(differences_table(comparison))
     _echo(written)

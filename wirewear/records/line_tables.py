@@ -8,7 +8,7 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PadFace, PlanarStudy, Specimen
+from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, Extent, Pad, PadFace, PlanarStudy, Specimen
 from wirewear.records.metadata import Metadata
 from wirewear.records.surfaces import PROFILES
 from wirewear.records.tables import (
@@ -211,6 +211,15 @@ class LineTest(OfTest):
     def study_of(cls, data: Mapping[str, Any], where: str) -> PlanarStudy:
         """A study of one millimetre."""
         return planar_study_from_tables(data, where)
+
+    @property
+    def of_study(self) -> dict[str, float | None]:
+        """Load, amplitude and the pad's face."""
+        return {
+            "normal_load_N_per_mm": self.conditions.normal_load_N / self.length_mm,
+            "displacement_amplitude_um": self.conditions.displacement_amplitude_um,
+            **{key: getattr(self.pad, key) for key in FACE_KEYS},
+        }
 
     def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """The same of one millimetre."""

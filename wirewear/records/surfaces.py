@@ -42,6 +42,20 @@ class MeasuredScar:
         known = np.isfinite(self.depth_um)
         return {"x_um": x[known], "y_um": y[known], "depth_um": self.depth_um[known]}
 
+    @property
+    def field(self) -> tuple[Array, Array, Array]:
+        """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y)."""
+        return self.x_um, self.y_um, self.depth_um
+
+    def of_field(self, depth_um: Array) -> "MeasuredScar":
+        """The same map of other depths (n_x, n_y), as far as it has points."""
+        return replace(self, depth_um=np.where(np.isfinite(self.depth_um), depth_um, 0.0))
+
+    @property
+    def spans_um(self) -> dict[str, float]:
+        """Lengths of what is worn that such a map alone tells."""
+        return {}
+
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
         """The map of points (n,) that lie on the lines of a grid, in any order.
@@ -210,6 +224,20 @@ class MeasuredProfile:
         """The profile that a stylus takes of a simulated scar."""
         rough = noise_um * random.standard_normal(scar.axial_um.size)
         return cls(repeat, scar.body, scar.axial_um, scar.depth_um[:, 0] + rough)
+
+    @property
+    def field(self) -> tuple[Array, Array, Array]:
+        """Its line x (n,), the one line y, and depths (n, 1): it is the same all along the contact."""
+        return self.x_um, np.zeros(1), self.depth_um[:, None]
+
+    def of_field(self, depth_um: Array) -> "MeasuredProfile":
+        """The same profile of other depths (n, 1)."""
+        return MeasuredProfile(self.repeat, self.body, self.x_um, depth_um[:, 0])
+
+    @property
+    def spans_um(self) -> dict[str, float]:
+        """Lengths of what is worn."""
+        return {"width": self.width_um}
 
     @property
     def points(self) -> dict[str, Array]:

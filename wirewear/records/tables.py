@@ -294,6 +294,11 @@ class OfTest(Table):
         """A study of the kind from nested tables; StudyError in one sentence that names `where`."""
         raise NotImplementedError
 
+    @property
+    def of_study(self) -> dict[str, float | None]:
+        """What tells this test from others, by the keys of a study's tables."""
+        raise NotImplementedError
+
     def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Values by keys of a record as studies of the kind have them."""
         return dict(values)
@@ -368,6 +373,18 @@ class RecordTables(OfTest):
     def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
         """A study of crossed wires."""
         return study_from_tables(data, where)
+
+    @property
+    def of_study(self) -> dict[str, float | None]:
+        """Load, amplitude and how the wires lie."""
+        wires, asked = self.wires, self.conditions
+        return {
+            "normal_load_N": asked.normal_load_N,
+            "displacement_amplitude_um": asked.displacement_amplitude_um,
+            "diameter_mm": wires.diameter_mm,
+            "crossing_angle_deg": wires.crossing_angle_deg,
+            "motion_angle_deg": wires.motion_angle_deg,
+        }
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Two wires; the motion has an angle to the moving one."""

@@ -158,10 +158,16 @@ class Scar:
         return axial * cosine - transverse * sine, axial * sine + transverse * cosine
 
     def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
-        """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast."""
+        """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast.
+
+        A single line across stands for all of them.
+        """
         from scipy.interpolate import RegularGridInterpolator
 
         axial, transverse = self.wire_coordinates(x_um, y_um)
+        if self.transverse_um.size == 1:
+            along = np.interp(axial, self.axial_um, self.depth_um[:, 0], left=0.0, right=0.0)
+            return along + 0.0 * transverse
         interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
         points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
         depth: FloatArray = np.where(self._covers(axial, transverse), interpolate(points), 0.0)

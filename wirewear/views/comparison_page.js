@@ -28,9 +28,9 @@ chart(by("friction"), {x: {label: "cycles N", log: true, min: 1}, y: {label: "co
     ...tests.map(([x, y]) => ({x, y, color: MEASURED, width: 1, dash: dashes[k], hidden: true, marks: true, radius: 2.2})),
     simulated(own, {dash: dashes[k], name: label})])});
 const cards = by("sections");
-for (const {wire, sections} of data.scars) for (const [k, {label, at, simulated: own, measured: tests}] of sections.entries()) {
+for (const {wire, sections} of data.scars) for (const [k, {title: words, label, at, simulated: own, measured: tests}] of sections.entries()) {
   const card = document.createElement("section"), title = document.createElement("h3"), place = document.createElement("div");
-  title.textContent = `${wire} wire, ${k ? "across" : "along"} the motion`;
+  title.textContent = words;
   place.id = `section-${wire}-${k}`;
   card.append(title, place);
   cards.append(card);
@@ -38,4 +38,4 @@ for (const {wire, sections} of data.scars) for (const [k, {label, at, simulated:
     ...measured(tests.map(depth => [at, depth.map(d => d === null ? NaN : -d)])), simulated([at, own.map(d => d === null ? NaN : -d)])]});
 }
 slider.addEventListener("input", showLoop);
-showLoop();
+if (data.loops.length) showLoop();

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirewear.base import frame
 from wirewear.base.quantity import counted
-from wirewear.views.differences import EVOLUTION_FIGURES, Difference, common_evolution
+from wirewear.views.differences import EVOLUTION_FIGURES, Difference, common_evolution, worst_differences
 
 if TYPE_CHECKING:
     from wirewear.records.values import Array
@@ -49,6 +49,7 @@ def page(comparison: RecordComparison, maps: bytes | None) -> str:
             "alike": not comparison.unlike and not any(_beyond(row) for row in worst),
             "worst": worst,
             "evolution": EVOLUTION_FIGURES,
+            "scars": bool(comparison.scars),
             "maps": None if maps is None else frame.inline_svg(maps, "maps"),
             "data": frame.embedded(page_data(comparison)),
             "script": frame.script(frame.HERE / "charts.js", HERE / "comparison_page.js"),
@@ -56,16 +57,6 @@ def page(comparison: RecordComparison, maps: bytes | None) -> str:
         },
         {"hundredths": _hundredths},
     )
-
-
-def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
-    """The largest difference of each quantity over its cycles, those in most scatters first."""
-    worst: dict[tuple[str, str], Difference] = {}
-    for row in rows:
-        key = row.source, row.quantity
-        if key not in worst or abs(row.difference) > abs(worst[key].difference):
-            worst[key] = row
-    return sorted(worst.values(), key=lambda row: -abs(row.in_scatter or 0.0))
 
 
 def sentence(worst: Sequence[Difference]) -> str:
@@ -148,20 +139,19 @@ def _friction(pairs: Sequence[LoopPair], name: str) -> dict[str, Any]:
 
 
 def _sections(pair: ScarPair) -> dict[str, Any]:
+    cuts = [("along", "x", pair.x_um, pair.section_along), ("across", "y", pair.y_um, pair.section_across)]
     return {
         "wire": pair.wire,
         "cycle": pair.simulated_cycle,
         "sections": [
             {
-                "label": label,
+                "title": f"{pair.name}, {way} the motion",
+                "label": f"{axis}, {way} the motion [µm]",
                 "at": _numbers(at),
                 "simulated": _numbers(cut(pair.simulated)),
                 "measured": [_numbers(cut(depth)) for depth in pair.measured],
             }
-            for label, at, cut in (
-                ("x, along the motion [µm]", pair.x_um, pair.section_along),
-                ("y, across the motion [µm]", pair.y_um, pair.section_across),
-            )
+            for way, axis, at, cut in cuts[: 2 if pair.is_map else 1]
         ],
     }
 

@@ -5,20 +5,27 @@ from collections.abc import Sequence
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
 from wirewear.loops import LoopFigures, Measured
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
+from wirewear.pictures.colours import DEPTH_COLOURS, GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import cycle_axis, cycle_name, new_figure, panel_letters
-from wirewear.records.values import Array, ExperimentRecord
+from wirewear.pictures.style import WIDTH_in, cycle_axis, cycle_name, new_figure, panel_letters, round_below, scale_bar
+from wirewear.records import AnyRecord
+from wirewear.records.values import Array
 from wirewear.results import RunResult
 from wirewear.views.differences import EVOLUTION_FIGURES, common_evolution
 from wirewear.views.matched_loops import PHASES, LoopPair
+from wirewear.views.registration import ScarPair
 
 SIMULATED, MEASURED, BAND = VARIANT_COLOURS[0], INK, "#c9c9c9"
 
 MOST_PANELS, COLUMNS = 6, 3
+
+#: Blue where the simulation wears too little, red where it wears too much.
+DIFFERENCE_COLOURS = "RdBu_r"
 
 #: Friction measures, their marks, and whether simulated and measured differ in colour.
 FRICTION = (
@@ -72,7 +79,7 @@ def _draw_pair(axes: Axes, pair: LoopPair) -> None:
     axes.set_title(f"cycle {cycle_name(pair.cycle)}")
 
 
-def evolution_picture(result: RunResult, record: ExperimentRecord, pairs: Sequence[LoopPair]) -> Figure:
+def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[LoopPair]) -> Figure:
     """Amplitudes, energy, largest force and friction measures over the cycles."""
     figure = new_figure(5.6)
     grid = figure.subplots(2, 2)
@@ -96,7 +103,7 @@ def evolution_picture(result: RunResult, record: ExperimentRecord, pairs: Sequen
     return figure
 
 
-def _draw_column(axes: Axes, result: RunResult, record: ExperimentRecord, name: str, pairs: Sequence[LoopPair]) -> None:
+def _draw_column(axes: Axes, result: RunResult, record: AnyRecord, name: str, pairs: Sequence[LoopPair]) -> None:
     cycles, tests = common_evolution(record, name)
     if cycles.size:
         if len(tests) > 1:
@@ -111,7 +118,7 @@ def _draw_column(axes: Axes, result: RunResult, record: ExperimentRecord, name: 
 
 
 def _draw_of_loops(axes: Axes, name: str, pairs: Sequence[LoopPair]) -> None:
-    """Figures of the measured loops, where the record has no evolution."""
+    """Figures of the measured loops, if any, where the record has no evolution."""
 
     def value(pair: LoopPair, test: int) -> float:
         if name == "max_tangential_force_N":
@@ -120,7 +127,14 @@ def _draw_of_loops(axes: Axes, name: str, pairs: Sequence[LoopPair]) -> None:
         return figure.value
 
     points = [(pair.cycle, value(pair, test)) for pair in pairs for test in range(len(pair.repeats))]
-    axes.plot(*zip(*points, strict=True), "o", color=MEASURED, markersize=3.5, label="measured loops")
+    axes.plot(
+        [cycle for cycle, _ in points],
+        [one for _, one in points],
+        "o",
+        color=MEASURED,
+        markersize=3.5,
+        label="measured loops",
+    )
 
 
 def _draw_friction(axes: Axes, pairs: Sequence[LoopPair]) -> None:
@@ -151,3 +165,71 @@ def _friction(pair: LoopPair, attribute: str) -> tuple[float, Array]:
 
     tests = np.array([value(figures) for figures in pair.measured_figures])
     return value(pair.simulated_figures), tests[np.isfinite(tests)]
+
+
+def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
+    """One row for each wire: measured mean, simulated, and simulated minus measured; one scale for each kind."""
+    deepest = max(float(np.nanmax([pair.mean, pair.simulated])) for pair in pairs) or 1.0
+    worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
+    half_x, half_y = (max(float(np.abs(getattr(pair, n)).max()) for pair in pairs) for n in ("x_um", "y_um"))
+    panel_in = 0.80 * WIDTH_in / 3
+    figure = new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.3)
+    grid = figure.subplots(len(pairs), 3, sharex=True, sharey=True, squeeze=False)
+    depth_norm, difference_norm = Normalize(0.0, deepest), Normalize(-worst, worst)
+    for row, pair in zip(grid, pairs, strict=True):
+        for axes, values, title in zip(
+            row, (pair.mean, pair.simulated, pair.simulated - pair.mean), ("measured", "simulated", "difference"),
+            strict=True,
+        ):  # fmt: skip
+            difference = title == "difference"
+            colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (DEPTH_COLOURS, depth_norm)
+            axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
+            axes.set_title(f"{pair.name}, {title}")
+            axes.set_aspect("equal")
+            axes.grid(visible=False)
+            axes.spines[:].set_visible(True)
+            axes.set_xlim(-half_x, half_x)
+            axes.set_ylim(-half_y, half_y)
+        row[0].set_ylabel("y [µm]")
+        scale_bar(row[0], round_below(0.4 * half_x))
+    for axes in grid[-1]:
+        axes.set_xlabel("x, sliding [µm]")
+    for columns, colours, norm, label in (
+        (grid[:, :2], DEPTH_COLOURS, depth_norm, "worn depth [µm]"),
+        (grid[:, 2:], DIFFERENCE_COLOURS, difference_norm, "simulated − measured [µm]"),
+    ):
+        bar = ScalarMappable(norm, colours)
+        figure.colorbar(bar, ax=columns, label=label, location="bottom", aspect=40 if columns.shape[1] > 1 else 20)
+    panel_letters(list(grid.flat))
+    return figure
+
+
+def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
+    """Depth along the motion, and of maps across it, through the origin; one row for each body, all on one scale."""
+    figure = new_figure(2.1 * len(pairs) + 0.7)
+    grid = figure.subplots(len(pairs), 2 if pairs[0].is_map else 1, sharex=True, sharey=True, squeeze=False)
+    for row, pair in zip(grid, pairs, strict=True):
+        cuts = [(pair.x_um, pair.section_along), (pair.y_um, pair.section_across)]
+        for axes, (at, cut) in zip(row, cuts, strict=False):
+            _draw_section(axes, at, np.stack([cut(depth) for depth in pair.measured]), cut(pair.simulated))
+            axes.set_title(f"{pair.name} across it")
+        row[0].set_title(f"{pair.name} along the motion, {cycle_name(pair.simulated_cycle)} cycles")
+        row[0].set_ylabel("worn depth [µm]")
+    grid[0, 0].invert_yaxis()
+    for axes, label in zip(grid[-1], ("x at y = 0 [µm]", "y at x = 0 [µm]"), strict=False):
+        axes.set_xlabel(label)
+    panel_letters(list(grid.flat))
+    handles, labels = grid[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
+    return figure
+
+
+def _draw_section(axes: Axes, at: Array, tests: Array, simulated: Array) -> None:
+    known = np.isfinite(tests).all(axis=0)
+    many = len(tests) > 1
+    if many:
+        low, high = tests[:, known].min(axis=0), tests[:, known].max(axis=0)
+        axes.fill_between(at[known], low, high, color=BAND, linewidth=0, label=f"range of {len(tests)} repeats")
+    label = "measured, mean" if many else "measured"
+    axes.plot(at[known], tests[:, known].mean(axis=0), color=MEASURED, linewidth=0.8, label=label)
+    axes.plot(at, simulated, color=SIMULATED, linewidth=1.4, label="simulated")

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirewear.loops import LoopFigures, Measured
-from wirewear.records.values import Array, ExperimentRecord
+from wirewear.records import AnyRecord
+from wirewear.records.values import Array
 from wirewear.results import RunResult
 from wirewear.views.matched_loops import LoopPair
 from wirewear.views.registration import ScarPair
@@ -60,6 +61,16 @@ class Difference:
     basis: str
 
 
+def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
+    """The largest difference of each quantity over its cycles, those in most scatters first."""
+    worst: dict[tuple[str, str], Difference] = {}
+    for row in rows:
+        key = row.source, row.quantity
+        if key not in worst or abs(row.difference) > abs(worst[key].difference):
+            worst[key] = row
+    return sorted(worst.values(), key=lambda row: -abs(row.in_scatter or 0.0))
+
+
 def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:
     """Figures of each matched loop, and the distance of the loops at equal phase."""
     rows: list[Difference] = []
@@ -95,7 +106,7 @@ def _distances(pairs: Sequence[LoopPair]) -> list[Difference]:
     return rows
 
 
-def evolution_differences(result: RunResult, record: ExperimentRecord) -> list[Difference]:
+def evolution_differences(result: RunResult, record: AnyRecord) -> list[Difference]:
     """Root mean square over the record's cycles of the difference of each evolution column."""
     rows = []
     for quantity, unit, name in EVOLUTION_FIGURES:
@@ -115,7 +126,7 @@ def evolution_differences(result: RunResult, record: ExperimentRecord) -> list[D
     return rows
 
 
-def common_evolution(record: ExperimentRecord, name: str) -> tuple[Array, Array]:
+def common_evolution(record: AnyRecord, name: str) -> tuple[Array, Array]:
     """Cycles (n,) at which all repeats have a value of that column, and the values (repeats, n)."""
     series = []
     for part in record.evolution:
@@ -136,10 +147,10 @@ def simulated_evolution(result: RunResult, name: str, cycles: Array) -> Array:
 
 
 def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
-    """Volume, depth and the difference of maps of each wire."""
+    """Volume, depth, lengths and the difference of maps of each body."""
     rows = []
     for pair in pairs:
-        source, covered = f"scar, {pair.wire} wire", np.isfinite(pair.measured).all(axis=0)
+        source, covered = f"scar, {pair.name}", np.isfinite(pair.measured).all(axis=0)
         if not covered.any():
             continue
         # A single wild point of a profilometer is no depth.
@@ -148,6 +159,7 @@ def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
             ("worn volume", "10⁻³ mm³", 1e3 * float(np.mean(pair.simulated_volumes_mm3)),
              1e3 * np.array(pair.measured_volumes_mm3)),
             ("depth of the deepest 1 %", "µm", _deep(pair.simulated[covered]), deep),
+            *((name, "µm", float(own.mean()), tests) for name, (own, tests) in pair.spans_um.items()),
         ):  # fmt: skip
             scatter, basis = _pooled([tests], [])
             measured = float(tests.mean())

@@ -7,8 +7,9 @@ import numpy as np
 
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.drive import period_of
+from wirewear.records import AnyRecord
 from wirewear.records.remarks import listed
-from wirewear.records.values import Array, ExperimentRecord, MeasuredLoop
+from wirewear.records.values import Array, MeasuredLoop
 from wirewear.results import Loop, RunResult, read_loops
 
 #: A simulated cycle stands for a measured one if neither is more than this many times the other.
@@ -35,7 +36,7 @@ class LoopPair:
     measured_figures: tuple[LoopFigures, ...]
 
 
-def loop_pairs(result: RunResult, record: ExperimentRecord) -> tuple[tuple[LoopPair, ...], tuple[str, ...]]:
+def loop_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[LoopPair, ...], tuple[str, ...]]:
     """Pairs of all cycles that both have, and sentences about what was left out.
 
     Simulated loops are those that the study's sensors read.

@@ -1,6 +1,7 @@
 """Measured scars beside simulated ones, laid onto them by the shift and rotation that make the difference least."""
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -8,10 +9,10 @@ from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
 from wirewear.base.errors import ResultError
-from wirewear.records import MeasuredScar
-from wirewear.records.values import Array, ExperimentRecord
+from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar
+from wirewear.records.values import Array
 from wirewear.results import RunResult, Scar
-from wirewear.results.scar import WIRES, worn_volume_mm3
+from wirewear.results.scar import called
 
 #: The deviation of a rotation from which on a scar is too round to have one.
 VAGUE_deg = 4.0
@@ -52,28 +53,33 @@ class Registration:
         return x * cosine + y * sine, y * cosine - x * sine
 
 
-def register(measured: MeasuredScar, simulated: Scar) -> Registration:
-    """Least-squares registration over the points of the measured map.
+def register(measured: MeasuredScar | MeasuredProfile, simulated: Scar) -> Registration:
+    """Least-squares registration over the points of the measured map, along x alone of a profile.
 
     The search starts both from maps as they are and from coinciding centroids, and the better end is taken.
     """
-    x, y = (grid.ravel() for grid in np.meshgrid(measured.x_um, measured.y_um, indexing="ij"))
-    depth = measured.depth_um.ravel()
+    lines_x, lines_y, field = measured.field
+    x, y = (grid.ravel() for grid in np.meshgrid(lines_x, lines_y, indexing="ij"))
+    depth = field.ravel()
     known = np.isfinite(depth)
     x, y, depth = x[known], y[known], depth[known]
     start = _centroid(x, y, depth) - _centroid(x, y, simulated.depth_at(x, y))
-    held = _fit(simulated, (x, y, depth), start, turning=False)
-    if _is_round(simulated, x, y):
+    held = _fit(simulated, (x, y, depth), start, 2 if lines_y.size > 1 else 1)
+    if lines_y.size == 1 or _is_round(simulated, x, y):
         return held
-    turned = _fit(simulated, (x, y, depth), start, turning=True)
+    turned = _fit(simulated, (x, y, depth), start, 3)
     return held if turned.rotation_deviation_deg > VAGUE_deg else turned
 
 
-def onto_simulated(measured: MeasuredScar, registration: Registration, x_um: Array, y_um: Array) -> Array:
+def onto_simulated(
+    measured: MeasuredScar | MeasuredProfile, registration: Registration, x_um: Array, y_um: Array
+) -> Array:
     """Measured depth (n_x, n_y) on lines of the simulated frame; NaN where the map has no points."""
+    lines_x, lines_y, field = measured.field
     at = registration.measured_point(*np.meshgrid(x_um, y_um, indexing="ij"))
-    lines = (measured.x_um, measured.y_um)
-    depth: Array = RegularGridInterpolator(lines, measured.depth_um, bounds_error=False, fill_value=np.nan)(at)
+    if lines_y.size == 1:
+        return np.interp(at[0], lines_x, field[:, 0], left=np.nan, right=np.nan)
+    depth: Array = RegularGridInterpolator((lines_x, lines_y), field, bounds_error=False, fill_value=np.nan)(at)
     return depth
 
 
@@ -92,45 +98,49 @@ def _centroid(x: Array, y: Array, depth: Array) -> Array:
     return np.array([weight @ x, weight @ y]) / total if total > 0.0 else np.zeros(2)
 
 
-def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, *, turning: bool) -> Registration:
+def _fit(simulated: Scar, points: tuple[Array, Array, Array], start: Array, freedoms: int) -> Registration:
+    """The best of so many of shifts along x and y and a turn."""
     x, y, depth = points
     deepest = max(float(np.max(np.abs(depth))), 1e-12)
-    scale = np.array([10.0, 10.0, 0.1])[: 3 if turning else 2]
+    scale = np.array([10.0, 10.0, 0.1])[:freedoms]
+
+    def all_three(scaled: Array) -> Array:
+        return np.append(scale * scaled, np.zeros(3 - freedoms))
 
     def residuals(scaled: Array) -> Array:
-        shift_x, shift_y, angle = (*(scale * scaled), 0.0)[:3]
+        shift_x, shift_y, angle = all_three(scaled)
         cosine, sine = np.cos(angle), np.sin(angle)
         from_x, from_y = x - shift_x, y - shift_y
         expected = simulated.depth_at(from_x * cosine + from_y * sine, from_y * cosine - from_x * sine)
         return (expected - depth) / deepest
 
-    starts = [np.zeros(scale.size), np.append(start, np.zeros(scale.size - 2)) / scale]
-    if turning:
+    starts = [np.zeros(freedoms), np.append(start, 0.0)[:freedoms] / scale]
+    if freedoms == 3:
         turns = [np.append(start, np.radians(angle)) / scale for angle in STARTS_deg]
         starts.append(min(turns, key=lambda one: float(np.sum(residuals(one) ** 2))))
     fits = [least_squares(residuals, one, diff_step=1e-3) for one in starts]
     best = min(fits, key=lambda fit: float(fit.cost))
-    variance = 2.0 * best.cost / max(x.size - scale.size, 1)
+    variance = 2.0 * best.cost / max(x.size - freedoms, 1)
     covariance = variance * np.linalg.pinv(best.jac.T @ best.jac)
-    deviations = scale * np.sqrt(np.diag(covariance))
-    values = np.append(scale * best.x, np.zeros(3 - scale.size))
+    values, deviations = all_three(best.x), all_three(np.sqrt(np.diag(covariance)))
     return Registration(
         shift_x_um=float(values[0]),
         shift_y_um=float(values[1]),
         rotation_deg=float(np.degrees(values[2])),
         shift_x_deviation_um=float(deviations[0]),
         shift_y_deviation_um=float(deviations[1]),
-        rotation_deviation_deg=float(np.degrees(deviations[2])) if turning else 0.0,
-        rotation_held=not turning,
+        rotation_deviation_deg=float(np.degrees(deviations[2])),
+        rotation_held=freedoms < 3,
     )
 
 
 @dataclass(frozen=True, eq=False)
 class ScarPair:
-    """One wire's scar at the test's end: depths [µm] over `x_um` (n_x,) and `y_um` (n_y,) in the simulated frame.
+    """One body's scar at the test's end: depths [µm] over `x_um` (n_x,) and `y_um` (n_y,) in the simulated frame.
 
-    `simulated` has shape (n_x, n_y), `measured` (repeats, n_x, n_y), NaN where a map has no points. Worn volumes are
-    those of each measured map, and of the simulated scar at that map's points.
+    A line contact has one line y. `simulated` has shape (n_x, n_y), `measured` (repeats, n_x, n_y), NaN where a map has
+    no points. Worn volumes are those of each measured map, and of the simulated scar at that map's points, as are
+    `spans_um`, further lengths of both by name.
     """
 
     wire: str
@@ -143,6 +153,17 @@ class ScarPair:
     measured: Array
     simulated_volumes_mm3: tuple[float, ...]
     measured_volumes_mm3: tuple[float, ...]
+    spans_um: dict[str, tuple[Array, Array]]
+
+    @property
+    def name(self) -> str:
+        """What the body is called."""
+        return called(self.wire)
+
+    @property
+    def is_map(self) -> bool:
+        """Whether it has several lines y."""
+        return self.y_um.size > 1
 
     @property
     def mean(self) -> Array:
@@ -164,45 +185,52 @@ class ScarPair:
         return section
 
 
-def scar_pairs(result: RunResult, record: ExperimentRecord) -> tuple[tuple[ScarPair, ...], tuple[str, ...]]:
-    """Pairs of the wires of which both have a scar at the end, and sentences about what was left out."""
+def scar_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[ScarPair, ...], tuple[str, ...]]:
+    """Pairs of the bodies of which both have a scar at the end, and sentences about what was left out."""
     pairs, notes = [], []
-    for wire in WIRES:
-        measured = [scar for scar in record.scars_of(wire) if np.isfinite(scar.depth_um).any()]
+    length_mm, worn = record.tables.length_mm, record.tables.worn.name
+    for body in record.tables.bodies:
+        measured = [scar for scar in record.scars_of(body) if np.isfinite(scar.depth_um).any()]
         if not measured:
-            notes.append(f"the record has no scar of the {wire} wire")
+            notes.append(f"the record has no {worn} of the {called(body)}")
             continue
         try:
-            simulated = result.scar(record.tables.conditions.cycles, wire)
+            simulated = result.scar(record.tables.conditions.cycles, body)
         except ResultError:
-            notes.append(f"the result has no scar of the {wire} wire at the end of the test")
+            notes.append(f"the result has no {worn} of the {called(body)} at the end of the test")
             continue
-        registrations = tuple(register(scar, simulated) for scar in measured)
+        registrations = [register(scar, simulated) for scar in measured]
         # The map with most points sets the grid; what other maps lack there is missing.
-        widest = max(measured, key=lambda scar: scar.depth_um.size)
-        x, y = widest.x_um, widest.y_um
+        x, y, _ = max(measured, key=lambda scar: int(scar.depth_um.size)).field
         maps = [onto_simulated(scar, own, x, y) for scar, own in zip(measured, registrations, strict=True)]
+        # A map that misses a part misses it of both.
+        seen = [_seen_by(scar, own, simulated) for scar, own in zip(measured, registrations, strict=True)]
         pairs.append(
             ScarPair(
-                wire=wire,
+                wire=body,
                 simulated_cycle=simulated.cycle,
                 repeats=tuple(scar.repeat for scar in measured),
-                registrations=registrations,
+                registrations=tuple(registrations),
                 x_um=x,
                 y_um=y,
                 simulated=simulated.sampled(x, y),
                 measured=np.stack(maps),
-                simulated_volumes_mm3=tuple(
-                    _seen_by(scar, own, simulated) for scar, own in zip(measured, registrations, strict=True)
-                ),
-                measured_volumes_mm3=tuple(scar.volume_mm3 for scar in measured),
+                simulated_volumes_mm3=tuple(one.volume_of(length_mm) for one in seen),
+                measured_volumes_mm3=tuple(one.volume_of(length_mm) for one in measured),
+                spans_um={name: (_spans(seen, name), _spans(measured, name)) for name in measured[0].spans_um},
             )
         )
     return tuple(pairs), tuple(notes)
 
 
-def _seen_by(measured: MeasuredScar, registration: Registration, simulated: Scar) -> float:
-    """Volume [mm³] of the simulated scar at a measured map's points: a map that misses a part misses it of both."""
-    at = registration.simulated_point(*np.meshgrid(measured.x_um, measured.y_um, indexing="ij"))
-    depth = np.where(np.isfinite(measured.depth_um), simulated.depth_at(*at), 0.0)
-    return worn_volume_mm3(measured.x_um, measured.y_um, depth)
+def _spans(surfaces: Sequence[MeasuredScar | MeasuredProfile], name: str) -> Array:
+    return np.array([one.spans_um[name] for one in surfaces])
+
+
+def _seen_by(
+    measured: MeasuredScar | MeasuredProfile, registration: Registration, simulated: Scar
+) -> MeasuredScar | MeasuredProfile:
+    """The simulated scar at a measured map's points."""
+    x, y, _ = measured.field
+    at = registration.simulated_point(*np.meshgrid(x, y, indexing="ij"))
+    return measured.of_field(simulated.depth_at(*at))
