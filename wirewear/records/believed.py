@@ -66,4 +66,5 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
         **({"wear": tables.for_study(wear)} if wears else {}),
         **({"effects": effects} if effects else {}),
     }
-    return tables.with_bodies(data)
+    whole: dict[str, Any] = tables.with_bodies(data)
+    return whole
