@@ -2,14 +2,14 @@
 
 A stroke starts with short steps, for the force turns most just after a reversal. From there on the slopes of two
 neighbouring chords tell how far the force departs from them: steps grow and shrink with that, and one that proves too
-long is taken anew. The way back is the mirror image of the way out, refined where its own force asks for it, so that a
-symmetric contact gives a symmetric loop.
+long is taken anew. The way back of a symmetric contact is the mirror image of the way out; any other takes the same
+steps, refined where its own force asks for it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import acos, cos, pi, sqrt
 
 import numpy as np
@@ -19,6 +19,7 @@ from solvers.contact import ContactProblem, advance
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.fretting import CycleTrace, Watch, settled
 from solvers.guide import Guide, guide_from
+from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
 Array = NDArray[np.float64]
 
@@ -53,19 +54,27 @@ def closed_adaptive_cycle(
     guide: Guide | None = None,
     settling_increments: int | None = None,
     tolerance: float = LOOP_TOLERANCE,
+    moved: CycleTrace | None = None,
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
 
     increments: of a cosine than whose steps none is longer.  tolerance: allowed distance of the force from the
     straight lines between increments, over the friction force or, in partial slip, over the largest force or
     the half height of a rectangular loop of as much friction work, whichever is least; nearly without friction, over a
-    share of the load.
+    share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop is to start; else
+    half a cycle is moved first.
+
+    Bodies of which a part has stuck ever since they were pressed together go both ways: strokes do not wipe out what it
+    remembers.
     """
-    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
+    if moved is None:
+        moved = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)[1]
+    state, trace = moved.states[-1], moved
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
     largest = float(np.abs(trace.tangential_force).max())
-    # Half a cycle has been moved: of a rectangular loop that is its half height.
-    opening = max(trace.friction_work / (2.0 * amplitude_mm), _LEAST_OPENING * largest)
+    # Of a rectangular loop that is its half height.
+    way = float(np.abs(np.diff(trace.drive, prepend=trace.start.drive)).sum())
+    opening = max(trace.friction_work / way, _LEAST_OPENING * largest)
     height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
     walk = _Walk(
         problem,
@@ -73,16 +82,21 @@ def closed_adaptive_cycle(
         tolerance * (height if min(friction, largest) > least else max(height, least)),
         increments,
     )
+    mirror = None if state.core.any() else kept_by(symmetry_of(problem), state).half_cycle
     there = back = None
     for _ in range(_MOST_REPEATS):
         start = state
-        out = walk.stroke(state, there)
+        solved = out = walk.stroke(state, there)
         there = np.array([step.end for step in out])
-        home = walk.stroke(out[-1].after, there if back is None else back)
-        back = np.array([step.end for step in home])
-        state, steps = home[-1].after, [*out, *home]
+        if mirror is not None:
+            steps = [*out, *_mirrored(out, mirror)]
+        else:
+            home = walk.stroke(out[-1].after, there if back is None else back)
+            back = np.array([step.end for step in home])
+            solved = steps = [*out, *home]
+        state = steps[-1].after
         if watch is not None:
-            for step in steps:
+            for step in solved:
                 for report in step.reports:
                     watch(step.after, report)
         trace = _trace(start, steps, amplitude_mm)
@@ -173,6 +187,24 @@ class _Walk:
         return steps
 
 
+def _mirrored(out: Sequence[_Step], mirror: Mirror) -> list[_Step]:
+    """The way back of a symmetric contact, from the end of the way out."""
+    start, turned, home = out[0].before, out[-1].after, list[_Step]()
+    for step in out:
+        primary, secondary = (
+            step.after.primary_slid - start.primary_slid,
+            step.after.secondary_slid - start.secondary_slid,
+        )
+        after = replace(
+            mirrored(step.after, mirror),
+            primary_slid=turned.primary_slid + mirror.image(primary, mirror.primary),
+            secondary_slid=turned.secondary_slid + mirror.image(secondary, mirror.secondary),
+        )
+        reports = tuple(replace(of, drive=-of.drive, tangential_force=-of.tangential_force) for of in step.reports)
+        home.append(replace(step, before=home[-1].after if home else turned, after=after, reports=reports))
+    return home
+
+
 def _change(error: float, allowed: float) -> float:
     """By how much the step after one of this error is to be longer or shorter; errors grow with its square."""
     wanted = _SAFETY * sqrt(allowed / max(error, 1e-12 * allowed))
@@ -219,6 +251,7 @@ def _trace(start: ContactState, steps: Sequence[_Step], amplitude: float) -> Cyc
         reports=tuple(report for step in steps for report in step.reports),
         guide=guide_from(phase, states),
         slid=(end.primary_slid - start.primary_slid, end.secondary_slid - start.secondary_slid),
+        start=start,
         middle=middle,
         states=tuple(states),
     )

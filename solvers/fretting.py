@@ -34,7 +34,7 @@ class CycleTrace:
     phase: share of the cycle passed since +amplitude, in (0, 1].
     drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
     similar cycle.  slid: distance that each node of the primary and the secondary patch slid under pressure, mm.
-    middle: the state when the drive passes zero moving towards +x.  states: n, at the same ends.
+    start: the state before.  middle: that when the drive passes zero moving towards +x.  states: n, at the same ends.
     """
 
     phase: Array
@@ -46,6 +46,7 @@ class CycleTrace:
     reports: tuple[IncrementReport, ...]
     guide: Guide
     slid: tuple[Array, Array]
+    start: ContactState
     middle: ContactState
     states: tuple[ContactState, ...]
 
@@ -248,6 +249,7 @@ def _follow(
         reports=tuple(everything),
         guide=guide_from(path.phase, states),
         slid=(state.primary_slid - start.primary_slid, state.secondary_slid - start.secondary_slid),
+        start=start,
         middle=middle,
         states=tuple(states),
     )

@@ -107,7 +107,7 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
     """The state half a cycle away, by a mirror that reverses the motion; the worn surfaces are left as they are."""
     return replace(
         state,
-        drive=mirror.sign_x * state.drive,
+        drive=mirror.sign_x * state.drive + 0.0,
         holder_x=mirror.sign_x * state.holder_x,
         holder_tilt=mirror.sign_x * state.holder_tilt,
         traction=mirror.image(state.traction, mirror.primary),
@@ -137,7 +137,7 @@ def with_images(guide: Guide, mirror: Mirror | None) -> Guide:
 
 def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symmetry: Symmetry) -> float | None:
     """How far pressures of a closed cycle of m states, from one end of the stroke to itself, are from their own mirror
-    image.
+    image. The state at its start may be the first.
 
     The largest over the cycle of half the area-weighted difference, over the largest load of the cycle, 0 to 1:
     numerical error alone, where bodies, rig and effects are symmetric. Under a held approach bodies may nearly part on
@@ -151,7 +151,7 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     drives = np.array([state.drive for state in states])
     reversal = int(np.argmax(np.abs(drives - drives[-1])))
     unit = _SAME_DRIVE * float(np.abs(drives).max())
-    later = {round(state.drive / unit): state for state in states[reversal + 1 :]}
+    later = {round(state.drive / unit): state for state in states[reversal:]}
     areas, worst = problem.surface.areas, 0.0
     load = max(float(areas @ state.traction[:, 2]) for state in states)
     for state in states[: reversal + 1]:

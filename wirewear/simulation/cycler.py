@@ -75,13 +75,17 @@ class FrettingTest:
 
 @dataclass(frozen=True)
 class _Traced:
-    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state."""
+    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state.
+
+    reports: of all increments that took.
+    """
 
     problem: ContactProblem
     state: ContactState
     symmetry: Symmetry
     start: ContactState
     trace: CycleTrace
+    reports: list[IncrementReport]
 
     @property
     def work_mJ(self) -> float:
@@ -137,27 +141,27 @@ class Cycler:
 
     def wearing(self, problem: ContactProblem, state: ContactState, done: float) -> Attempt:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
-        traced, counters = self._traced(problem, state, done), self.tally.counters
-        # A cycle that judges a jump is that from which the next one starts: counted there, a run that is resumed
-        # between both, and traces it anew, counts as one that is not.
-        counters.simulated_cycles += 1
-        in_vain = 0
+        traced, in_vain = self._traced(problem, state, done), list[_Traced]()
+        # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
+        # that is resumed between both, and traces it anew, counts as one that is not.
+        self._count(traced)
 
         def attempt(_state: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
             def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
                 return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
-            nonlocal in_vain
-            counters.simulated_cycles, in_vain = counters.simulated_cycles + in_vain, 0
+            while in_vain:
+                self._count(in_vain.pop())
             jump = jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
             if not jump.uncertain:
                 return jump.state, jump.pressure_change
             # What sticks and how far the rest slides is known of the cycle before the jump: the one after it tells what
             # came of that, and is traced in vain if the jump is rejected.
-            in_vain = 1
-            self.friction_work_mJ = self._traced(problem, jump.state, before + cycles).work_mJ
-            missed = change_by_work(jump.friction_work, self.friction_work_mJ, cycles, jump.state.wear.energy_mJ)
+            after = self._traced(problem, jump.state, before + cycles)
+            in_vain.append(after)
+            self.friction_work_mJ = after.work_mJ
+            missed = change_by_work(jump.friction_work, after.work_mJ, cycles, jump.state.wear.energy_mJ)
             return jump.state, max(jump.pressure_change, missed)
 
         return attempt
@@ -167,20 +171,33 @@ class Cycler:
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion
-        symmetry = kept_by(symmetry_of(current), state)
+        symmetry, reports = kept_by(symmetry_of(current), state), list[IncrementReport]()
+
+        def watch(passed: ContactState, report: IncrementReport) -> None:
+            reports.append(report)
+            self._tell(passed, self.now)
+
         start, trace = closed_trace(
-            current, state, motion.amplitude_mm, motion.wear_increments, symmetry, self._watch, self.guide
+            current, state, motion.amplitude_mm, motion.wear_increments, symmetry, watch, self.guide
         )
-        self._latest = _Traced(problem, state, symmetry, start, trace)
+        self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
+
+    def _count(self, traced: _Traced) -> None:
+        self.tally.counters.simulated_cycles += 1
+        for report in traced.reports:
+            self.tally.counters.count(report)
 
     def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
-        close = closed_adaptive_cycle if motion.follows_force else closed_cycle
-        after, trace = close(
-            current, state, motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments
-        )
+        how = (motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments)
+        if motion.follows_force:
+            # Where the contact wears, the next jump starts from the cycle that leads to the loop.
+            moved = None if problem.wear.none else self._traced(problem, state, done).trace
+            after, trace = closed_adaptive_cycle(current, state, *how, moved=moved)
+        else:
+            after, trace = closed_cycle(current, state, *how)
         self._took(trace)
         if self.goes_on_from(problem, state):
             self.guide = guide

@@ -127,7 +127,7 @@ def mirrored_mismatch(problem: ContactProblem, trace: CycleTrace) -> float:
 
     NaN where bodies, rig or effects have no mirror that takes the way out into the way back.
     """
-    error = mirror_error(problem, trace.states, symmetry_of(problem))
+    error = mirror_error(problem, (trace.start, *trace.states), symmetry_of(problem))
     return nan if error is None else error
 
 

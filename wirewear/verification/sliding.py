@@ -89,12 +89,12 @@ def book_keeping_rows(level: Level) -> tuple[Row, ...]:
     _, closed = closed_adaptive_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
     name = f"Book-keeping, {_CYCLES:g} cycles"
     before, area = (abs(enclosed_area(loop.drive, loop.tangential_force)) for loop in (first, closed))
-    work, mirror = closed.friction_work, mirror_error(problem, closed.states, symmetry_of(problem))
+    mirror = mirror_error(problem, (closed.start, *closed.states), symmetry_of(problem))
     return (
         compared(name, "energy = loop area times cycles [mJ]", energy, 0.5 * _CYCLES * (before + area), 5e-3),
         compared(name, "volume of upper wire = αE [mm³]", upper, _RATES.upper_mm3_per_mJ * energy, _ROUND_OFF),
         compared(name, "volume of lower wire = αE [mm³]", lower, _RATES.lower_mm3_per_mJ * energy, _ROUND_OFF),
-        compared(name, "loop area = friction work [mJ]", area, work, 2e-3),
+        compared(name, "loop area = friction work [mJ]", area, closed.friction_work, 2e-3),
         compared(
             name, "mirror error of the pressures", nan if mirror is None else mirror, 0.0, _MIRROR_TOLERANCE, scale=1.0
         ),
