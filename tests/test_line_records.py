@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from tests.test_planar_study import TABLES
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
+from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
@@ -119,6 +120,9 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     drawn = CliRunner().invoke(cli, ["show", str(path), "--output", str(tmp_path / "pictures")])
     assert drawn.exit_code == 0, drawn.output
     assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
+    KINDS["line-contact"].write_beside([read_result(path)], tmp_path)
+    beside = {"profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
+    assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
     told = CliRunner().invoke(cli, ["loops", str(path), "--json"])
     assert told.exit_code == 0, told.output
     loops = json.loads(told.stdout)["loops"]

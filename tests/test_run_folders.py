@@ -38,7 +38,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Labels of the runs that were simulated; each leaves figures made up instead."""
     labels = []
 
-    def run_cycles(plan: RunPlan, folder: RunFolder, observer: object, *, resume: bool) -> RunResult:
+    def run_cycles(plan: RunPlan, _record: object, folder: RunFolder, _observer: object, *, resume: bool) -> RunResult:
         labels.append(plan.label)
         folder.begin()
         made = synthetic_results.result(variant=plan.study.variant_name)
@@ -79,7 +79,7 @@ def test_an_interrupted_run_of_other_code_is_not_continued(tmp_path: Path) -> No
     one, other = Identity(digest(of), "this code"), Identity(digest(of), "other code")
     made = synthetic_results.result()
     write_result(tmp_path / RESULT_FILE_NAME, replace(made, settings={**made.settings, "identity": str(one)}))
-    folder = RunFolder(tmp_path, other, write_result)
+    folder = RunFolder(tmp_path, other)
     assert "another version" in folder.found(begun=False).note
     assert folder.interrupted() is None
 

@@ -228,6 +228,7 @@ def fit(
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
+    from wirewear.kinds import kind_of
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import write_page
@@ -251,6 +252,7 @@ def fit(
     if fidelity != "none":
         checked = check_by_run(fitted, output / "run", fidelity, lambda name: ProgressBar(f"{name}, fitted"))
         runs: Any = [checked.result]  # of either kind
+        kind_of(record).write_beside(runs, output / "run")
         written.append(write_page(runs, output / "run"))
     if into_record:
         written.append(write_stated(fitted))

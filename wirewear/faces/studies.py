@@ -115,8 +115,7 @@ def run(
         observer_of=ProgressBar,
         jobs=jobs or os.cpu_count() or 1,
     )
-    for result in results:
-        kind.write_beside(result)
+    kind.write_beside(results, folder)
     if as_json:
         click.echo(runs_json(results))
     else:

@@ -54,8 +54,8 @@ class Kind(Protocol):
     def refined(self) -> Any:
         """What a study of convergence refines and watches."""
 
-    def write_beside(self, result: Any) -> None:
-        """Write what a run's folder holds beside its result for other programs."""
+    def write_beside(self, results: Sequence[Any], folder: Path) -> None:
+        """Write what the folder of a study's runs holds beside their results, for people and other programs."""
 
     def checked_model(self, record: Any, study: Any) -> Any:
         """A study that is to be diagnosed against a record; RecordError where it is of another test."""

@@ -46,13 +46,24 @@ class LineContacts:
         return planar_study_from_tables(tables, where)
 
     def run(self, study: PlanarStudy, **asked: Any) -> list[RunResult]:
-        """Results with their pictures."""
+        """Results of one millimetre."""
         from wirewear.planar import run_planar_variants
 
         return run_planar_variants(study, **asked)
 
-    def write_beside(self, result: RunResult) -> None:
-        """Nothing: its tables and pictures are drawn by the run."""
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """Tables and pictures of each run, and a picture of several side by side."""
+        from wirewear.pictures.style import save
+        from wirewear.planar.pictures import planar_drawings, planar_variants
+        from wirewear.results.flat import write_flat_tables
+
+        for result in results:
+            own = folder if result.path is None else result.path.parent
+            write_flat_tables(result, own, "csv")
+            for name, draw in planar_drawings([result]).items():
+                save(draw, own / f"{name}.png")
+        if len(results) > 1:
+            save(lambda: planar_variants(results), folder / "variants.png")
 
     def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
         """Pad and specimen, and what holds them."""

@@ -52,12 +52,12 @@ class CrossedWires:
 
         return run_study(study, **asked)
 
-    def write_beside(self, result: RunResult) -> None:
-        """The scars over the cycles for ParaView."""
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """The scars of each run over the cycles for ParaView."""
         from wirewear.results.vtk import FOLDER_NAME, write_time_series
 
-        if result.path is not None:
-            write_time_series(result, result.path.parent / FOLDER_NAME)
+        for result in results:
+            write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
 
     def write_meshes(self, study: Study, fidelity: str, folder: Path) -> list[Path]:
         """Both wires."""

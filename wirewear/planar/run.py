@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
-from functools import partial
+from contextlib import nullcontext
+from dataclasses import dataclass
 from pathlib import Path
 
 from solvers import unloaded_state
@@ -15,7 +15,7 @@ from wirewear.effects import problem_with
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, require_affordable_meshes
 from wirewear.planar.record import PlanarRecord
 from wirewear.planar.tables import PlanarStudy
-from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
+from wirewear.results import RunResult
 from wirewear.simulation import NoObserver
 from wirewear.simulation.checkpoint import OneMesh
 from wirewear.simulation.convergence import (
@@ -33,19 +33,13 @@ from wirewear.simulation.convergence import (
 )
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory, RunFolder, RunStore
+from wirewear.simulation.folder import InMemory
 from wirewear.simulation.observers import Observer
-from wirewear.simulation.together import ObserverFor, Task, run_together
+from wirewear.simulation.runs import run_planned
+from wirewear.simulation.together import ObserverFor
 
-#: Pictures and tables of a run, relative to its folder.
+#: Pictures and tables that are made of a run, relative to its folder.
 DERIVED = ("report.html", "profiles.png", "loops.png", "variants.png", "profiles.csv", "loops.csv", "evolution.csv")
-
-
-#: Pictures of one run.
-PICTURES = ("profiles.png", "loops.png")
-
-#: Picture of all variants, in the folder that holds theirs.
-SIDE_BY_SIDE = "variants.png"
 
 FIGURES = (
     Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
@@ -59,6 +53,54 @@ FIGURES = (
 )
 
 
+@dataclass(frozen=True)
+class PlanarRun:
+    """A study without variants, or one of its variants, at a fidelity."""
+
+    study: PlanarStudy
+    fidelity: str
+    planned: PlanarPlan
+
+    @classmethod
+    def of(cls, study: PlanarStudy, fidelity: str) -> PlanarRun:
+        """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
+        return cls(study, fidelity, plan(study, fidelity))
+
+    @property
+    def label(self) -> str:
+        """What the run is called beside others of its study."""
+        return self.study.variant_name or self.study.name
+
+    @property
+    def identity(self) -> Identity:
+        """Equal for runs that give the same result."""
+        study = self.study
+        asked = {
+            "study": study.model_dump(mode="json", exclude_none=True),
+            "variant": study.variant_name,
+            "fidelity": self.fidelity,
+        }
+        added = {"added": added_code((*study.effects, study.contact.friction_law))}
+        return identity_of(asked, PLANAR_CODE, self.planned.settings() | added)
+
+    @property
+    def test(self) -> FrettingTest:
+        """The test as the run goes through it."""
+        study, n = self.study, self.planned.increments_per_cycle
+        conditions = study.conditions
+        motion = Motion(
+            amplitude_mm=1e-3 * conditions.displacement_amplitude_um,
+            increments=n,
+            wear_increments=n,
+            follows_force=study.mesh.increments_per_cycle is None,
+            fresh=unloaded_state,
+            aged=lambda problem, age: problem_with(problem, study.effects, age),
+        )
+        milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles}))
+        mesh = OneMesh(lambda: planar_problem(study, *bodies(study, self.planned)))
+        return FrettingTest(motion, mesh, milestones, self.planned.jump_tolerance)
+
+
 def run_planar_study(
     study: PlanarStudy,
     *,
@@ -67,7 +109,7 @@ def run_planar_study(
     resume: bool = False,
     observer: Observer | None = None,
 ) -> RunResult:
-    """Simulate a study without variants; with `output`, leave result.h5, the CSV tables and the pictures there.
+    """Simulate a study without variants; with `output`, leave result.h5 there.
 
     With `resume`, the run in `output` continues at its last checkpoint; one that is complete is left as it is.
 
@@ -79,16 +121,14 @@ def run_planar_study(
     """
     if study.variant_names:
         raise StudyError(f"the study {study.name!r} has variants: run one of them, or all with run_planar_variants.")
+    watching = observer or NoObserver()
     if output is None:
-        planned = plan(study, fidelity)
-        require_affordable_meshes(study.name, planned)
-        store = InMemory(_identity(study, fidelity, planned))
-        return _cycled(study, fidelity, planned, store, observer or NoObserver())
-
-    def observer_of(_label: str) -> AbstractContextManager[Observer]:
-        return nullcontext(observer or NoObserver())
-
-    (result,) = run_planar_variants(study, fidelity=fidelity, output=output, resume=resume, observer_of=observer_of)
+        run = PlanarRun.of(study, fidelity)
+        require_affordable_meshes(study.name, run.planned)
+        return cycle_through(run.test, _record(run), InMemory(run.identity), watching, resume=False)
+    (result,) = run_planar_variants(
+        study, fidelity=fidelity, output=output, resume=resume, observer_of=lambda _: nullcontext(watching)
+    )
     return result
 
 
@@ -106,116 +146,19 @@ def run_planar_variants(
 
     Raises as `run_planar_study`.
     """
-    variants = [study.variant(name) for name in study.variant_names] or [study]
-    plans = [plan(variant, fidelity) for variant in variants]
-    tasks = [
-        Task(
-            variant.variant_name or variant.name,
-            RunFolder(
-                output / variant.variant_name if study.variant_names else output,
-                _identity(variant, fidelity, planned),
-                _write_into,
-                DERIVED,
-            ),
-            partial(_run_into, variant, fidelity, planned),
-        )
-        for variant, planned in zip(variants, plans, strict=True)
-    ]
 
-    def engine_for(left: Sequence[Task]) -> Engine:
-        for task, planned in zip(tasks, plans, strict=True):
-            if task in left:
-                require_affordable_meshes(study.name, planned)
+    def engine_for(left: Sequence[PlanarRun]) -> Engine:
+        for run in left:
+            require_affordable_meshes(study.name, run.planned)
         return engine or LocalProcesses(max(min(jobs, len(left)), 1))
 
-    results = run_together(
-        output,
-        study.name,
-        tasks,
-        engine_for,
-        variants=bool(study.variant_names),
-        resume=resume,
-        observer_of=observer_of,
+    return run_planned(
+        study, PlanarRun.of, _record, fidelity, output, engine_for, DERIVED, resume=resume, observer_of=observer_of
     )
-    for task, result in zip(tasks, results, strict=True):
-        # A run that was ended from outside while it drew is complete all the same.
-        if not all((task.folder.path / name).exists() for name in PICTURES):
-            _drawn(task.folder.path, result)
-    if study.variant_names and not (resume and (output / SIDE_BY_SIDE).exists()):
-        from wirewear.pictures.style import save
-        from wirewear.planar.pictures import planar_variants
-
-        save(lambda: planar_variants(results), output / SIDE_BY_SIDE)
-    return results
 
 
-def _run_into(
-    study: PlanarStudy,
-    fidelity: str,
-    planned: PlanarPlan,
-    folder: RunFolder,
-    observer: Observer,
-    *,
-    resume: bool,
-) -> RunResult:
-    result = _cycled(study, fidelity, planned, folder, observer, resume=resume)
-    _drawn(folder.path, result)
-    return result
-
-
-def _write_into(folder: Path, result: RunResult) -> None:
-    from wirewear.results.flat import write_flat_tables
-
-    write_result(folder / RESULT_FILE_NAME, result)
-    write_flat_tables(result, folder, "csv")
-
-
-def _drawn(folder: Path, result: RunResult) -> None:
-    from wirewear.pictures.style import save
-    from wirewear.planar.pictures import planar_drawings
-
-    for name, draw in planar_drawings([result]).items():
-        save(draw, folder / f"{name}.png")
-
-
-def _cycled(
-    study: PlanarStudy,
-    fidelity: str,
-    planned: PlanarPlan,
-    store: RunStore,
-    observer: Observer,
-    *,
-    resume: bool = False,
-) -> RunResult:
-    record = PlanarRecord(study, fidelity, planned.settings() | {"identity": str(store.identity)})
-    return cycle_through(planar_test(study, planned), record, store, observer, resume=resume)
-
-
-def _identity(study: PlanarStudy, fidelity: str, planned: PlanarPlan) -> Identity:
-    asked = {
-        "study": study.model_dump(mode="json", exclude_none=True),
-        "variant": study.variant_name,
-        "fidelity": fidelity,
-    }
-    added = {"added": added_code((*study.effects, study.contact.friction_law))}
-    return identity_of(asked, PLANAR_CODE, planned.settings() | added)
-
-
-def planar_test(study: PlanarStudy, planned: PlanarPlan) -> FrettingTest:
-    """The test as a run goes through it."""
-    conditions, n = study.conditions, planned.increments_per_cycle
-    motion = Motion(
-        amplitude_mm=1e-3 * conditions.displacement_amplitude_um,
-        increments=n,
-        wear_increments=n,
-        follows_force=study.mesh.increments_per_cycle is None,
-        fresh=unloaded_state,
-        aged=lambda problem, age: problem_with(problem, study.effects, age),
-    )
-    milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles}))
-    return FrettingTest(
-        motion, OneMesh(lambda: planar_problem(study, *bodies(study, planned))), milestones, planned.jump_tolerance
-    )
+def _record(run: PlanarRun) -> PlanarRecord:
+    return PlanarRecord(run.study, run.fidelity, run.planned.settings() | {"identity": str(run.identity)})
 
 
 def resolutions_of(study: PlanarStudy) -> tuple[Resolution, ...]:

@@ -11,7 +11,7 @@ from typing import Any, Protocol, TypeVar
 from wirewear.base.errors import ResultError, RunError
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
-from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, Checkpoint, read_checkpoint, write_checkpoint
 
 T = TypeVar("T")
@@ -55,12 +55,11 @@ class Found:
 class RunFolder:
     """The folder of the run of an identity.
 
-    write_into: writes a result there.  derived: patterns of the files that are made of a result.
+    derived: patterns of the files that are made of a result.
     """
 
     path: Path
     identity: Identity
-    write_into: Callable[[Path, RunResult], object]
     derived: tuple[str, ...] = ()
 
     def found(self, *, begun: bool) -> Found:
@@ -123,7 +122,7 @@ class RunFolder:
 
     def write(self, result: RunResult) -> None:
         """Write or replace the result."""
-        self.write_into(self.path, result)
+        write_result(self.path / RESULT_FILE_NAME, result)
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         """Write or replace the checkpoint."""

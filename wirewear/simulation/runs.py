@@ -12,14 +12,11 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.base.engine import Engine, LocalProcesses
-from wirewear.base.identity import Identity
 from wirewear.results import (
     PRESSURE_LENGTH,
-    RESULT_FILE_NAME,
     ContactForces,
     RunResult,
     Scar,
-    write_result,
 )
 from wirewear.results.scar import WIRES
 from wirewear.results.vtk import TIME_SERIES_FILES
@@ -145,28 +142,67 @@ def run_study(
         ResultError: a run is to be resumed, but what it has left is damaged; or a file cannot be written.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
-    output = Path(output)
-    variants = [study.variant(name) for name in study.variant_names] or [study]
-    plans = [RunPlan.of(variant, fidelity) for variant in variants]
-    folders = [
-        run_folder(output / plan.study.variant_name if study.variant_names else output, plan.identity) for plan in plans
-    ]
-    plan_in = {folder.path: plan for folder, plan in zip(folders, plans, strict=True)}
 
-    def engine_for(left: Sequence[Task]) -> Engine:
-        chosen = [plan_in[task.folder.path] for task in left]
-        for plan in chosen:
+    def engine_for(left: Sequence[RunPlan]) -> Engine:
+        for plan in left:
             require_affordable(plan)
-        return engine or LocalProcesses(min(affordable_jobs(chosen, jobs), max(len(left), 1)))
+        return engine or LocalProcesses(min(affordable_jobs(list(left), jobs), max(len(left), 1)))
 
     # Variants mostly share their wires: condensed once here, they are loaded by every process.
+    return run_planned(
+        study,
+        RunPlan.of,
+        WireRecord,
+        fidelity,
+        Path(output),
+        engine_for,
+        (*TIME_SERIES_FILES, *PICTURES),
+        prepare=_condense,
+        resume=resume,
+        observer_of=observer_of,
+    )
+
+
+def run_planned(
+    study: Any,
+    plan_of: Callable[[Any, str], Any],
+    record_of: Callable[[Any], Recorded],
+    fidelity: str,
+    output: Path,
+    engine_for: Callable[[Sequence[Any]], Engine],
+    derived: tuple[str, ...],
+    *,
+    prepare: Callable[[Any, Callable[[str], None]], None] | None = None,
+    resume: bool = False,
+    observer_of: ObserverOf | None = None,
+) -> list[RunResult]:
+    """The results of a study of any kind, or of each of its variants in a folder of its own; raises as `run_study`.
+
+    plan_of: of a study without variants at a fidelity, with study, label, identity and test as `RunPlan` has them.
+    record_of: an empty record of a plan.  engine_for: says what does the runs that are left; StudyError where one
+    cannot be afforded.  derived: patterns of the files that are made of a run's result.  prepare: does what runs side
+    by side would all have to do.
+    """
+    variants = [study.variant(name) for name in study.variant_names] or [study]
+    plans = [plan_of(variant, fidelity) for variant in variants]
     tasks = [
-        Task(plan.label, folder, partial(run_cycles, plan), partial(_condense, plan))
-        for plan, folder in zip(plans, folders, strict=True)
+        Task(
+            plan.label,
+            RunFolder(output / plan.study.variant_name if study.variant_names else output, plan.identity, derived),
+            partial(run_cycles, plan, record_of),
+            None if prepare is None else partial(prepare, plan),
+        )
+        for plan in plans
     ]
-    variants_apart = bool(study.variant_names)
+    plan_in = {task.folder.path: plan for task, plan in zip(tasks, plans, strict=True)}
     return run_together(
-        output, study.name, tasks, engine_for, variants=variants_apart, resume=resume, observer_of=observer_of
+        output,
+        study.name,
+        tasks,
+        lambda left: engine_for([plan_in[task.folder.path] for task in left]),
+        variants=bool(study.variant_names),
+        resume=resume,
+        observer_of=observer_of,
     )
 
 
@@ -188,15 +224,8 @@ def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
         condense_wires(plan.study, meshes, stage)
 
 
-def run_folder(path: Path, identity: Identity) -> RunFolder:
-    """The folder of a run of crossed wires."""
-    return RunFolder(path, identity, _write_into, (*TIME_SERIES_FILES, *PICTURES))
-
-
-def _write_into(folder: Path, result: RunResult) -> None:
-    write_result(folder / RESULT_FILE_NAME, result)
-
-
-def run_cycles(plan: RunPlan, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
+def run_cycles(
+    plan: Any, record_of: Callable[[Any], Recorded], folder: RunFolder, observer: Observer, *, resume: bool
+) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
-    return cycle_through(plan.test, WireRecord(plan), folder, observer, resume=resume)
+    return cycle_through(plan.test, record_of(plan), folder, observer, resume=resume)
