@@ -22,10 +22,9 @@ from wirewear.diagnosis.observe.channels import (
     NormalForceBySides,
 )
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
-from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.plateau import PlateauForce
+from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew

@@ -11,9 +11,8 @@ from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effec
 from tests.independent_records import independent_record
 from wirewear.diagnosis.infer.shapes import Branches
 from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking
-from wirewear.diagnosis.model.flattened_wires import FlattenedWires
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.layered_wires import LayeredWires
+from wirewear.diagnosis.model.layered_wires import FlattenedWires, LayeredWires
 from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.model.setup import Array, Setup
 

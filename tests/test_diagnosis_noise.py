@@ -12,18 +12,18 @@ from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, estimate, nois
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
-from wirewear.diagnosis.observe.noise_of_samples import (
+from wirewear.diagnosis.observe.plateau import PlateauForce
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.sites import Site
+from wirewear.diagnosis.observe.stick import Stick
+from wirewear.loops.correlated_noise import (
+    correlated_noise,
     correlation_of,
     correlation_of_neighbours,
     noise_factor,
     noise_of_neighbours,
     stretch_of,
 )
-from wirewear.diagnosis.observe.plateau import PlateauForce
-from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.sites import Site
-from wirewear.diagnosis.observe.stick import Stick
-from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.loops.noise import sample_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
@@ -57,7 +57,7 @@ def test_a_noise_told_by_cubics_through_neighbours_is_that_of_a_sample(correlati
 def test_neighbours_nearer_than_a_samples_noise_tell_how_they_correlate(correlation: float) -> None:
     noise = autoregression(41_000, correlation, seed=6)
     told = sample_noise(noise, np.arange(noise.size, dtype=float))
-    assert correlation_of_neighbours(1.0 / told) == pytest.approx(correlation, abs=0.04)
+    assert correlation_of_neighbours(1.0 / told, most=0.95) == pytest.approx(correlation, abs=0.04)
     assert correlation_of(stretch_of(correlation)) == pytest.approx(correlation)
 
 

@@ -8,8 +8,8 @@ import pytest
 from tests.known_loops import analysed_with_noise, drawn, hooked, share_off
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed, partial_slip_loop
 from wirewear.loops import LoopError, analyse_loop
-from wirewear.loops.area import enclosed_area, enclosed_areas
 from wirewear.loops.clipping import clipped
+from wirewear.loops.signals import enclosed_area, enclosed_areas
 
 LOOP = SyntheticLoop(Recipe())
 

@@ -8,9 +8,8 @@ import pytest
 from tests.closed_form_loops import Disturbance, MasingLoop
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
 from wirewear.loops import LoopFigures, analyse_loop, position_resolved_friction
-from wirewear.loops.branches import Branch, split_branches
+from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import clean_loop
-from wirewear.loops.reversals import upright
 
 AMPLITUDE_um, SLIDING_N = 2000.0, 2.08
 

@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.loops import analyse_loop
-from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.loops.sensor import Sensor, SensorNoise, sensor_held_stroke
 from wirewear.loops.signals import LoopSignals
-from wirewear.loops.stroke import sensor_held_stroke
 
 FREQUENCY_Hz = 3.0
 

@@ -17,9 +17,8 @@ if TYPE_CHECKING:
     from wirewear.faces.looking import Run, read_result, read_results
     from wirewear.faces.measured import Record, read_record
     from wirewear.faces.running import load, run, run_variants
-    from wirewear.loops.sensor import Sensor, SensorNoise
+    from wirewear.loops.sensor import Sensor, SensorNoise, sensor_held_stroke
     from wirewear.loops.signals import LoopSignals
-    from wirewear.loops.stroke import sensor_held_stroke
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.simulation import run_study

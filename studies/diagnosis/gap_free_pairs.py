@@ -20,9 +20,8 @@ from wirewear.diagnosis.infer.solver_differences import OWN, components, derivat
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.numerical import NUMERICAL
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.mending import read_at_corners, without_spikes
 from wirewear.diagnosis.observe.reduction import Observations, reduce

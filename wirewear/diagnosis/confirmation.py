@@ -18,7 +18,7 @@ from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Age, Effect, Seam, applied
-from wirewear.loops.reversals import lean_of
+from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops

@@ -6,26 +6,27 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch
+from wirewear.loops.branches import Branch, upright
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
-from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
 from wirewear.loops.opening import (
     MICROJOULE_IN_MILLIJOULE,
+    MOST_IN_PARTIAL_SLIP,
     by_energy,
     dissipated_energy,
+    energy_ratio,
+    force_amplitude,
     mean_force,
     narrow,
     slip_amplitude,
 )
-from wirewear.loops.reversals import upright
-from wirewear.loops.sliding_criteria import MOST_IN_PARTIAL_SLIP, energy_ratio, force_amplitude
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import (
     RESOLVED,
     bent,
+    corner_of,
     mean_stiffness,
     micro_slip_branch,
     samples_told_by,

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.loops.area import enclosed_area
 from wirewear.loops.clipping import clipped
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
 from wirewear.loops.digitised import outline, signal_among
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import Array, LoopError
 from wirewear.loops.noise import outliers, sample_noise
+from wirewear.loops.signals import enclosed_area
 
 FEWEST_SAMPLES = 16
 
@@ -68,7 +68,7 @@ class CleanLoop:
         outliers: positions in the input of the samples left out.
         past: how many of these were left out as they run on past one cycle.
         notes: what was assumed or corrected.
-        lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.reversals`).
+        lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.branches`).
         may_drift_by: displacement per time by which the drive may move off, as well as have another period.
     """
 

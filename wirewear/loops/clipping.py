@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from wirewear.loops.noise import through_neighbours
 from wirewear.loops.robust import Array, median_deviation
 
 #: So large a share of the samples lies on the steps, within that share of one: others were put in between.
@@ -121,7 +122,7 @@ def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool
     if values.size < FEWEST_LOOP:
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
-    off = values[near] @ (np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 6.0)
+    off = (values - through_neighbours(values[None])[0])[2:-2]
     sound: NDArray[np.bool_] = ~np.any(left_out[near], axis=1)
     pairs = sound[1:] & sound[:-1]
     usual = median_deviation(off[sound])

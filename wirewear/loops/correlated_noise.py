@@ -1,12 +1,15 @@
-"""Noise whose neighbouring samples correlate, told from the smooth curve that it lies on."""
+"""Noise whose neighbouring samples correlate: told from the smooth curve that it lies on, and in sums of samples."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
+from scipy.optimize import brentq
 
+from wirewear.loops.noise import NEIGHBOURS, WEIGHTS
 from wirewear.loops.robust import Array
 
 #: Correlations of neighbours that are tried.
@@ -37,22 +40,17 @@ def correlated_noise(
     found = [_likeliest(*_restricted(parts, float(correlation)), stated) for correlation in TRIED]
     best = int(np.argmax([likelihood for likelihood, _ in found]))
     highest, deviation = found[best]
-    stretch = _stretch(float(TRIED[best]))
+    stretch = stretch_of(float(TRIED[best]))
     if LEAST_ROUNDING * deviation < rounding < deviation:
         under = float(np.sqrt(deviation**2 - rounding**2))
         share = (rounding / under) ** 2
         rounded = [_likeliest(*_rounded(parts, float(correlation), share), stated) for correlation in TRIED]
         best = int(np.argmax([likelihood for likelihood, _ in rounded]))
         if rounded[best][0] > highest:
-            under, correlated = rounded[best][1], _stretch(float(TRIED[best]))
+            under, correlated = rounded[best][1], stretch_of(float(TRIED[best]))
             deviation = under * float(np.sqrt(1.0 + share))
             stretch = float(np.sqrt((correlated**2 + share) / (1.0 + share)))
     return deviation, stretch
-
-
-def _stretch(correlation: float) -> float:
-    """By how much neighbours that correlate so raise the error of a mean."""
-    return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
 
 
 def _rounded(parts: Sequence[tuple[Array, Array]], correlation: float, share: float) -> tuple[float, int, float]:
@@ -73,7 +71,9 @@ def _restricted(parts: Sequence[tuple[Array, Array]], correlation: float) -> tup
     """Mean square of one sample, degrees of freedom, and the determinants in the restricted log-likelihood."""
     squares, free, determinants = 0.0, 0, 0.0
     for design, values in parts:
-        upper = np.linalg.qr(_whitened(np.column_stack([design, values]), correlation), mode="r")
+        columns = np.column_stack([design, values])
+        columns[1:] = (columns[1:] - correlation * columns[:-1]) / np.sqrt(1.0 - correlation**2)
+        upper = np.linalg.qr(columns, mode="r")
         size = np.abs(np.diag(upper))
         squares += float(size[-1] ** 2)
         free += values.size - design.shape[1]
@@ -98,8 +98,45 @@ def _likeliest(variance: float, free: int, determinants: float, stated: float | 
     return determinants + likelihood - surprise, float(np.exp(at))
 
 
-def _whitened(columns: Array, correlation: float) -> Array:
-    """Columns (m, k) of unit variance with the correlation of their neighbours taken out."""
-    white = columns.copy()
-    white[1:] = (columns[1:] - correlation * columns[:-1]) / np.sqrt(1.0 - correlation**2)
-    return white
+def noise_factor(weights: Array, order: NDArray[np.intp], correlation: float) -> float:
+    """From a sample's noise to that of a sum with weights (m,), of samples with these numbers (m,) on their branch.
+
+    Their noise is an autoregression of first order with that correlation of neighbours: few samples in a row average
+    less of it away than many, but have not yet the error of a mean of many such samples.
+    """
+    if correlation <= 0.0:
+        return float(np.linalg.norm(weights))
+    return float(np.sqrt(noise_product(weights, order, weights, order, correlation)))
+
+
+def noise_product(
+    weights: Array, order: NDArray[np.intp], others: Array, their_order: NDArray[np.intp], correlation: float
+) -> float:
+    """Covariance of two sums over samples of one branch, (m,) and (k,), over a sample's variance, like that."""
+    apart = np.abs(order[:, None] - their_order)
+    return float(weights @ np.where(apart == 0, 1.0, max(correlation, 0.0) ** apart) @ others)
+
+
+def correlation_of(stretch: float) -> float:
+    """Correlation of neighbours whose noise makes means of many samples that much less certain."""
+    return (stretch**2 - 1.0) / (stretch**2 + 1.0)
+
+
+def correlation_of_neighbours(factor: float, most: float) -> float:
+    """The correlation, `most` at most, of which `noise_of_neighbours` is that factor; 0 for one of at most 1."""
+    within = float(np.clip(factor, noise_of_neighbours(0.0), noise_of_neighbours(most)))
+    return float(brentq(lambda correlation: noise_of_neighbours(correlation) - within, 0.0, most))
+
+
+def stretch_of(correlation: float) -> float:
+    """By what neighbours of that correlation make means of many samples less certain."""
+    return float(np.sqrt((1.0 + correlation) / (1.0 - correlation)))
+
+
+def noise_of_neighbours(correlation: float) -> float:
+    """Factor from a noise that was told as uncorrelated, by cubics through four neighbours, to that of a sample.
+
+    Correlated neighbours go along with a sample, so that its distance to their cubic is smaller.
+    """
+    weights = np.append(-WEIGHTS, 1.0)
+    return float(np.linalg.norm(weights)) / noise_factor(weights, np.array([*NEIGHBOURS, 0]), correlation)

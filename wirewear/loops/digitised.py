@@ -3,8 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.loops.area import enclosed_area
 from wirewear.loops.robust import Array
+from wirewear.loops.signals import enclosed_area
 
 #: So many single samples that fall alike are slips, and no chance.
 FEWEST_SLIPS = 4

@@ -56,8 +56,9 @@ def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> 
     if noise <= 2e-4 * extent or count < 8 * (HIGHEST_HARMONIC - 1):
         return unchanged
     largest = (1.0 + 5.0 / np.sqrt(count)) * noise
-    period = _period(time, values) if lowest_harmonic else _even_period(time)
-    fit = _best_series(time, values, period, lowest_harmonic)
+    period = _period(time, values) if lowest_harmonic else even_period(time)
+    designs = [series(time, period, harmonics) for harmonics in range(lowest_harmonic, HIGHEST_HARMONIC)]
+    fit = fit_linear(designs[best_fit(designs, values)], values)
     if fit.scale > largest or len(fit.coefficients) > 4:
         # more than one harmonic may be a triangle in disguise, whose tips a short series rounds off
         fit = min(fit, _ramps(time, values), key=lambda candidate: candidate.scale)
@@ -89,16 +90,16 @@ def drift_of(time: Array, values: Array) -> Drift:
     extent = float(np.ptp(values))
     if len(values) < 8 * (HIGHEST_HARMONIC - 1):
         return Drift()
-    even, period = _even_period(time), _period(time, values)
-    whole = fit_linear(_series(time, even, 2), values)
+    even, period = even_period(time), _period(time, values)
+    whole = fit_linear(series(time, even, 2), values)
     opening = 2.0 * float(whole.coefficients[1])
     if not LEAST_DRIFT * extent < abs(opening) < MOST_DRIFT * extent:
         return Drift()
-    series = _series(time, period, 2)
-    free = fit_linear(series, values)
+    columns = series(time, period, 2)
+    free = fit_linear(columns, values)
     # What another period would change: the two are told apart only as far as this column is none of the others.
     stretched = (time - float(time.mean())) * np.gradient(values - free.residuals, time)
-    fit = fit_linear(np.column_stack([series, stretched]), values)
+    fit = fit_linear(np.column_stack([columns, stretched]), values)
     total, deviation = 2.0 * float(fit.coefficients[1]), 2.0 * float(np.sqrt(fit.covariance[1, 1]))
     # A drift opens the cycle by itself; more of it, or less, is what no short series fits.
     open_by = 2.0 * float(values[-1]) - float(values[-2]) - float(values[0])
@@ -130,19 +131,20 @@ def period_of(time: Array, displacement: Array) -> float:
         sooner = np.linalg.lstsq(design, displacement, rcond=None)[0][3]
         return float(np.std(displacement - design[:, :3] @ fit)), float(period / (1.0 + np.clip(sooner, -0.5, 1.0)))
 
-    even = period = _even_period(time)
+    even = period = even_period(time)
     for _ in range(REFINED):
         period = sine(period)[1]
     return period if sine(period)[0] < BETTER * sine(even)[0] else even
 
 
-def _even_period(time: Array) -> float:
+def even_period(time: Array) -> float:
     """Period when the samples are evenly spread and the last does not repeat the first."""
     count = len(time)
     return float(time[-1] - time[0]) * count / (count - 1)
 
 
-def _series(time: Array, period: float, harmonics: int) -> Array:
+def series(time: Array, period: float, harmonics: int) -> Array:
+    """Columns (n, 2 + 2k) of a constant, a drift and so many harmonics at times (n,)."""
     phase = 2.0 * np.pi * (time - time[0]) / period
     columns = [np.ones_like(phase), phase / np.pi - 1.0]
     for k in range(1, harmonics + 1):
@@ -152,11 +154,11 @@ def _series(time: Array, period: float, harmonics: int) -> Array:
 
 def _period(time: Array, values: Array) -> float:
     """Period that leaves the least residual: records may end a little early or late."""
-    middle = _even_period(time)
+    middle = even_period(time)
     factors = np.linspace(0.88, 1.12, 11)
 
     def misfit(factor: float) -> float:
-        design = _series(time, middle * factor, 2)
+        design = series(time, middle * factor, 2)
         solution = np.linalg.lstsq(design, values, rcond=None)[0]
         return float(np.mean(np.abs(values - design @ solution)))
 
@@ -166,11 +168,6 @@ def _period(time: Array, values: Array) -> float:
         factors = np.linspace(factors[best - 1], factors[best + 1], count)
     misfits = [misfit(float(factor)) for factor in factors]
     return middle * float(factors[int(np.argmin(misfits))])
-
-
-def _best_series(time: Array, values: Array, period: float, lowest: int) -> LinearFit:
-    designs = [_series(time, period, harmonics) for harmonics in range(lowest, HIGHEST_HARMONIC)]
-    return fit_linear(designs[best_fit(designs, values)], values)
 
 
 def _ramps(time: Array, values: Array) -> LinearFit:

@@ -38,6 +38,13 @@ class Measured:
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
 
 
+def mean_of(one: Measured, other: Measured) -> Measured:
+    """Mean of two that were measured apart."""
+    return Measured.from_deviation(
+        0.5 * (one.value + other.value), 0.5 * float(np.hypot(one.deviation, other.deviation))
+    )
+
+
 @dataclass(frozen=True)
 class MicroSlipBranch:
     """One branch just after a reversal, with the line fitted over half of its micro-slip region.

@@ -6,14 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
+from wirewear.loops.branches import Branch, MicroSlip, slides_visibly, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop
-from wirewear.loops.corners import corner_of
 from wirewear.loops.courses import Course, courses_of
-from wirewear.loops.figures import Array, LoopError, Measured
-from wirewear.loops.reversals import upright
+from wirewear.loops.figures import Array, LoopError, Measured, mean_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
-from wirewear.loops.stiffness import mean_stiffness, micro_slip_branch, sliding_stiffness
+from wirewear.loops.stiffness import corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 MIDDLE_SHARE = 0.4
 
@@ -195,22 +193,24 @@ def sliding_figures(
         # What does not resist the motion on both ways has no plateaus to compare.
         return SlidingFigures()
     slopes = [middle_slope(part) for part in plateaus]
-    hooks = [top.value / centre.value for top, centre in zip(tops, centres, strict=True)]
-    hook_deviations = [
-        np.hypot(top.deviation, hook * centre.deviation) / centre.value
-        for top, centre, hook in zip(tops, centres, hooks, strict=True)
+    hooks = [
+        Measured.from_deviation(
+            top.value / centre.value,
+            float(np.hypot(top.deviation, top.value / centre.value * centre.deviation)) / centre.value,
+        )
+        for top, centre in zip(tops, centres, strict=True)
     ]
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
     friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
-    doubt = 0.5 * load * float(np.hypot(centres[0].deviation, centres[1].deviation))
+    doubt = load * mean_of(*centres).deviation
     branches = courses[0][0], courses[1][0]
     height = height_at(branches, (stiffness_N_per_um, np.inf), middle, MIDDLE_SHARE * half_range)
     return SlidingFigures(
         height_N=Measured.from_deviation(height.value, doubt),
         # Whether a tilt or the sensor's zero makes both directions unlike, a loop does not tell.
         friction=None if friction is None else friction.reaching(0.5 * total),
-        slope=_mean(slopes[0].value, slopes[1].value, slopes[0].deviation, slopes[1].deviation),
-        hook=_mean(*hooks, *hook_deviations),
+        slope=mean_of(*slopes),
+        hook=mean_of(*hooks),
         asymmetry=Measured.from_deviation(
             (centres[0].value - centres[1].value) / total,
             float(np.hypot(centres[0].deviation, centres[1].deviation)) / total,
@@ -218,10 +218,6 @@ def sliding_figures(
         forward=None if loop.normal_force_N is None else centres[0],
         backward=None if loop.normal_force_N is None else centres[1],
     )
-
-
-def _mean(first: float, second: float, first_deviation: float, second_deviation: float) -> Measured:
-    return Measured.from_deviation(0.5 * (first + second), 0.5 * float(np.hypot(first_deviation, second_deviation)))
 
 
 def position_resolved_friction(

@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from wirewear.loops.robust import Array, median_deviation
 
 #: The cubic through two neighbours on either side, at even times: a sample is their mean with these weights.
-NEIGHBOURS, _WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
+NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
 
 #: By what a sample's distance to that cubic scatters more than the sample itself.
-_SCATTER = float(np.sqrt(1.0 + np.sum(_WEIGHTS**2)))
+_SCATTER = float(np.sqrt(1.0 + np.sum(WEIGHTS**2)))
 
 #: Samples of a cycle from which on those next to a reversal's hook resolve it.
 _DENSE = 100
@@ -28,7 +28,7 @@ BENT = 0.1
 
 def through_neighbours(loops: Array) -> Array:
     """For each sample of closed loops (m, n) at even times the cubic through its four neighbours there."""
-    parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, _WEIGHTS, strict=True))
+    parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, WEIGHTS, strict=True))
     return np.asarray(sum(parts))
 
 
@@ -63,6 +63,11 @@ def sample_noise(values: Array, time: Array) -> float:
     return float(np.sqrt(np.mean(usual**2)) / 0.9867) if len(usual) else rough
 
 
+def noise_along(values: Array) -> float:
+    """Standard deviation of one sample of a branch (n,), from the distances to the middles of neighbours."""
+    return median_deviation(values[1:-1] - 0.5 * (values[:-2] + values[2:])) / float(np.sqrt(1.5))
+
+
 def outliers(values: Array, time: Array) -> NDArray[np.bool_]:
     """Samples (n,) of a closed loop outside what their neighbours allow.
 
@@ -88,18 +93,13 @@ def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> NDArr
     """
     left = [np.roll(loops, shift, axis=1) for shift in (1, 2, 3)]
     right = [np.roll(loops, -shift, axis=1) for shift in (1, 2, 3)]
-    one, other = _middle(*left), _middle(*right)
+    one, other = np.median(left, axis=0), np.median(right, axis=0)
     steps = np.abs([left[1] - left[0], left[2] - left[1], right[1] - right[0], right[2] - right[1]])
     allowance = allowed(np.sort(steps, axis=0))
     outside: NDArray[np.bool_] = (loops < np.minimum(one, other) - allowance) | (
         loops > np.maximum(one, other) + allowance
     )
     return outside
-
-
-def _middle(a: Array, b: Array, c: Array) -> Array:
-    """Median of three, element by element."""
-    return np.maximum(np.minimum(a, b), np.minimum(np.maximum(a, b), c))
 
 
 def spikes(loops: Array) -> NDArray[np.bool_]:

@@ -1,12 +1,16 @@
-"""How far a loop opens: its area and its width at the mid force."""
+"""How far a loop opens: its area, its width at the mid force, and their ratios, which need no loop's shape.
+
+Of sliding, the ratios are criteria (Fouvry, Kapsa & Vincent, Wear 185 (1995) 35). For a sphere on a flat, or crossed
+wires, the transition from partial to gross slip lies at A = 0.2 and B = 0.77.
+"""
 
 import numpy as np
 
-from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.figures import Array, Measured
+from wirewear.loops.figures import Array, Measured, mean_of
 from wirewear.loops.robust import fit_linear
+from wirewear.loops.signals import enclosed_area
 
 MICROJOULE_IN_MILLIJOULE = 1e-3
 
@@ -15,6 +19,12 @@ WAVERS = 0.05
 
 #: A width at mid force below this share of what energy and sliding force give was read where the loop slides.
 NARROW = 0.85
+
+#: Values at the transition from partial slip to gross slip.
+ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77
+
+#: No contact in partial slip has a larger energy ratio: that of evenly spread limits at the transition (Iwan 1966).
+MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 
 def mean_force(loop: CleanLoop) -> Measured:
@@ -145,3 +155,27 @@ def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
     """Whether a width at mid force is not the slip that the energy shows, or lies beyond the displacement itself."""
     wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
     return wide or slip.value < NARROW * min(other.value, amplitude_um)
+
+
+def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:
+    """Q* in N: mean of the largest forces of both directions, which an offset does not shift.
+
+    `tops` are the largest |Q|/P of each, or |Q| without a normal force.
+    """
+    load = 1.0 if loop.normal_force_N is None else float(np.median(loop.normal_force_N))
+    mean = mean_of(*tops)
+    return Measured.from_deviation(load * mean.value, load * mean.deviation)
+
+
+def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured) -> Measured | None:
+    """E_d/(4 δ Q*): A with the displacement amplitude for δ, B with the slip amplitude; None where the box is empty."""
+    box = 4e-3 * amplitude_um.value * force_N.value
+    if box <= 0.0:
+        return None
+    ratio = energy_mJ.value / box
+    parts = (
+        energy_mJ.deviation / box,
+        ratio * amplitude_um.deviation / amplitude_um.value,
+        ratio * force_N.deviation / force_N.value,
+    )
+    return Measured.from_deviation(ratio, float(np.linalg.norm(parts)))

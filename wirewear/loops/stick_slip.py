@@ -4,8 +4,9 @@ import numpy as np
 
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.courses import Course
 from wirewear.loops.figures import Array, Measured, StickSlip
-from wirewear.loops.robust import median_deviation
+from wirewear.loops.noise import noise_along
 
 #: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
 CERTAIN, LEAST_DROP = 7.0, 0.03
@@ -20,8 +21,6 @@ RESOLVED = 0.6
 
 #: Where a static force is sought: from the onset on over this share of the plateau.
 EARLY = 0.12
-
-Course = tuple[Branch, MicroSlip]
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
@@ -83,9 +82,7 @@ def _falls(force: Array, least: float) -> list[tuple[int, int]]:
 def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:
     """Noise of one force, from the stick branch where that has samples enough: there nothing slips."""
     stick = branch.force_N[branch.travel_um < 0.8 * slip.travel_um]
-    if stick.size < 10:
-        return loop.force_noise_N
-    return median_deviation(stick[1:-1] - 0.5 * (stick[:-2] + stick[2:])) / float(np.sqrt(1.5))
+    return loop.force_noise_N if stick.size < 10 else noise_along(stick)
 
 
 def static_overshoot(loop: CleanLoop, courses: tuple[Course, Course]) -> Measured | None:

@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirewear.loops.area import enclosed_area
 from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured
+from wirewear.loops.signals import enclosed_area
 
 #: Levels of the force's rise at which travels are compared, below a play's shelf; the travel at the second over that at
 #: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
@@ -100,14 +100,9 @@ def branch_earlier(branch: Branch, samples: float) -> Branch:
 
 def goes_with_velocity(loop: CleanLoop) -> bool:
     """Whether a wide loop has no plateau: an ellipse, as viscous friction makes it, or an elastic force that lags."""
-    if _fullness(loop) < FULL or not _even(loop):
+    box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
+    if abs(enclosed_area(loop.displacement_um, loop.force_N)) < FULL * box or not _even(loop):
         return False
     harmonics = np.abs(np.fft.rfft(loop.force_N - loop.force_N.mean()))
     noise = loop.force_noise_N * float(np.sqrt(loop.force_N.size))
     return bool(harmonics[3] < SMOOTH * harmonics[1] + 2.0 * noise and 5.0 * noise < harmonics[1] / 3.0)
-
-
-def _fullness(loop: CleanLoop) -> float:
-    """Area over that of the box around it."""
-    box = float(np.ptp(loop.displacement_um) * np.ptp(loop.force_N))
-    return abs(enclosed_area(loop.displacement_um, loop.force_N)) / box

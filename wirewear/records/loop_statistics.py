@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.loops.area import enclosed_areas
 from wirewear.loops.clipping import clipped
 from wirewear.loops.drive import uneven
 from wirewear.loops.noise import noises, outside_neighbours, sample_noise
+from wirewear.loops.signals import enclosed_areas
 from wirewear.records.values import Array, MeasuredLoop
 
 #: A loop with fewer complete samples is no loop.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, SolverError, measured_holder
-from wirewear.loops.area import enclosed_area
+from wirewear.loops.signals import enclosed_area
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, Loop, Scar
 from wirewear.simulation.tally import mirrored_mismatch
 from wirewear.study import Study, Wire

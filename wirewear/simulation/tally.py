@@ -11,7 +11,7 @@ import numpy as np
 
 from solvers import ContactProblem, CycleTrace, IncrementReport, mirror_error, symmetry_of
 from wirewear.base.course import enclosed_energy
-from wirewear.loops.area import enclosed_area
+from wirewear.loops.signals import enclosed_area
 from wirewear.results.quality import ENERGIES_AGREE
 
 QUALITY = (

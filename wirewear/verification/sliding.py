@@ -24,7 +24,7 @@ from solvers import (
     unloaded_state,
 )
 from wirewear import reference
-from wirewear.loops.area import enclosed_area
+from wirewear.loops.signals import enclosed_area
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import (
     LOAD_N,

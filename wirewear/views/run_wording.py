@@ -9,7 +9,7 @@ import numpy as np
 
 from wirewear.base.frame import figure
 from wirewear.base.quantity import counted
-from wirewear.loops.sliding_criteria import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
+from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, RunResult
 from wirewear.results.scar import called
 from wirewear.views.run_data import slope_mm3_per_J

@@ -97,7 +97,7 @@ def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
                 unknowns=unknowns,
                 observed=columns.observed @ unknowns,
                 over_time=(columns.knots, columns.of_unknowns @ unknowns if columns.knots.size else np.zeros(0)),
-                deviations=_deviations(residual, jacobian, both),
+                deviations=float(np.sqrt(max(_explained(residual, both)[0] - _explained(residual, jacobian)[0], 0.0))),
             )
         )
     return found
@@ -105,19 +105,15 @@ def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
 
 def _log_evidence(residual: Array, columns: Array) -> float:
     """Of residuals (m,) that are normal deviates beside columns (m, k) times others, but for a constant."""
+    squares, logarithm = _explained(residual, columns)
+    return -0.5 * (float(residual @ residual) - squares) - 0.5 * logarithm
+
+
+def _explained(residual: Array, columns: Array) -> tuple[float, float]:
+    """What such columns take from the squares of residuals, and the logarithm of the volume that they span."""
     inner = columns.T @ columns + np.eye(columns.shape[1])
     along = columns.T @ residual
-    squares = float(residual @ residual - along @ np.linalg.solve(inner, along))
-    return -0.5 * squares - 0.5 * float(np.linalg.slogdet(inner)[1])
-
-
-def _deviations(residual: Array, jacobian: Array, both: Array) -> float:
-    def squares(columns: Array) -> float:
-        inner = columns.T @ columns + np.eye(columns.shape[1])
-        along = columns.T @ residual
-        return float(along @ np.linalg.solve(inner, along))
-
-    return float(np.sqrt(max(squares(both) - squares(jacobian), 0.0)))
+    return float(along @ np.linalg.solve(inner, along)), float(np.linalg.slogdet(inner)[1])
 
 
 def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:

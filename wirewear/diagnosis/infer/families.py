@@ -17,32 +17,25 @@ from wirewear.diagnosis.infer.shapes import (
     Family,
     Shape,
     behind,
-    bowl,
-    bowl_fourth,
+    between_ends,
     bump,
     cubic,
     displacement_after_play,
     displacement_behind,
     displacement_read,
-    even,
-    even_fourth,
     fast,
     force_after_play,
     force_beside,
     force_read,
+    in_travel,
     later,
     loaded,
-    odd,
-    odd_fifth,
+    on_the_rig,
     opening,
     resisting,
-    sided,
     since,
     stiffening,
-    tilt,
-    tilt_third,
     turning,
-    uphill,
     yielding,
 )
 from wirewear.diagnosis.infer.shapes_in_time import averaged, giving_late, leaking, rattling, ringing, slewing
@@ -92,22 +85,26 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.SENSOR,
         "distortion of the force channel, odd in Q",
-        (force_read(odd), force_read(odd_fifth)),
+        (force_read(between_ends(3)), force_read(between_ends(5))),
         # A cell that saturates is right at small forces: it reads plateaus lower, stick branches bent, and nothing else
         # of a lower friction. Shapes that leave the plateaus where they are see a small part of that.
         instead=((force_read(cubic),),),
     ),
-    Family(Seam.SENSOR, "distortion of the force channel, even in Q", (force_read(even), force_read(even_fourth))),
+    Family(
+        Seam.SENSOR,
+        "distortion of the force channel, even in Q",
+        (force_read(between_ends(2)), force_read(between_ends(4))),
+    ),
     Family(
         Seam.SENSOR,
         "distortion of the displacement channel, odd in the displacement",
-        (displacement_read(odd), displacement_read(odd_fifth)),
+        (displacement_read(between_ends(3)), displacement_read(between_ends(5))),
         allowed=SOLVERS,
     ),
     Family(
         Seam.SENSOR,
         "distortion of the displacement channel, even in the displacement",
-        (displacement_read(even), displacement_read(even_fourth)),
+        (displacement_read(between_ends(2)), displacement_read(between_ends(4))),
     ),
     Family(Seam.SENSOR, "force channel that comes after the force by a play", (force_after_play(),)),
     Family(
@@ -137,13 +134,13 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.CONTACT,
         "friction that differs along the stroke, alike on both sides of its middle",
-        (resisting(bowl), resisting(bowl_fourth)),
+        (resisting(in_travel(2)), resisting(in_travel(4))),
         develops=True,
     ),
     Family(
         Seam.CONTACT,
         "friction that differs along the stroke from one side to the other",
-        (resisting(tilt), resisting(tilt_third)),
+        (resisting(on_the_rig(1)), resisting(on_the_rig(3))),
         develops=True,
         allowed=WALLS,
     ),
@@ -158,18 +155,18 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.LOADING,
         "load that differs along the stroke, alike on both sides of its middle",
-        (loaded(bowl), loaded(bowl_fourth)),
+        (loaded(in_travel(2)), loaded(in_travel(4))),
     ),
     Family(
         Seam.LOADING,
         "load that differs along the stroke from one side to the other",
-        (loaded(tilt), loaded(tilt_third)),
+        (loaded(on_the_rig(1)), loaded(on_the_rig(3))),
     ),
     Family(Seam.LOADING, "load that changes over the test", column="load_N"),
     Family(
         Seam.SPECIMENS,
         "force that follows the place, as slopes of a surface make it",
-        (resisting(uphill(1)), resisting(uphill(3)), resisting(uphill(5)), resisting(sided)),
+        (resisting(in_travel(1)), resisting(in_travel(3)), resisting(in_travel(5)), resisting(on_the_rig(2))),
         develops=True,
         allowed=WALLS,
     ),
@@ -204,7 +201,7 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.LOADING,
         "load that swings in time with the drive",
-        (loaded(bowl), loaded(later), loaded(fast)),
+        (loaded(in_travel(2)), loaded(later), loaded(fast)),
         allowed=WALLS,
         counts=False,
     ),
@@ -217,7 +214,7 @@ FAMILIES: tuple[Family, ...] = (
     Family(
         Seam.SENSOR,
         "force that the cell bears beside the contact, as a spring or a mass makes it",
-        (force_beside(uphill(1)),),
+        (force_beside(in_travel(1)),),
         allowed=WALLS,
         counts=False,
     ),
@@ -274,14 +271,9 @@ def middle(width: float) -> Callable[[Array], Array]:
     return lambda u: np.asarray(np.exp(-((u / width) ** 2)))
 
 
-def aside(u: Array) -> Array:
-    """More on one side than on the other, nothing beyond the scar."""
-    return np.asarray(u * np.maximum(1.0 - u**2, 0.0))
-
-
-def aside_third(u: Array) -> Array:
-    """The same, towards the edges."""
-    return np.asarray(u**3 * np.maximum(1.0 - u**2, 0.0))
+def aside(power: int) -> Callable[[Array], Array]:
+    """More on one side than on the other, by an odd power of the place; nothing beyond the scar."""
+    return lambda u: np.asarray(u**power * np.maximum(1.0 - u**2, 0.0))
 
 
 def widened(b: Branches, size: float) -> LoopCourse:
@@ -302,6 +294,6 @@ def half_width(x_um: Array, depth_um: Array) -> float:
 #: Those of the profiles that line contacts leave.
 PROFILE_FAMILIES: tuple[Family, ...] = (
     Family(Seam.WEAR, MIDDLE_AND_FLANKS, (worn(middle(0.4)), worn(middle(0.2)))),
-    Family(Seam.WEAR, "wear that differs from one side of the scar to the other", (worn(aside), worn(aside_third))),
+    Family(Seam.WEAR, "wear that differs from one side of the scar to the other", (worn(aside(1)), worn(aside(3)))),
     Family(Seam.SPECIMENS, "scar of another width than the worn material makes", (widened,)),
 )

@@ -57,23 +57,14 @@ def _figures(course: LoopCourse, observed: Observations, cycles: list[int]) -> t
     widths = half_width(course.displacement_um, course.tangential_force_N)
     areas = loop_area(course.displacement_um, course.tangential_force_N)
     slip, energy, force = [], [], []
-    values = observed.layout.observed(_only_known(course, observed))
+    keep = observed.layout.of_kind(PlateauForce) & np.isin(observed.layout.cycle, cycles)
+    plateaus = observed.layout.taken(keep)
+    left = np.nanmean(observed.values[:, keep], axis=0) - plateaus.observed(course)
     for row, cycle in enumerate(cycles):
         here = [loop for loop in observed.loops if loop.cycle == cycle]
         slip.append(abs(float(np.mean([loop.half_width_um for loop in here])) - float(widths[row])))
         measured = float(np.mean([loop.energy_mJ for loop in here]))
         energy.append(100.0 * abs(float(areas[row]) / measured - 1.0))
-        keep = observed.layout.of_kind(PlateauForce) & (observed.layout.cycle == cycle)
-        rest = np.nanmean(observed.values[:, keep], axis=0) - values[keep]
+        rest = left[plateaus.cycle == cycle]
         force.append(float(np.sqrt(np.mean(rest**2))) if rest.size else np.nan)
     return np.array(slip), np.array(energy), np.array(force)
-
-
-def _only_known(course: LoopCourse, observed: Observations) -> LoopCourse:
-    """The course with its rows repeated so that it answers for every cycle of the layout."""
-    cycles = observed.layout.cycles
-    rows = np.clip(np.searchsorted(course.cycles, cycles), 0, course.cycles.size - 1)
-    return LoopCourse(
-        cycles, course.displacement_um[rows], course.tangential_force_N[rows], course.normal_force_N[rows],
-        course.slip_um[rows], course.energy_mJ[rows], course.volume_um3[rows], course.scars, course.skew,
-    )  # fmt: skip

@@ -122,16 +122,12 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
     distorted = distortions(problem, (none, *ordered[:DISTORTED]))
     rival = chosen.log_evidence
-    if chosen.candidates and not pairs and _speaks(distorted) > rival + _CLEAR:
+    distortion = max((one.log_evidence for one in distorted if one.family.counts), default=-np.inf)
+    if chosen.candidates and not pairs and distortion > rival + _CLEAR:
         # A second effect that is too small to be named may be what a distortion imitates.
         rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
-
-
-def _speaks(found: Sequence[Distortion]) -> float:
-    """Log evidence of the best family that counts."""
-    return max((one.log_evidence for one in found if one.family.counts), default=-np.inf)
 
 
 def problem_around(
@@ -190,7 +186,9 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
         others = (one for one in singles if one.names != first.names)
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     else:
-        chosen = [*screened[:_SECONDS], *((one, one) for one in _likely(none, ordered[1:]))]
+        # The first effect, bent to do for both, may hide those that explain much by themselves.
+        likely = [one for one in ordered[1 : _LIKELY + 1] if one.log_evidence > none.log_evidence + PAIR_GAIN]
+        chosen = [*screened[:_SECONDS], *((one, one) for one in likely)]
     found = [
         fit(
             problem,
@@ -204,12 +202,6 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
     for one in sorted(found, key=lambda one: -one.merit):
         best.setdefault(one.names, one)
     return [*best.values()]
-
-
-def _likely(none: Fit, others: Sequence[Fit]) -> list[Fit]:
-    """Effects that explain much by themselves, of others (sorted): the first, bent to do for both, may hide them."""
-    least = none.log_evidence + PAIR_GAIN
-    return [one for one in others[:_LIKELY] if one.log_evidence > least]
 
 
 def _gain(problem: Problem) -> float:

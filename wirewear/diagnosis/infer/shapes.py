@@ -17,6 +17,7 @@ from wirewear.diagnosis.model.readings import KNEE, SLIDING
 from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Seam
 
+#: +1 on the branch towards +x, −1 on the other.
 _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 
 
@@ -251,64 +252,25 @@ def displacement_after_play(*, held: bool) -> Shape:
 Share = Callable[[Branches], Array]
 
 
-def odd(u: Array) -> Array:
-    """A cubic that is 0 at 1."""
-    return np.asarray(u**3 - u)
-
-
-def odd_fifth(u: Array) -> Array:
-    """The next odd one."""
-    return np.asarray(u**5 - u**3)
-
-
 def cubic(u: Array) -> Array:
     """A cubic that bends the ends alone."""
     return np.asarray(u**3)
 
 
-def even(u: Array) -> Array:
-    """A parabola that is 0 at both ends."""
-    return np.asarray(u**2 - 1.0)
+def between_ends(power: int) -> Callable[[Array], Array]:
+    """A power less the one two below it, which is 0 at both ends."""
+    return lambda u: np.asarray(u**power - u ** (power - 2))
 
 
-def even_fourth(u: Array) -> Array:
-    """The next even one."""
-    return np.asarray(u**4 - u**2)
+def in_travel(power: int) -> Share:
+    """A power of x/A in the direction of travel, none of it in the mean: odd ones are against the motion at one end."""
+    mean = 1.0 / (power + 1.0) if power % 2 == 0 else 0.0
+    return lambda b: np.asarray(b.place**power - mean)
 
 
-def direction(b: Branches) -> Array:
-    """+1 on the branch towards +x, −1 on the other."""
-    return np.broadcast_to(np.array([1.0, -1.0])[None, :, None], b.place.shape)
-
-
-def bowl(b: Branches) -> Array:
-    """More towards both ends of the stroke, none of it in the mean."""
-    return np.asarray(b.place**2 - 1.0 / 3.0)
-
-
-def bowl_fourth(b: Branches) -> Array:
-    """The same, nearer to the ends."""
-    return np.asarray(b.place**4 - 0.2)
-
-
-def tilt(b: Branches) -> Array:
-    """More towards one end of the rig: x/A."""
-    return np.asarray(direction(b) * b.place)
-
-
-def tilt_third(b: Branches) -> Array:
-    """The same, nearer to the ends."""
-    return np.asarray(direction(b) * b.place**3)
-
-
-def uphill(power: int) -> Share:
-    """A force that follows the place, against the motion towards either end: an odd power of x/A."""
-    return lambda b: np.asarray(b.place**power)
-
-
-def sided(b: Branches) -> Array:
-    """A force that follows the square of the place, so that it is against the motion one way only."""
-    return np.asarray(direction(b) * b.place**2)
+def on_the_rig(power: int) -> Share:
+    """A power of x/A with the direction's sign: odd ones are more towards one end, even ones one way only."""
+    return lambda b: np.asarray(_DIRECTIONS * b.place**power)
 
 
 def later(b: Branches) -> Array:
@@ -318,7 +280,7 @@ def later(b: Branches) -> Array:
 
 def fast(b: Branches) -> Array:
     """The speed of a harmonic drive over its largest, with its sign."""
-    return np.asarray(direction(b) * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
+    return np.asarray(_DIRECTIONS * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
 def behind(b: Branches) -> Array:
@@ -328,7 +290,7 @@ def behind(b: Branches) -> Array:
 
 def bump(at: float, width: float) -> Share:
     """At one place of the rig, so wide, whichever way it is passed."""
-    return lambda b: np.asarray(np.exp(-(((tilt(b) - at) / width) ** 2)))
+    return lambda b: np.asarray(np.exp(-(((_DIRECTIONS * b.place - at) / width) ** 2)))
 
 
 def since(length: float) -> Shape:
@@ -338,4 +300,4 @@ def since(length: float) -> Shape:
 
 def turning(length: float) -> Shape:
     """A load that is more one way, and turns over some way after each reversal."""
-    return loaded(lambda b: np.asarray(direction(b) * (1.0 - 2.0 * np.exp(-b.slid / length))))
+    return loaded(lambda b: np.asarray(_DIRECTIONS * (1.0 - 2.0 * np.exp(-b.slid / length))))

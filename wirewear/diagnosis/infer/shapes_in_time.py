@@ -8,19 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirewear.diagnosis.infer.shapes import Branches, Shape, loaded
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import phases_of
+from wirewear.diagnosis.model.readings import HARMONICS, Answers, at_even_phases, at_phases, filtered, phases_of
 from wirewear.diagnosis.model.setup import Array
 
-#: Even phases of a cycle on which channels are filtered: a tenth of the shortest ring's period.
-_EVEN = 1024
-_PHASES: Array = 2.0 * np.pi / _EVEN * np.arange(_EVEN, dtype=np.float64)
-
 #: Answer of a filter, complex (k,), to harmonics of the drive (k,).
-Answer = Callable[[Array], NDArray[np.complex128]]
+Answer = Callable[[Array], Answers]
 
 
 def leaking(turn: float) -> Shape:
@@ -37,7 +32,7 @@ def ringing(harmonic: float, damping: float) -> tuple[Shape, Shape]:
     1/(1 − r² + 2iζr) − 1 (den Hartog, Mechanical Vibrations, section 2.9); unit size is the whole of it.
     """
 
-    def rings(k: Array) -> NDArray[np.complex128]:
+    def rings(k: Array) -> Answers:
         ratio = k / harmonic
         return np.asarray(1.0 / (1.0 - ratio**2 + 2j * damping * ratio) - 1.0)
 
@@ -60,7 +55,7 @@ def giving_late(lag: float) -> Shape:
 def averaged(window: float) -> Shape:
     """Channels that are averaged about each sample over a share of a cycle: sin(π w k)/(π w k), without a lag."""
 
-    def rounds(k: Array) -> NDArray[np.complex128]:
+    def rounds(k: Array) -> Answers:
         return np.asarray(np.sinc(window * k) - 1.0, dtype=np.complex128)
 
     def shape(b: Branches, size: float) -> LoopCourse:
@@ -77,14 +72,14 @@ def slewing(share: float) -> Shape:
     def shape(b: Branches, size: float) -> LoopCourse:
         force = b.course.tangential_force_N
         phases = phases_of(b.course.displacement_um, b.motion)
-        even = _evenly(phases, force)
+        even = at_even_phases(phases, force)
         most = share * np.abs(np.diff(even, axis=1)).max(axis=1)
         at, followed = even[:, -1], np.empty_like(even)
         for _ in range(2):  # The second cycle repeats itself.
-            for i in range(_EVEN):
+            for i in range(even.shape[1]):
                 at = np.clip(even[:, i], at - most, at + most)
                 followed[:, i] = at
-        return b.read_with(b.course.displacement_um, force + size * _back(phases, followed - even))
+        return b.read_with(b.course.displacement_um, force + size * at_phases(phases, followed - even))
 
     return shape
 
@@ -119,19 +114,4 @@ def _force_through(answer: Answer) -> Shape:
 
 def _filtered(b: Branches, values: Array, answer: Answer) -> Array:
     """What a filter answers to a periodic channel (n, 2, m)."""
-    phases = phases_of(b.course.displacement_um, b.motion)
-    harmonics = answer(np.arange(_EVEN // 2 + 1, dtype=np.float64))
-    return _back(phases, np.fft.irfft(harmonics * np.fft.rfft(_evenly(phases, values)), _EVEN))
-
-
-def _evenly(phases: Array, values: Array) -> Array:
-    """A periodic channel (n, 2, m) at even phases (n, k)."""
-    pairs = zip(phases, values, strict=True)
-    return np.stack([np.interp(_PHASES, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
-
-
-def _back(phases: Array, evenly: Array) -> Array:
-    """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
-    return np.stack(
-        [np.interp(at, _PHASES, given, period=2.0 * np.pi) for at, given in zip(phases, evenly, strict=True)]
-    )
+    return filtered(phases_of(b.course.displacement_um, b.motion), values, answer(HARMONICS))

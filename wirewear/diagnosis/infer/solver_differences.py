@@ -14,17 +14,6 @@ from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.numerical import (
-    FREE_TURNED,
-    HOOK,
-    HOOK_REACH,
-    LASTING_REACH,
-    PASSING,
-    PASSING_REACH,
-    PASSING_TURNED,
-    SIDE,
-    TURNED,
-)
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.layout import Layout, Part
@@ -32,6 +21,25 @@ from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 
 #: Share of the variance of `NUMERICAL` and of the remainder that is believed: records without a gap show less of it.
 VARIANCE = constants("infer.solver_differences").number("variance")
+
+_HOOKS, _SMOOTH = constants("model.numerical.hooks"), constants("model.numerical.smooth")
+
+#: Shares of the force that slopes cause by which hooks differ as a whole, and at one end of the stroke from the other.
+HOOK, SIDE = _HOOKS.each("whole", "side")
+
+#: Hooks as a whole differ over this difference of the cycles' logarithm.
+HOOK_REACH = _HOOKS.number("whole_reach")
+
+#: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
+#: shares are correlated over these differences of the cycles' logarithm.
+PASSING = _SMOOTH.number("passing")
+PASSING_REACH, LASTING_REACH = _SMOOTH.each("passing_reach", "lasting_reach")
+
+#: Correlation of both branches under a turn of the loop: of solvers' differences, of a free difference.
+TURNED, FREE_TURNED = _SMOOTH.each("turned", "free_turned")
+
+#: Ripples are alike at both ends of the stroke by this share of what lasting differences are.
+PASSING_TURNED = _SMOOTH.number("passing_turned")
 
 
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:

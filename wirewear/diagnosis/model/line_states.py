@@ -87,9 +87,11 @@ class LineStates(WearStates):
     """
 
     has_layers = False
+    #: None: the bodies as a whole give way, whatever the load.
+    stiffening = 0.0
+    freedoms = LINE_FREEDOMS
 
     length_um: float = 0.0
-    elastic_share: float = 1.0
     contact: WornLineContact | None = None
     bodies: Mapping[str, WornProfiles] = field(default_factory=dict)
     described: bool = True
@@ -140,25 +142,10 @@ class LineStates(WearStates):
             scars=np.zeros((volume.size, 2, 4)),
             stroke_um=float(study["conditions"]["displacement_amplitude_um"]),
             length_um=length_um,
-            elastic_share=float(np.median(full)),
+            full_slip=float(np.median(full)),
             contact=contact,
             bodies={body: _worn(result, body, contact, float(slip[-1])) for body in BODIES},
         )
-
-    @property
-    def stiffening(self) -> float:
-        """None: the bodies as a whole give way, whatever the load."""
-        return 0.0
-
-    @property
-    def full_slip(self) -> float:
-        """As the run's loops have it."""
-        return self.elastic_share
-
-    @property
-    def freedoms(self) -> Mapping[str, float]:
-        """Those of line contacts."""
-        return LINE_FREEDOMS
 
     @property
     def doubts(self) -> Mapping[str, float]:

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from solvers import OxygenSupply
+from wirewear.diagnosis.model.loop_states import crossings
 from wirewear.planar.tables import Face
 
 Array = NDArray[np.float64]
@@ -195,13 +196,7 @@ def _breathing(contact: WornLineContact, pressure: Array, x: Array) -> Array:
 
 def _half_width(x: Array, values: Array) -> float:
     """Where values that fall outwards come down to a small share of the largest."""
-    level = EDGE * float(values.max())
-    over = np.flatnonzero(values > level)
-    last = int(over[-1]) if over.size else 0
-    if last + 1 >= x.size:
-        return float(x[-1])
-    drop = values[last] - values[last + 1]
-    return float(max(x[last] + (values[last] - level) / drop * x[1], x[1])) if drop > 0.0 else float(max(x[last], x[1]))
+    return max(crossings(x, values, EDGE * float(values.max()))[1], float(x[1]))
 
 
 def _between(known: Array, rows: Array, at: float) -> Array:

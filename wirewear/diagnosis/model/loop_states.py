@@ -64,18 +64,24 @@ def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
 
 
 def _extent(line: Array, section: Array) -> float:
-    """Width of a section at `SCAR_EDGE` of its height, linear between points."""
-    level = SCAR_EDGE * float(section.max())
-    inside = np.flatnonzero(section >= level)
-    first, last = int(inside[0]), int(inside[-1])
+    """Width of a section at `SCAR_EDGE` of its height."""
+    first, last = crossings(line, section, SCAR_EDGE * float(section.max()))
+    return last - first
 
-    def crossing(outer: int, inner: int) -> float:
-        if outer < 0 or outer >= line.size or section[inner] == section[outer]:
-            return float(line[inner])
-        share = (level - section[outer]) / (section[inner] - section[outer])
-        return float(line[outer] + share * (line[inner] - line[outer]))
 
-    return crossing(last + 1, last) - crossing(first - 1, first)
+def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
+    """Outermost places between which a section (n,) is above a level, linear between points; its ends if none is."""
+    over = np.flatnonzero(section > level)
+    if over.size == 0:
+        return float(line[0]), float(line[-1])
+
+    def between(inside: int, outside: int) -> float:
+        if not 0 <= outside < line.size:
+            return float(line[inside])
+        share = (section[inside] - level) / (section[inside] - section[outside])
+        return float(line[inside] + share * (line[outside] - line[inside]))
+
+    return between(int(over[0]), int(over[0]) - 1), between(int(over[-1]), int(over[-1]) + 1)
 
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:

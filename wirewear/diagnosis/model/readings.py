@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array, Setup
@@ -22,6 +23,13 @@ END = POSITIONS.size - 1
 KNEE = STICK.size - 1
 SLIDING = STICK.size
 MIDDLE = SLIDING + POSITIONS.size // 2
+
+#: Even phases of a cycle on which channels are filtered: a tenth of the shortest ring's period; and its harmonics.
+EVEN_PHASES: Array = 2.0 * np.pi / 1024 * np.arange(1024.0)
+HARMONICS = np.arange(EVEN_PHASES.size // 2 + 1.0)
+
+#: Of filters, complex, to harmonics of the drive.
+Answers = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,7 +111,8 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         q = q + np.tan(tilt) * (p + q**2 / p)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
-    if lag := _phase_of(setup, chain.lag_s) + setup.apart:
+    # A time, the same at all moments, is a phase of the drive.
+    if lag := 2.0 * np.pi * setup.frequency_Hz * float(np.mean(chain.lag_s)) + setup.apart:
         read = late_places(setup, read, lag)
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
@@ -129,29 +138,29 @@ def late_places(setup: Setup, read: Array, lag: float) -> Array:
 
 
 def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
-    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion.
+    """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion."""
+    delays = 1j * lag[:, None] * HARMONICS
+    return q + filtered(phases_of(x, motion), q, -delays / (1.0 + delays))
 
-    Between points the force goes straight; the filter's answer to that stands in closed form, and closes over a cycle.
+
+def filtered(phases: Array, values: Array, answers: Answers) -> Array:
+    """What filters answer to a periodic channel (n, 2, m) that is passed at these phases.
+
+    answers: (n, k) or (k,), complex, to `HARMONICS` of the drive.
     """
-    shape = q.shape
-    phase = _phases_and_half(x, motion)[0].reshape(shape[0], -1)
-    given, lag = q.reshape(shape[0], -1), np.maximum(lag, 1e-9)
-    steps = np.maximum(np.diff(phase, axis=1, append=phase[:, :1] + 2.0 * np.pi), 1e-12)
-    after = np.roll(given, -1, axis=1)
-    fading = np.exp(-steps / lag[:, None])
-    slope = (after - given) / steps * lag[:, None]
-    # q' − (Q − λ Q̇) fades over each step; what is left after a cycle is what it began with.
-    kept = np.zeros_like(given)
-    passed, whole = np.zeros(shape[0]), np.ones(shape[0])
-    for i in range(given.shape[1]):
-        jump = slope[:, i] - slope[:, (i + 1) % given.shape[1]]
-        passed, whole = passed * fading[:, i] - jump, whole * fading[:, i]
-        kept[:, (i + 1) % given.shape[1]] = passed
-    begin = passed / np.maximum(1.0 - whole, 1e-12)
-    fade = np.concatenate([np.ones((shape[0], 1)), np.cumprod(fading[:, :-1], axis=1)], axis=1)
-    kept[:, 0] = 0.0
-    late: Array = (given - slope + kept + begin[:, None] * fade).reshape(shape)
-    return late
+    return at_phases(phases, np.fft.irfft(answers * np.fft.rfft(at_even_phases(phases, values)), EVEN_PHASES.size))
+
+
+def at_even_phases(phases: Array, values: Array) -> Array:
+    """A periodic channel (n, 2, m) at even phases (n, k)."""
+    pairs = zip(phases, values, strict=True)
+    return np.stack([np.interp(EVEN_PHASES, at.ravel(), given.ravel(), period=2.0 * np.pi) for at, given in pairs])
+
+
+def at_phases(phases: Array, evenly: Array) -> Array:
+    """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
+    pairs = zip(phases, evenly, strict=True)
+    return np.stack([np.interp(at, EVEN_PHASES, given, period=2.0 * np.pi) for at, given in pairs])
 
 
 def phases_of(x: Array, motion: FastMotion) -> Array:
@@ -164,8 +173,3 @@ def _phases_and_half(x: Array, motion: FastMotion) -> tuple[Array, Array]:
     low, high = x.min(axis=(1, 2), keepdims=True), x.max(axis=(1, 2), keepdims=True)
     half = 0.5 * (high - low)
     return motion.phases((x - 0.5 * (low + high)) / half), half
-
-
-def _phase_of(setup: Setup, time_s: Array) -> float:
-    """A time, the same at all moments (n,), as a phase of the drive."""
-    return 2.0 * np.pi * setup.frequency_Hz * float(np.mean(time_s))

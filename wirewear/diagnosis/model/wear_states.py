@@ -19,10 +19,15 @@ from numpy.typing import NDArray
 
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.flattened_wires import FlattenedWires, flattened_wires
-from wirewear.diagnosis.model.layered_wires import ENGAGEMENT_MPa, LayeredCase, LayeredWires, layered_wires
+from wirewear.diagnosis.model.layered_wires import (
+    ENGAGEMENT_MPa,
+    FlattenedWires,
+    LayeredCase,
+    LayeredWires,
+    flattened_wires,
+    layered_wires,
+)
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of
-from wirewear.diagnosis.model.numerical import NUMERICAL
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 
 if TYPE_CHECKING:
@@ -33,6 +38,9 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 _KNOWN = constants("model.wear_states")
+
+#: Standard deviations of the fast model's numerical freedoms: how far it and other solvers differ without a gap.
+NUMERICAL: Mapping[str, float] = constants("model.numerical.freedoms").all()
 
 #: Flattenings are followed up to this one.
 DEEPEST_um = _KNOWN.number("deepest_flattening")
@@ -65,10 +73,15 @@ class WearStates:
         extra_skew: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic
             contact leaves it; by symmetry there is none at 90°.
         has_layers: whether layers of rough or loose material between such bodies are computed.
+        stiffening: power of the load with which the contact stiffens (Mindlin).
+        freedoms: standard deviations of the fast model's numerical freedoms on these states.
         stroke_um: to either side, along which the wires were moved; never less than the slip.
+        full_slip: elastic displacement of the sliding contact over Q/K_c.
     """
 
     has_layers: ClassVar[bool] = True
+    stiffening: ClassVar[float] = 1.0 / 3.0
+    freedoms: ClassVar[Mapping[str, float]] = NUMERICAL
 
     radius_um: float
     friction: float
@@ -85,6 +98,7 @@ class WearStates:
     scars: Array
     stroke_um: float = 0.0
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
+    full_slip: float = FULL_SLIP
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
@@ -127,21 +141,6 @@ class WearStates:
             stroke_um=study["conditions"]["displacement_amplitude_um"],
             extra_skew=np.nan_to_num(skews + np.tan(np.radians(angle_deg - 90.0))),
         )
-
-    @property
-    def stiffening(self) -> float:
-        """Power of the load with which the contact stiffens (Mindlin)."""
-        return 1.0 / 3.0
-
-    @property
-    def full_slip(self) -> float:
-        """Elastic displacement of the sliding contact over Q/K_c."""
-        return FULL_SLIP
-
-    @property
-    def freedoms(self) -> Mapping[str, float]:
-        """Standard deviations of the fast model's numerical freedoms on these states."""
-        return NUMERICAL
 
     @property
     def doubts(self) -> Mapping[str, float]:

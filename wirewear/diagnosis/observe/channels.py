@@ -6,6 +6,7 @@ Whatever guides the load shows in the normal force, and nothing that wears: the 
 from __future__ import annotations
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,16 +81,13 @@ class NormalForce(_OfNormalForce):
         """A share of it."""
         return SolverSize(MEAN_SHARE * np.abs(self.predict(loops.course, sites)))
 
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """Its own."""
-        return np.abs(predicted)
-
 
 class NormalForceByDirection(_OfNormalForce):
     """Mean of the branch towards +x less that of the other."""
 
     name = "normal_direction"
     words, unit = "normal force, forward less backward", "N"
+    free_share = FREE_SHARE
     zones = (Zone("normal_direction", "normal force by direction"),)
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
@@ -107,15 +105,13 @@ class NormalForceByDirection(_OfNormalForce):
         """A share of the load."""
         return SolverSize(np.full(len(sites), DIRECTION_SHARE * loops.setup.load_N))
 
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """A share of the load."""
-        return np.full(predicted.size, FREE_SHARE * setup.load_N)
-
 
 class _AlongStroke(OfLoops, OfWholeLoops):
     """Mean load of one part of the stroke less that of another, over both branches."""
 
     unit = "N"
+    #: By which solvers differ, relative to the load.
+    share: ClassVar[float]
 
     @abstractmethod
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -155,6 +151,10 @@ class _AlongStroke(OfLoops, OfWholeLoops):
         found: Array = 0.5 * np.subtract(one, other, out=np.zeros_like(one), where=both).sum(axis=1)
         return found[rows_of(course, sites)]
 
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+        """A share of the load."""
+        return SolverSize(np.full(len(sites), self.share * loops.setup.load_N))
+
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """A share of the load."""
         return np.full(predicted.size, FREE_SHARE * setup.load_N)
@@ -175,14 +175,11 @@ class NormalForceAtEnds(_AlongStroke):
     name = "normal_ends"
     words = "normal force, ends of the stroke less its middle"
     zones = (Zone("normal_ends", "normal force at the ends"),)
+    share = ENDS_SHARE
 
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What lies outside, what lies inside."""
         return np.abs(place) > OUTER, np.abs(place) < MIDDLE
-
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of the load."""
-        return SolverSize(np.full(len(sites), ENDS_SHARE * loops.setup.load_N))
 
 
 class NormalForceBySides(_AlongStroke):
@@ -191,14 +188,11 @@ class NormalForceBySides(_AlongStroke):
     name = "normal_sides"
     words = "normal force, one side of the stroke less the other"
     zones = (Zone("normal_sides", "normal force by side"),)
+    share = SIDES_SHARE
 
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What lies to the right, what lies to the left."""
         return place > MIDDLE, place < -MIDDLE
-
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of the load."""
-        return SolverSize(np.full(len(sites), SIDES_SHARE * loops.setup.load_N))
 
 
 class Amplitude(OfLoops, OfWholeLoops):
@@ -224,7 +218,3 @@ class Amplitude(OfLoops, OfWholeLoops):
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of it."""
         return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """Its own."""
-        return np.abs(predicted)

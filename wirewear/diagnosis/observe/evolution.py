@@ -14,6 +14,7 @@ from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
 from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
+from wirewear.loops.signals import enclosed_areas
 
 _KNOWN = constants("observe.evolution")
 
@@ -221,9 +222,7 @@ def _holds_half_ranges(reading: Reading, repeat: int) -> bool:
 
 def loop_area(x: Array, q: Array) -> Array:
     """Area of loops (n, 2, m) in mJ, (n,)."""
-    branches = [np.asarray(np.trapezoid(q[:, side], x[:, side], axis=1)) for side in (0, 1)]
-    area: Array = 1e-3 * (branches[0] + branches[1])
-    return area
+    return 1e-3 * enclosed_areas(x.reshape(len(x), -1), q.reshape(len(q), -1))
 
 
 def half_width(x: Array, q: Array) -> Array:

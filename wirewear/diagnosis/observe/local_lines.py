@@ -1,24 +1,23 @@
-"""Values of a branch at a place, by lines through the samples near it, and how their errors hang together."""
+"""A branch, its knee, and its values at a place by lines through the samples near it."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.noise_of_samples import noise_factor, noise_product
+from wirewear.loops.correlated_noise import noise_factor, noise_product
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = constants("observe.branch").number("stick_share")
 
 _KNOWN = constants("observe.local_lines")
 
-#: A force is read from at least so many samples, however far they lie; a displacement from at most so many on a side.
-FEW_NEAR, STICK_NEAR = _KNOWN.count("few_near"), _KNOWN.count("stick_near")
+#: A force is read from at least so many samples, however far they lie.
+FEW_NEAR = _KNOWN.count("few_near")
 
 #: A line through samples at so many windows misses as much of a curve as their noise makes unsure.
 STRAIGHT = _KNOWN.number("straight")
@@ -28,6 +27,9 @@ CHORD_ERROR = _KNOWN.number("chord_error")
 
 #: Deviations from which on samples of a branch are outliers.
 OUTLYING = _KNOWN.number("outlying")
+
+#: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.
+KNEE_TRAVEL, KNEE_EARLY = constants("observe.knee").each("travel", "early")
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,24 +67,23 @@ class ObservedBranch:
         return float(abs(self.displacement_um[after] - self.displacement_um[after - 1]))
 
 
-class Noisy(Protocol):
-    """A loop whose noise is known."""
+def knee_index(travel_um: Array, force_N: Array, top_N: float, amplitude_um: float, reversal_N: float = np.inf) -> int:
+    """Place of the knee on a branch (m,) that rises with its travel, `top_N` being the force at mid-stroke.
 
-    @property
-    def displacement_noise_um(self) -> float:
-        """Of one sample."""
+    reversal_N: force where the other branch ends: a drive that turns sharply has risen far by the first sample.
+    """
+    return int(knees_of(travel_um, force_N, np.array([top_N]), np.array([amplitude_um]), reversal_N))
 
-    @property
-    def sample_noise_N(self) -> float:
-        """Of one sample."""
 
-    @property
-    def force_noise_N(self) -> float:
-        """Of one of many whose mean is taken."""
-
-    @property
-    def correlation(self) -> float:
-        """Of neighbouring samples."""
+def knees_of(
+    travel_um: Array, force_N: Array, top_N: Array, amplitude_um: Array, reversal_N: float = np.inf
+) -> NDArray[np.intp]:
+    """Places (...) of the knees of branches (..., m), of forces at mid-stroke and amplitudes (..., 1)."""
+    low = force_N[..., : max(3, force_N.shape[-1] // 6)].min(axis=-1, keepdims=True)
+    low = np.minimum(low, reversal_N)
+    rise = (force_N - low) / np.maximum(top_N - low, 1e-12) - travel_um / (KNEE_TRAVEL * amplitude_um)
+    knees: NDArray[np.intp] = np.argmax(np.where(travel_um < KNEE_EARLY * amplitude_um, rise, -np.inf), axis=-1)
+    return np.maximum(knees, 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,42 +137,3 @@ def force_at(
     weights = np.linalg.pinv(design)[0]
     error = sample_noise_N * noise_factor(weights, order, correlation)
     return LocalLine(float(weights @ force), error, weights, order, sampled)
-
-
-def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: Noisy) -> LocalLine | None:
-    """Displacement at which the stick branch reaches a force; None where it does not."""
-    x, q = branch.displacement_um, branch.force_N
-    end = min(branch.knee + 2, x.size - 1)
-    # Counting is right where the first crossing is not: a single outlier moves it by one sample.
-    right = int(np.count_nonzero(q[: end + 1] <= level_N))
-    if right in (0, end + 1):
-        return None
-    left = right - 1
-    local = np.arange(max(0, left - STICK_NEAR), min(end, right + STICK_NEAR) + 1)
-    local = local[np.abs(q[local] - level_N) < window_N]
-    if local.size >= 4 and np.ptp(q[local]) > 2.0 * loop.force_noise_N:
-        away = q[local] - level_N
-        slope, at = np.polyfit(away, x[local], 1)
-        rest = x[local] - at - slope * away
-        good = np.abs(rest) <= OUTLYING * (1.4826 * np.median(np.abs(rest))) + 1e-12
-        if np.count_nonzero(good) >= 3 and np.ptp(away[good]) > 0.0:
-            slope, at = np.polyfit(away[good], x[local][good], 1)
-        else:
-            good = np.ones(local.size, dtype=bool)
-        weights = np.linalg.pinv(np.stack([np.ones(np.count_nonzero(good)), away[good]], axis=1))[0]
-        error = _sample_error(loop, slope) * noise_factor(weights, local[good], loop.correlation)
-        return LocalLine(float(at), error, weights, local[good])
-    # Noise may turn the two around, or make them one: then the level lies between them somewhere.
-    rise, step = float(q[right] - q[left]), float(x[right] - x[left])
-    share = float(np.clip((level_N - q[left]) / rise, 0.0, 1.0)) if rise > 0.0 else 0.5
-    slope = step / max(rise, loop.sample_noise_N)
-    both = np.array([1.0 - share, share])
-    error = _sample_error(loop, slope) * noise_factor(both, np.arange(2), loop.correlation)
-    # A chord is right at its ends.
-    whole = float(np.hypot(error, 4.0 * share * (1.0 - share) * CHORD_ERROR * step))
-    return LocalLine(float(x[left] + share * step), whole, both, np.array([left, right]), error / whole)
-
-
-def _sample_error(loop: Noisy, slope_um_per_N: float) -> float:
-    """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
-    return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))

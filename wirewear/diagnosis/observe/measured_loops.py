@@ -11,24 +11,20 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.knee import knee_index
-from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at
-from wirewear.diagnosis.observe.noise_of_samples import (
-    NORMAL_OUTLYING,
-    correlation_of,
-    noise_of_displacement,
-    noise_of_neighbours,
-    noise_of_samples,
-    stretch_of,
-    usual,
-)
+from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at, knee_index
 from wirewear.loops import LoopError
-from wirewear.loops.area import enclosed_area
-from wirewear.loops.branches import Branch, split_branches
+from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.clipping import rounding_noise, step_of
-from wirewear.loops.drive import period_of
-from wirewear.loops.reversals import upright
+from wirewear.loops.correlated_noise import (
+    correlated_noise,
+    correlation_of,
+    correlation_of_neighbours,
+    noise_of_neighbours,
+    stretch_of,
+)
+from wirewear.loops.drive import even_period, period_of, series
+from wirewear.loops.signals import enclosed_area
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 
@@ -58,6 +54,22 @@ FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
 #: Nothing is known better than these shares of it: a channel, an amplitude.
 LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
+
+_OF_NOISE = constants("observe.noise_of_samples")
+
+#: Neighbours that are more alike than this are a drift, not noise.
+MOST_CORRELATED = constants("observe.noise_of_sums").number("most_correlated")
+
+#: Least and largest degree of the curve through a sliding branch about which its noise is taken, and samples for each:
+#: the walls of a deep scar bend a branch sharply near its ends.
+SMOOTH_DEGREES = tuple(int(degree) for degree in _OF_NOISE.numbers("smooth_degrees"))
+SAMPLES_A_DEGREE = _OF_NOISE.count("samples_a_degree")
+
+#: Harmonics of a drive about which the noise of few displacements is taken.
+DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
+
+#: Deviations at which samples are clipped where noise is told from shape: on a branch, and of the normal force.
+CLIPPED, NORMAL_OUTLYING = _OF_NOISE.each("clipped", "normal_outlying")
 
 
 def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> NDArray[np.complex128]:
@@ -148,15 +160,15 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     """
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)
-    raw = clean.without_smooth_drive()
     middle = 0.5 * (clean.displacement_um.max() + clean.displacement_um.min())
     amplitude = 0.5 * float(np.ptp(clean.displacement_um))
     halves = split_branches(upright(clean))
     branches = [
-        _branch(raw, half, other, middle, amplitude, loop.normal_force_N)
+        _branch(clean, half, other, middle, amplitude, loop.normal_force_N)
         for half, other in zip(halves, halves[::-1], strict=True)
     ]
-    mid = _mid_force(branches, amplitude)
+    lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude) for branch in branches]
+    mid = float(np.mean([np.nan if line is None else line.value for line in lines]))
     if not mid > 0.0 or any(branch.knee_um > LATEST_KNEE * amplitude for branch in branches):
         raise LoopError("it does not slide as a whole over most of the stroke, as a diagnosis needs.")
     normal = [branch.normal_N[branch.knee :] for branch in branches if branch.normal_N is not None]
@@ -164,9 +176,11 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     rounding_um, rounding_N = (
         rounding_noise(step_of(values)) for values in (loop.displacement_um, loop.tangential_force_N)
     )
-    noise, stretch, normal_noise = noise_of_samples(sliding, normal, clean, raw, loop.time_s, stated, rounding_N)
+    noise, stretch, normal_noise = _noise_of_samples(sliding, normal, clean, stated, rounding_N)
     correlated = noise_of_neighbours(correlation_of(stretch))
-    noise_x = max(noise_of_displacement(raw.raw_noise_um, stretch, rounding_um), LEAST_NOISE * amplitude)
+    # Rounding is like none of its neighbours.
+    under = float(np.sqrt(max(clean.raw_noise_um**2 - rounding_um**2, 0.0)))
+    noise_x = max(float(np.hypot(under * correlated, rounding_um)), LEAST_NOISE * amplitude)
     noise_q = max(noise, LEAST_NOISE * mid)
     error = clean.amplitude_noise_um * correlated * stretch if clean.smoothed else noise_x
     means, normal_error = _normal(normal, normal_noise, stretch)
@@ -216,24 +230,18 @@ def of_one_recorder(loops: list[ReducedLoop]) -> list[ReducedLoop]:
 
 
 def _branch(
-    raw: CleanLoop, branch: Branch, other: Branch, middle: float, amplitude: float, normal_N: Array | None
+    clean: CleanLoop, branch: Branch, other: Branch, middle: float, amplitude: float, normal_N: Array | None
 ) -> ObservedBranch:
     sign = int(branch.direction)
-    place = {int(index): at for at, index in enumerate(raw.index)}
-    order = np.array([place[int(index)] for index in branch.samples])
-    x, q = sign * (raw.raw_displacement_um[order] - middle), sign * raw.force_N[order]
-    if order.size < FEWEST_SAMPLES:
+    order = np.argsort(clean.index)
+    order = order[np.searchsorted(clean.index, branch.samples, sorter=order)]
+    x, q = sign * (clean.raw_displacement_um[order] - middle), branch.force_N
+    if q.size < FEWEST_SAMPLES:
         raise LoopError(f"one of its branches has fewer than {FEWEST_SAMPLES} samples.")
     # Of a channel that comes late the last samples may have fallen already.
     reversal = -float(other.force_N[-LAST_SAMPLES:].max())
     knee = knee_index(branch.travel_um, q, float(np.median(q[np.abs(x) < MIDDLE * amplitude])), amplitude, reversal)
     return ObservedBranch(sign, x, q, knee, None if normal_N is None else normal_N[branch.samples], reversal)
-
-
-def _mid_force(branches: Sequence[ObservedBranch], amplitude_um: float) -> float:
-    """Mean force of both branches at mid-stroke; NaN where one has no samples there."""
-    lines = [force_at(branch, 0.0, 2.0 * POSITION_WINDOW * amplitude_um) for branch in branches]
-    return float(np.mean([np.nan if line is None else line.value for line in lines]))
 
 
 def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tuple[tuple[float, float] | None, float]:
@@ -242,7 +250,77 @@ def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tupl
         return None, np.nan
     means = []
     for values in sliding:
-        centre, spread = usual(values)
+        centre, spread = _usual(values)
         means.append(float(values[np.abs(values - centre) < NORMAL_OUTLYING * spread].mean()))
     noise = spread if noise_N is None else noise_N
     return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + LEAST_NOISE * abs(means[0]))
+
+
+def _noise_of_samples(
+    sliding: Sequence[tuple[Array, Array]],
+    normal_N: Sequence[Array],
+    clean: CleanLoop,
+    stated: Noise,
+    rounding_N: float,
+) -> tuple[float, float, float | None]:
+    """Standard deviation of one sample's force [N], what correlation makes of means, and the normal force's deviation.
+
+    `sliding` are displacements and forces of the branches past their knees, `normal_N` the normal forces there. Where
+    shape hides the noise of few samples, the normal force tells how neighbours correlate, or the displacement about a
+    smooth drive; or else how near they lie to each other, beside the noise that is stated. The last is None where the
+    normal force was not asked. `rounding_N` is what steps of the force add to a sample's noise.
+    """
+    if (known := _force_noise(sliding, stated, rounding_N)) is not None:
+        return *known, None
+    own = clean.force_noise_N if stated.tangential_force_N is None else stated.tangential_force_N
+    if (other := _noise_of_another(normal_N, clean, stated)) is not None:
+        return own, other[1], other[0]
+    if not stated.displacement_um or not clean.raw_noise_um:
+        return own, 1.0, None
+    # Correlated neighbours lie nearer to each other than the noise of a sample.
+    alike = correlation_of_neighbours(stated.displacement_um / clean.raw_noise_um, MOST_CORRELATED)
+    return own, stretch_of(alike), None
+
+
+def _usual(values: Array) -> tuple[float, float]:
+    """Median of values, and their spread by the median distance from it."""
+    centre = float(np.median(values))
+    return centre, 1.4826 * float(np.median(np.abs(values - centre))) + 1e-12
+
+
+def _force_noise(
+    sliding: Sequence[tuple[Array, Array]], stated: Noise, rounding_N: float
+) -> tuple[float, float] | None:
+    """Standard deviation of a sliding branch's force about a smooth curve, and what correlation makes of means.
+
+    None where there are too few samples to tell noise from shape.
+    """
+    parts: list[tuple[Array, Array]] = []
+    for x, q in sliding:
+        degree = min(x.size // SAMPLES_A_DEGREE, SMOOTH_DEGREES[1])
+        if degree < SMOOTH_DEGREES[0]:
+            return None
+        place = 2.0 * (x - x.min()) / max(float(np.ptp(x)), 1e-12) - 1.0
+        design = np.polynomial.chebyshev.chebvander(place, degree)
+        rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
+        spread = 1.4826 * float(np.median(np.abs(rest)))
+        parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
+    return correlated_noise(parts, stated.tangential_force_N, rounding_N)
+
+
+def _noise_of_another(normal_N: Sequence[Array], clean: CleanLoop, stated: Noise) -> tuple[float, float] | None:
+    """As of `_force_noise`, where shape hides it in few samples: that of the normal force, which hardly changes.
+
+    Without one the displacement tells how noise correlates, as far as a smooth drive explains it; None if none does.
+    """
+    parts: list[tuple[Array, Array]] = []
+    for values in normal_N:
+        centre, spread = _usual(values)
+        design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
+        parts.append((design, np.clip(values, centre - NORMAL_OUTLYING * spread, centre + NORMAL_OUTLYING * spread)))
+    if parts:
+        return correlated_noise(parts, stated.normal_force_N)
+    if not clean.smoothed:
+        return None
+    design = series(clean.time, even_period(clean.time), DRIVE_HARMONICS)
+    return correlated_noise([(design, clean.raw_displacement_um)], stated.displacement_um)

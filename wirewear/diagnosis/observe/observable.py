@@ -1,6 +1,6 @@
 """An observable: one kind of number that a record gives and a model predicts, in one file with all that is known of it.
 
-A new one is a subclass of `Observable` and an entry in `registry.py`, or an installed package's entry point.
+A new one is a subclass of `Observable` and an entry in `reduction.py`, or an installed package's entry point.
 """
 
 from __future__ import annotations
@@ -46,6 +46,7 @@ class Observable(ABC):
         sides: what the measurement is of the model if their difference is positive, and if it is negative.
         simulated: whether loops of a full simulation with few increments show it as a rig's do.
         of_scars: whether it is read from scars, not loops.
+        free_share: of `whole`, a standard deviation of a difference of free shape as large as the loop.
     """
 
     name: ClassVar[str]
@@ -55,6 +56,7 @@ class Observable(ABC):
     sides: ClassVar[tuple[str, str]] = ("above", "below")
     simulated: ClassVar[bool] = False
     of_scars: ClassVar[bool] = False
+    free_share: ClassVar[float] = 1.0
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
@@ -73,10 +75,6 @@ class Observable(ABC):
         """How far solvers differ in it on a test whose computed loops are these."""
 
     @abstractmethod
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """Standard deviation (n,) of a difference of free shape as large as the loop, at predicted values (n,)."""
-
-    @abstractmethod
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
         """Name (n,) of one of `zones` each."""
 
@@ -93,6 +91,10 @@ class Observable(ABC):
                 return np.abs(predicted)
             case _:
                 return np.ones(predicted.size)
+
+    def free_size(self, setup: Setup, predicted: Array) -> Array:
+        """Standard deviation (n,) of a difference of free shape as large as the loop, at predicted values (n,)."""
+        return self.free_share * self.whole(setup, predicted)
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """How differences at several sites hang together: over the cycles alone unless a subclass says more."""

@@ -1,6 +1,11 @@
-"""Force at equal displacement on the plateaus of both branches."""
+"""Force of the sliding branches: at equal displacement, and just past the knee over that beyond it.
+
+A peak past the knee, which adhesion after a reversal makes, is no slope of the scar.
+"""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,12 +13,23 @@ from numpy.typing import NDArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import still_to_come
-from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.local_lines import LocalLine, force_at
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.local_lines import LocalLine, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import ByLocalLines, Zone
+from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ROUGH, ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
+from wirewear.diagnosis.observe.sites import (
+    ROUGH,
+    ModelLoops,
+    Scale,
+    Site,
+    Sites,
+    Smoothness,
+    SolverSize,
+    along_branches,
+    rows_of,
+)
+from wirewear.loops.correlated_noise import noise_factor
 
 _KNOWN = constants("observe.plateau")
 
@@ -32,6 +48,19 @@ REACH = _KNOWN.number("reach")
 
 #: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
 WALL_PLACE, REACH_WALL, ROUGH_WALL = _KNOWN.each("wall_place", "reach_wall", "rough_wall")
+
+_OF_KNEE_PEAK = constants("observe.knee_peak")
+
+#: Solver differences: shares of the plateau force, of the peak that slopes make, and of how high walls are there.
+KNEE_SHARE, PEAK_SHARE, WALL_SHARE = _OF_KNEE_PEAK.each("force_share", "peak_share", "wall_share")
+
+#: Walls are high where slopes raise the force by this share of it.
+WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
+
+_OF_WINDOWS = constants("observe.knee")
+
+#: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
+PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")
 
 
 class PlateauForce(ByLocalLines):
@@ -62,21 +91,13 @@ class PlateauForce(ByLocalLines):
 
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Linear between the model's points."""
-        values = np.empty(len(sites))
-        for cycle, sign, places in sites.branches:
-            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
-            x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
-            values[places] = np.interp(sign * sites.level[places], still_to_come(sign * x), q)
-        return values
+        place = self.along(sites)
+        return sites.branch * along_branches(course, sites, lambda x, q, at: np.interp(place[at], still_to_come(x), q))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """Ripples of the worn surface, and a share of the force."""
         size = np.hypot(SLOPE_SHARE * loops.rise_N(sites), FORCE_SHARE * loops.scale.force_N)
         return SolverSize(size, wall=np.sign(sites.level))
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """The plateau force."""
-        return np.full(predicted.size, setup.plateau_force_N)
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
         """The end of the stroke is one of its own."""
@@ -88,8 +109,82 @@ class PlateauForce(ByLocalLines):
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
         """Smooth along the stroke, least at the walls."""
-        whole = Smoothness.of_whole_loops(len(sites))
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
         lengths = np.sign(along) * ((np.abs(along) - beyond) / REACH + beyond / REACH_WALL)
-        return Smoothness(lengths, 1.0, np.where(beyond > 0.0, ROUGH_WALL, ROUGH), whole.family)
+        rough = np.where(beyond > 0.0, ROUGH_WALL, ROUGH)
+        return replace(Smoothness.of_whole_loops(len(sites)), along=lengths, rough=rough)
+
+
+class KneePeak(OfLoops, OfWholeLoops):
+    """One a branch, positive along +x."""
+
+    name = "knee"
+    words, unit = "force just past the knee over that beyond", "N"
+    zones = (Zone("knee", "knee, where sliding begins"),)
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Both branches of every loop."""
+        return [Site(cycle, sign) for cycle in reading.cycles for sign in (1, -1)]
+
+    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+        """Means over two windows past the knee."""
+        branch = loop.branches[int(site.branch < 0)]
+        x = branch.displacement_um[branch.knee :]
+        peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
+        return branch.sign * peak, loop.sample_noise_N * weight
+
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+        """The same of computed branches."""
+        peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
+        return np.asarray(sites.branch * peaks[rows_of(course, sites), (sites.branch < 0).astype(int)])
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+        """How steep a wall begins depends on the elements as soon as there is one, and no more once it is high."""
+        force, rise = loops.scale.force_N, loops.rise_N(sites)
+        high = rise / (1.0 + rise / (WALL_HEIGHT * force))
+        size = np.hypot(KNEE_SHARE * force, PEAK_SHARE * np.abs(self.predict(loops.course, sites)))
+        return SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
+
+    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+        """Each branch has its knee at a wall of its own."""
+        return replace(Smoothness.of_whole_loops(len(sites)), turned=0.0)
+
+
+def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:
+    """Mean force of a branch (m,) in the window of the peak less that beyond, and the factor from noise to its error.
+
+    `past_um` is measured from the knee. NaN where a window holds too few samples.
+    """
+    near, far = ((past_um >= low * amplitude_um) & (past_um <= high * amplitude_um) for low, high in (PEAK, BEYOND))
+    counts = int(near.sum()), int(far.sum())
+    if counts[0] < 2 or counts[1] < 3:
+        return np.nan, np.nan
+    weights = near / counts[0] - far / counts[1]
+    used = np.flatnonzero(weights)
+    return float(weights @ force_N), noise_factor(weights[used], used, correlation)
+
+
+def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
+    """The same of computed branches (n, 2, m), both in order of travel, (n, 2)."""
+    sign = np.array([1.0, -1.0])[:, None]
+    x, q = sign * displacement_um, sign * force_N
+    travel = x - x[..., :1]
+    amplitude = 0.5 * travel[..., -1:]
+    passed = still_to_come(travel)
+    knee = knees_of(travel, q, _read(passed, q, amplitude), amplitude)
+    from_knee = np.take_along_axis(travel, knee[..., None], axis=-1)
+    past = np.concatenate([np.linspace(*PEAK, 6), np.linspace(*BEYOND, 6)])
+    at = _read(passed, q, from_knee + amplitude * past)
+    peaks: Array = at[..., :6].mean(axis=-1) - at[..., 6:].mean(axis=-1)
+    return peaks
+
+
+def _read(travel: Array, force: Array, at: Array) -> Array:
+    """Forces (..., k) at travels, linear between the points (..., m) of each branch."""
+    right = np.clip((travel[..., None, :] < at[..., None]).sum(axis=-1), 1, travel.shape[-1] - 1)
+    start, first, end, last = (
+        np.take_along_axis(values, side, axis=-1) for side in (right - 1, right) for values in (travel, force)
+    )
+    share = np.clip((at - start) / np.maximum(end - start, 1e-12), 0.0, 1.0)
+    return np.asarray(first + share * (last - first))

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.ndimage import uniform_filter1d
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.loop_states import crossings
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -71,9 +73,9 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
     x, depth = profile.x_um, profile.depth_um
     smooth = _smoothed(x, depth)
     deepest = max(float(smooth.max()), 1e-6)
-    left, right = _crossings(x, smooth, HALF_DEPTH * deepest)
+    left, right = crossings(x, smooth, HALF_DEPTH * deepest)
     x = x - 0.5 * (left + right)
-    ends = _crossings(x, smooth, EDGE * deepest)
+    ends = crossings(x, smooth, EDGE * deepest)
     half = max(0.5 * (ends[1] - ends[0]), 1e-6)
     inside = np.abs(x) < half
     rough = depth - smooth
@@ -165,9 +167,8 @@ class ProfileDepths(Observable):
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """Smooth along each body's scar."""
-        whole = Smoothness.of_whole_loops(len(sites))
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
-        return Smoothness(places_of(sites) / REACH, 1.0, whole.rough, family)
+        return replace(Smoothness.of_whole_loops(len(sites)), along=places_of(sites) / REACH, family=family)
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """What the zero of the profiles may be off by."""
@@ -203,22 +204,6 @@ def _smoothed(x: Array, depth: Array) -> Array:
     if count <= 3 * ROUGH_DEGREE:
         return depth
     width = max(count // (3 * ROUGH_DEGREE), 1)
-    kernel = np.ones(2 * width + 1) / (2 * width + 1)
     even = np.linspace(x[0], x[-1], count)
-    padded = np.pad(np.interp(even, x, depth), width, mode="edge")
-    return np.asarray(np.interp(x, even, np.convolve(padded, kernel, mode="valid")))
-
-
-def _crossings(x: Array, depth: Array, level: float) -> tuple[float, float]:
-    """Outermost places between which the depth is above a level."""
-    over = np.flatnonzero(depth > level)
-    if over.size == 0:
-        return float(x[0]), float(x[-1])
-
-    def between(inside: int, outside: int) -> float:
-        if not 0 <= outside < x.size:
-            return float(x[inside])
-        share = (depth[inside] - level) / (depth[inside] - depth[outside])
-        return float(x[inside] + share * (x[outside] - x[inside]))
-
-    return between(int(over[0]), int(over[0]) - 1), between(int(over[-1]), int(over[-1]) + 1)
+    smooth: Array = uniform_filter1d(np.interp(even, x, depth), 2 * width + 1, mode="nearest")
+    return np.interp(x, even, smooth)

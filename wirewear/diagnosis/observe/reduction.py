@@ -22,11 +22,10 @@ from wirewear.diagnosis.observe.channels import (
     NormalForceBySides,
 )
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
-from wirewear.diagnosis.observe.knee_peak import KneePeak
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import Observable
-from wirewear.diagnosis.observe.plateau import PlateauForce
+from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
@@ -37,6 +36,7 @@ from wirewear.records import AnyRecord
 #: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.
 READ_WITHIN: Mapping[str, float] = constants("observe.read_within").all()
 
+#: Entry point group in which a package names its subclasses of `Observable`.
 ENTRY_POINT_GROUP = "wirewear.observables"
 
 #: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
@@ -145,7 +145,6 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
     return {name: value for name, value in known.items() if value is not None}
 
 
-#: Entry point group in which a package names its subclasses of `Observable`.
 def all_observables() -> tuple[Observable, ...]:
     """One of each.
 

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import ClassVar
+
 import numpy as np
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, WIRES, scar_figures, scar_skew
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
@@ -37,11 +40,15 @@ class _OfScars(OfWholeLoops):
     """One number a wire, after the last cycle."""
 
     of_scars = True
+    size: ClassVar[float]
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
+        """Its own `size` each, whatever the hooks."""
+        return SolverSize(np.full(len(sites), self.size), hooked=False)
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """No number has anything in common with another."""
-        whole = Smoothness.of_whole_loops(len(sites))
-        return Smoothness(whole.along, 1.0, whole.rough, np.arange(len(sites)))
+        return replace(Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
 
 
 class ScarFigures(_OfScars):
@@ -49,6 +56,7 @@ class ScarFigures(_OfScars):
 
     name = "scar"
     words, unit = "scar", "relative"
+    size, free_share = FIGURE_SIZE, FREE_FIGURE
     zones = (Zone("scar", "scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:
@@ -77,20 +85,13 @@ class ScarFigures(_OfScars):
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
         return np.asarray(np.log(np.maximum(course.scars[wire, figure], least)))
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """A share of each, whatever the hooks."""
-        return SolverSize(np.full(len(sites), FIGURE_SIZE), hooked=False)
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """By many times."""
-        return np.full(predicted.size, FREE_FIGURE)
-
 
 class ScarSkew(_OfScars):
     """Shear of a swept scar, from which the crossing angle follows."""
 
     name = "skew"
     words, unit = "skew of the scar", "rad"
+    size, free_share = SKEW_SIZE_rad, FREE_SKEW
     zones = (Zone("skew", "skew of the scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:
@@ -111,14 +112,6 @@ class ScarSkew(_OfScars):
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
         return np.array([course.skew[WIRES.index(site.wire)] for site in sites])
-
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """Whatever the hooks."""
-        return SolverSize(np.full(len(sites), SKEW_SIZE_rad), hooked=False)
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """By any angle."""
-        return np.full(predicted.size, FREE_SKEW)
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:

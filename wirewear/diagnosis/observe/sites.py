@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -162,14 +162,24 @@ class ModelLoops:
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
 
 
+def along_branches(course: LoopCourse, sites: Sites, value: Callable[[Array, Array, NDArray[np.intp]], Array]) -> Array:
+    """Values (n,) that a function gives of the branch of each site, and its places; of whole loops that towards +x.
+
+    It takes displacements and forces (m,) in the direction of travel, so that both rise.
+    """
+    values = np.empty(len(sites))
+    for cycle, sign, places in sites.branches:
+        row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
+        x, q = ((1, -1)[side] * channel[row, side] for channel in (course.displacement_um, course.tangential_force_N))
+        values[places] = value(x, q, places)
+    return values
+
+
 def travel_um(course: LoopCourse, sites: Sites, low_N: Array, high_N: Array) -> Array:
     """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
-    travel = np.zeros(len(sites))
-    for cycle, branch, places in sites.branches:
-        row, side = int(np.searchsorted(course.cycles, cycle)), int(branch < 0)
-        sign = (1, -1)[side]
-        x, q = sign * course.displacement_um[row, side], sign * course.tangential_force_N[row, side]
+
+    def travelled(x: Array, q: Array, at: NDArray[np.intp]) -> Array:
         rising = np.maximum.accumulate(q)
-        low, high = (np.interp(force_N[places], rising, x) for force_N in (low_N, high_N))
-        travel[places] = high - low
-    return travel
+        return np.asarray(np.interp(high_N[at], rising, x) - np.interp(low_N[at], rising, x))
+
+    return along_branches(course, sites, travelled)

@@ -2,17 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Array, Setup
-from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, displacement_at
+from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
 from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, OfWholeLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize, travel_um
+from wirewear.diagnosis.observe.sites import (
+    ModelLoops,
+    Scale,
+    Site,
+    Sites,
+    Smoothness,
+    SolverSize,
+    along_branches,
+    travel_um,
+)
+from wirewear.loops.correlated_noise import noise_factor
 
 _KNOWN = constants("observe.stick")
 
@@ -35,6 +47,9 @@ CORNER = _KNOWN.number("corner")
 #: Differences are alike over this share of the plateau force.
 REACH = _KNOWN.number("reach")
 
+#: Displacements are read from at most so many samples on a side.
+STICK_NEAR = constants("observe.local_lines").count("stick_near")
+
 #: A difference of free shape may be so large a share of the amplitude.
 FREE_SHARE = _KNOWN.number("free_share")
 
@@ -55,6 +70,7 @@ class Stick(ByLocalLines):
 
     name = "stick"
     words, unit = "displacement at equal force", "um"
+    free_share = FREE_SHARE
     zones = (Zone("stick", "stick, after a reversal", "just after a reversal"),)
     sides = ("ahead of", "behind")
     simulated = True
@@ -75,12 +91,9 @@ class Stick(ByLocalLines):
 
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
-        values = np.empty(len(sites))
-        for cycle, sign, places in sites.branches:
-            row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
-            x, q = course.displacement_um[row, side], course.tangential_force_N[row, side]
-            values[places] = np.interp(sites.level[places], np.maximum.accumulate(sign * q), x)
-        return values
+        level = sites.level
+        places = along_branches(course, sites, lambda x, q, at: np.interp(level[at], np.maximum.accumulate(q), x))
+        return sites.branch * places
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """Where a branch turns under another force, it lies elsewhere as a whole."""
@@ -96,10 +109,6 @@ class Stick(ByLocalLines):
             wall=-sites.branch.astype(float),
         )
 
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """A share of the amplitude."""
-        return np.full(predicted.size, FREE_SHARE * setup.amplitude_um)
-
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
         """One."""
         return np.full(len(sites), "stick")
@@ -110,8 +119,7 @@ class Stick(ByLocalLines):
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
         """Smooth over the force."""
-        whole = Smoothness.of_whole_loops(len(sites))
-        return Smoothness(sites.level / scale.force_N / REACH, 1.0, whole.rough, whole.family)
+        return replace(Smoothness.of_whole_loops(len(sites)), along=sites.level / scale.force_N / REACH)
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
@@ -147,6 +155,7 @@ class ShelfTravel(OfLoops, OfWholeLoops):
 
     name = "shelf"
     words, unit = "travel without force", "um"
+    free_share = FREE_SHARE
     zones = (Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
     def sites(self, reading: Reading) -> list[Site]:
@@ -183,10 +192,6 @@ class ShelfTravel(OfLoops, OfWholeLoops):
         travel = self.predict(loops.course, sites)
         return SolverSize(np.hypot(np.sqrt(2.0) * SIZE_um, TRAVEL_SHARE * travel), hooked=False)
 
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """A share of the amplitude."""
-        return np.full(predicted.size, FREE_SHARE * setup.amplitude_um)
-
 
 def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
     """Travel [µm] of a branch from −`level_N` to `level_N`, and its standard deviation; NaN of too few samples.
@@ -209,3 +214,42 @@ def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float
     rising = np.maximum.accumulate(q[before : after + 1])
     low, high = np.interp((-level_N, level_N), rising, x[before : after + 1])
     return float(high - low), unsure
+
+
+def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loop: ReducedLoop) -> LocalLine | None:
+    """Displacement at which the stick branch reaches a force; None where it does not."""
+    x, q = branch.displacement_um, branch.force_N
+    end = min(branch.knee + 2, x.size - 1)
+    # Counting is right where the first crossing is not: a single outlier moves it by one sample.
+    right = int(np.count_nonzero(q[: end + 1] <= level_N))
+    if right in (0, end + 1):
+        return None
+    left = right - 1
+    local = np.arange(max(0, left - STICK_NEAR), min(end, right + STICK_NEAR) + 1)
+    local = local[np.abs(q[local] - level_N) < window_N]
+    if local.size >= 4 and np.ptp(q[local]) > 2.0 * loop.force_noise_N:
+        away = q[local] - level_N
+        slope, at = np.polyfit(away, x[local], 1)
+        rest = x[local] - at - slope * away
+        good = np.abs(rest) <= OUTLYING * (1.4826 * np.median(np.abs(rest))) + 1e-12
+        if np.count_nonzero(good) >= 3 and np.ptp(away[good]) > 0.0:
+            slope, at = np.polyfit(away[good], x[local][good], 1)
+        else:
+            good = np.ones(local.size, dtype=bool)
+        weights = np.linalg.pinv(np.stack([np.ones(np.count_nonzero(good)), away[good]], axis=1))[0]
+        error = _sample_error(loop, slope) * noise_factor(weights, local[good], loop.correlation)
+        return LocalLine(float(at), error, weights, local[good])
+    # Noise may turn the two around, or make them one: then the level lies between them somewhere.
+    rise, step = float(q[right] - q[left]), float(x[right] - x[left])
+    share = float(np.clip((level_N - q[left]) / rise, 0.0, 1.0)) if rise > 0.0 else 0.5
+    slope = step / max(rise, loop.sample_noise_N)
+    both = np.array([1.0 - share, share])
+    error = _sample_error(loop, slope) * noise_factor(both, np.arange(2), loop.correlation)
+    # A chord is right at its ends.
+    whole = float(np.hypot(error, 4.0 * share * (1.0 - share) * CHORD_ERROR * step))
+    return LocalLine(float(x[left] + share * step), whole, both, np.array([left, right]), error / whole)
+
+
+def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
+    """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
+    return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))

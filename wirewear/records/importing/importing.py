@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.loops.area import enclosed_area
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
+from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profiles import profiles_of
