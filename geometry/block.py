@@ -18,12 +18,13 @@ class BlockGeometry(BodyGeometry):
     """A block with a barrel's face, held at its back and its sides; lengths in mm.
 
     curvature_along_per_mm, curvature_across_per_mm: one over the face's radii, 0 where it is straight.
-    half_width_mm: to each side of the contact, along and across.  height_mm: from the contact to the back.
+    half_width_along_mm, half_width_across_mm: to each side of the contact.  height_mm: from the contact to the back.
     """
 
     curvature_along_per_mm: float
     curvature_across_per_mm: float
-    half_width_mm: float
+    half_width_along_mm: float
+    half_width_across_mm: float
     height_mm: float
     axial: GradedAxis
     transverse: GradedAxis
@@ -32,18 +33,19 @@ class BlockGeometry(BodyGeometry):
     layering: Layering = field(default_factory=Layering)
 
     def __post_init__(self) -> None:
-        if not (self.half_width_mm > 0.0 and self.height_mm > 0.0):
+        widths = self.half_width_along_mm, self.half_width_across_mm
+        if not (min(widths) > 0.0 and self.height_mm > 0.0):
             raise GeometryError(
-                "a block's half-width and height must be positive, but are "
-                f"{self.half_width_mm} and {self.height_mm} mm"
+                f"a block's half-widths and height must be positive, but are {widths[0]}, {widths[1]} and "
+                f"{self.height_mm} mm"
             )
-        reach = max(self.axial.half_extent_mm, self.transverse.half_extent_mm)
-        if reach > 0.9 * self.half_width_mm:
-            raise GeometryError(
-                f"the contact patch reaches {reach:.4g} mm to each side of a block of half-width {self.half_width_mm} "
-                "mm; it must leave a tenth of it free: give a wider block"
-            )
-        self.profile.require_within(self.half_width_mm, self.half_width_mm)
+        for axis, width in zip((self.axial, self.transverse), widths, strict=True):
+            if axis.half_extent_mm > 0.9 * width:
+                raise GeometryError(
+                    f"the contact patch reaches {axis.half_extent_mm:.4g} mm to each side of a block of half-width "
+                    f"{width} mm; it must leave a tenth of it free: give a wider block"
+                )
+        self.profile.require_within(*widths)
 
     @property
     def profile(self) -> Barrel:
@@ -52,18 +54,20 @@ class BlockGeometry(BodyGeometry):
 
     @property
     def half_length_mm(self) -> float:
-        """As wide along as across."""
-        return self.half_width_mm
+        """As wide along."""
+        return self.half_width_along_mm
 
     @property
     def least_extent_mm(self) -> float:
         """Its width, or its height."""
-        return min(2.0 * self.half_width_mm, self.height_mm)
+        return min(2.0 * self.half_width_along_mm, 2.0 * self.half_width_across_mm, self.height_mm)
 
     def section(self) -> tuple[Array, IntArray]:
         """Half a rectangle."""
         lines = self.transverse.half_lines()
-        return block_section(self.half_width_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm)
+        return block_section(
+            self.half_width_across_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm
+        )
 
     def bent(self, points_mm: Array) -> Array:
         """The face lowered onto its profile, what is below in proportion, the back left where it is."""
@@ -75,5 +79,5 @@ class BlockGeometry(BodyGeometry):
     def gripped(self, centres_mm: Array) -> BoolArray:
         """At its back and all around."""
         x, y, z = centres_mm.T
-        side = np.maximum(np.abs(x), np.abs(y)) > self.half_width_mm * (1.0 - 1e-9)
-        return np.asarray(side | (z < -self.height_mm * (1.0 - 1e-9)))
+        aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
+        return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))

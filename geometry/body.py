@@ -150,6 +150,11 @@ class BodyGeometry(ABC):
         return points_mm
 
     @property
+    def round_mm(self) -> float | None:
+        """Radius of a round bar, to which chords of its coarse elements may be drawn round; None of other bodies."""
+        return None
+
+    @property
     def finest_mm(self) -> float:
         """Smallest spacing of the patch's lines."""
         return min(float(axis.half_lines()[1]) for axis in (self.axial, self.transverse))

@@ -65,6 +65,11 @@ class WireGeometry(BodyGeometry):
         return Cylinder(self.radius_mm)
 
     @property
+    def round_mm(self) -> float:
+        """Its radius."""
+        return self.radius_mm
+
+    @property
     def half_length_mm(self) -> float:
         """Half of its modelled length."""
         return self.length_mm / 2.0

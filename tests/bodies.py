@@ -96,7 +96,7 @@ def wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.0
 @cache
 def condensed_wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: float = 0.04) -> CondensedBody:
     """Such a wire of steel, condensed; kept in the session's cache, which its processes share."""
-    return wires.condensed_wire(wire_geometry(fine_mm, axial_fine_mm, axial_half_mm), STEEL)
+    return wires.condensed_body(wire_geometry(fine_mm, axial_fine_mm, axial_half_mm), STEEL)
 
 
 @cache

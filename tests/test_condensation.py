@@ -180,13 +180,13 @@ def test_what_is_gathered_between_nodes_is_that_part_of_the_whole(degrees: float
 @pytest.mark.seconds
 def test_a_wire_comes_back_from_the_cache_as_it_was_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     geometry = wire_geometry(FINE_mm, 0.02, 0.04)
-    made = wires.condensed_wire(geometry, STEEL, tmp_path)
+    made = wires.condensed_body(geometry, STEEL, tmp_path)
 
     def forbidden(*_: object) -> None:
         raise AssertionError("the wire was condensed again")
 
     monkeypatch.setattr(wires, "condense", forbidden)
-    kept = wires.condensed_wire(geometry, STEEL, tmp_path)
+    kept = wires.condensed_body(geometry, STEEL, tmp_path)
     assert np.array_equal(kept.compliance, made.compliance)
     assert np.array_equal(kept.patch.nodes, made.patch.nodes)
 

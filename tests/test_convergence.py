@@ -14,13 +14,13 @@ from wirewear import parse_study
 from wirewear.results import Evolution, RunResult
 from wirewear.simulation.convergence import (
     BASE,
-    FIGURES,
     JUMPS,
     MESH,
     POSITIONS,
-    WIRES,
     Converged,
     converge,
+    figures_of,
+    point_contact,
     refined_study,
     richardson,
 )
@@ -84,7 +84,7 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
 
 
 def rows_of(runner: FakeRunner, output: Path) -> list[Converged]:
-    study, subject = parse_study(WORN, "s.toml"), replace(WIRES, run=runner)
+    study, subject = parse_study(WORN, "s.toml"), replace(point_contact(("moving", "fixed")), run=runner)
     return converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
 
 
@@ -92,7 +92,7 @@ def converged(runner: FakeRunner, output: Path) -> list[tuple[float, float, floa
     """Value, limit and error of every figure, over its exact value."""
     exact = synthetic_results.result()
     found = []
-    for row, figure in zip(rows_of(runner, output), FIGURES, strict=True):
+    for row, figure in zip(rows_of(runner, output), figures_of(("moving", "fixed")), strict=True):
         truth = figure.of(exact)
         found.append((row.value / truth, row.limit / truth, row.error / truth))
     return found

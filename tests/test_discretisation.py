@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 
 from tests.studies import MINIMAL
 from wirewear import parse_study
+from wirewear.reference import relative_curvatures
 from wirewear.simulation import discretise
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
 from wirewear.simulation.mesh_stages import mesh_stages, spare_stages
-from wirewear.simulation.wire_patches import unknowns
+from wirewear.simulation.patches import unknowns
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS
 
@@ -47,22 +48,33 @@ def test_reach_and_chord_are_those_of_the_ellipse_s_outline(
 
 
 def test_the_scar_s_outline_holds_its_volume_under_the_gap() -> None:
-    scar = scar_ellipse(1e-4, 0.3, 0.2, 50.0)
+    scar = scar_ellipse(1e-4, relative_curvatures(0.3, 0.2, 50.0))
     # The cap of an elliptic paraboloid has half the volume of its cylinder; its depth is that of the gap at the rim.
     gap = sqrt((0.5 / 0.3) * (0.5 / 0.2)) * np.sin(radians(50.0))
     depth = scar.major_mm * scar.minor_mm * gap
     assert 0.5 * pi * scar.major_mm * scar.minor_mm * depth == pytest.approx(1e-4)
 
 
+#: Curvatures of a wire along and across [1/mm].
+WIRE = (0.0, 4.4)
+
+
 @given(st.floats(radians(20.0), radians(90.0)), angles, st.floats(0.001, 0.2))
 def test_travel_along_both_crowns_adds_up_to_the_motion(crossing: float, direction: float, stroke: float) -> None:
-    moving, fixed = patch_axes(stroke, direction, crossing)
+    moving, fixed = patch_axes(stroke, direction, (WIRE, WIRE), crossing)
     sums = []
     for sign in (1.0, -1.0):
         x = moving.axial.travel_mm + sign * fixed.axial.travel_mm * np.cos(crossing)
         sums.append(hypot(x, fixed.axial.travel_mm * np.sin(crossing)))
     assert min(abs(total - stroke) for total in sums) < 1e-9
     assert moving.transverse.travel_mm == fixed.transverse.travel_mm == 0.0
+
+
+def test_under_a_ball_the_contact_moves_on_the_flat_and_stays_on_the_ball() -> None:
+    on_flat, on_ball = patch_axes(0.05, radians(30.0), ((0.0, 0.0), (0.2, 0.2)), 0.0)
+    assert on_flat.axial.travel_mm == pytest.approx(0.05 * np.cos(radians(30.0)))
+    assert on_flat.transverse.travel_mm == pytest.approx(0.05 * np.sin(radians(30.0)))
+    assert on_ball.axial.travel_mm == on_ball.transverse.travel_mm == 0.0
 
 
 @pytest.mark.parametrize(("angle_deg", "fixed_diameter_mm"), [(30.0, 0.45), (60.0, 0.45), (45.0, 0.2), (90.0, 0.9)])

@@ -19,7 +19,7 @@ from wirewear import largest_mean_pressure_MPa
 from wirewear.results.mean_pressure import averaging
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
-from wirewear.sweeps.sweep import FIGURES, SweepRow
+from wirewear.sweeps.sweep import SweepRow, figures_named
 from wirewear.sweeps.uncertainty import fitted, inputs_of, run_uncertain, sweep_of
 from wirewear.sweeps.uncertainty_report import page, sentence
 
@@ -69,7 +69,8 @@ def test_intervals_are_those_of_the_closed_form(tmp_path: Path, monkeypatch: pyt
 
     def sliding(study: Study, values: dict[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
         force = values["contact.friction"] * values["conditions.normal_load_N"]
-        figures = {name: force if name == "max_tangential_force_N" else None for name in FIGURES}
+        figures: dict[str, float | None] = dict.fromkeys(figures_named(("moving", "fixed")))
+        figures["max_tangential_force_N"] = force
         return SweepRow(number, figures, "", 1.0, 1)
 
     monkeypatch.setattr("wirewear.sweeps.running.run_case", sliding)

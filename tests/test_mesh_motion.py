@@ -17,7 +17,7 @@ from solvers.placement import place
 from solvers.transfer import transferred
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
-from wirewear.simulation.problem import condensed_wire, condensed_worn_wire
+from wirewear.simulation.problem import condensed_body, condensed_worn_body
 
 Array = NDArray[np.float64]
 
@@ -205,11 +205,11 @@ def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_
 @pytest.mark.seconds
 def test_a_worn_wire_is_condensed_on_its_moved_nodes(tmp_path: Path) -> None:
     geometry = wire_geometry(0.02, 0.02, 0.04)
-    fresh = condensed_wire(geometry, STEEL, tmp_path)
+    fresh = condensed_body(geometry, STEEL, tmp_path)
     a, t = fresh.patch.axial_mm, fresh.patch.transverse_mm
     depth = 0.01 * np.outer(np.maximum(1.0 - (a / 0.035) ** 2, 0.0), np.maximum(1.0 - (t / 0.035) ** 2, 0.0))
-    worn, smallest = condensed_worn_wire(geometry, STEEL, depth)
-    deeper, smaller = condensed_worn_wire(geometry, STEEL, 1.1 * depth)
+    worn, smallest = condensed_worn_body(geometry, STEEL, depth)
+    deeper, smaller = condensed_worn_body(geometry, STEEL, 1.1 * depth)
     assert worn.patch.repositioned_depth_mm == pytest.approx(depth, abs=0.0)
     assert 0.2 < smaller < smallest
     centre = 3 * (fresh.patch.size // 2) + 2

@@ -189,7 +189,7 @@ def without_wires(monkeypatch: pytest.MonkeyPatch) -> None:
     def forbidden(*_: object) -> None:
         raise AssertionError("a wire was condensed or loaded")
 
-    monkeypatch.setattr("wirewear.simulation.problem.condensed_wire", forbidden)
+    monkeypatch.setattr("wirewear.simulation.problem.condensed_body", forbidden)
 
 
 @pytest.mark.parametrize("jobs", [1, 2])

@@ -25,8 +25,8 @@ def problem(text: str) -> str:
             "normal_load_N = 2.0",
             "normal_load_kN = 0.002",
             (
-                "unknown key 'normal_load_kN' in [conditions] of s.toml: the normal load between the wires is given as "
-                "normal_load_N, in newtons."
+                "unknown key 'normal_load_kN' in [conditions] of s.toml: the normal load between the bodies is given "
+                "as normal_load_N, in newtons."
             ),
         ),
         (
@@ -247,7 +247,7 @@ def problem(text: str) -> str:
             'kind = "planar"',
             (
                 "kind in s.toml is 'planar', but must be \"crossed-wires\"; `wirewear run` also takes "
-                '"line-contact" or "cylinder-on-flat".'
+                '"ball-on-flat" or "point-contact" or "line-contact" or "cylinder-on-flat".'
             ),
         ),
         (

@@ -18,7 +18,7 @@ from wirewear.sweeps.page import write_table
 from wirewear.sweeps.pictures import _lines, front
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
-from wirewear.sweeps.sweep import FIGURES, SweepRow
+from wirewear.sweeps.sweep import SweepRow, figures_named
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'
@@ -56,7 +56,7 @@ def spring_loop(study: object, values: dict[str, float], fidelity: str, number: 
     stiffness, friction = values["holder.tangential_stiffness_N_per_mm"], values["contact.friction"]
     if friction > 0.7:
         return SweepRow(number, None, "the contact did not converge", 1.0, 1)
-    figures: dict[str, float | None] = dict.fromkeys(FIGURES)
+    figures: dict[str, float | None] = dict.fromkeys(figures_named(("moving", "fixed")))
     figures["max_tangential_force_N"] = 2.0 * friction
     figures["slip_amplitude_um"] = 20.0 - 2e3 * friction / stiffness
     figures["max_depth_fixed_um"] = friction

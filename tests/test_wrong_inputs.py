@@ -91,7 +91,7 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
         raise AssertionError("a body was condensed")
 
     for place in (
-        "wirewear.simulation.problem.condensed_wire",
+        "wirewear.simulation.problem.condensed_body",
         "wirewear.planar.model.condense",
     ):
         monkeypatch.setattr(place, forbidden)

@@ -23,6 +23,7 @@ from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
+from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.tables import StudyTables
 from wirewear.sweeps.tables import SweepTables, Vary
 
@@ -85,6 +86,8 @@ def _study_page() -> Iterator[str]:
     yield "A dash leaves the choice to the program."
     for title, tables in (
         ("Crossed wires", StudyTables),
+        ("A ball on a flat", BallOnFlatTables),
+        ("Contacts at a point", PointTables),
         ("Line contacts", PlanarStudy),
     ):
         yield from ("", f"## {title}")

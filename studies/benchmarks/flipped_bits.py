@@ -162,7 +162,7 @@ def _kinds(base: Path) -> dict[str, Kind]:
     made_runs(base)
     _made_batch(base)
     _made_rows(base / "sweep")
-    (wire, *_), (batch_key,) = sorted(cache_folder().glob("wire-*.npz")), [base / "batch.key"]
+    (wire, *_), (batch_key,) = sorted(cache_folder().glob("body-*.npz")), [base / "batch.key"]
     shutil.copy(wire, base / wire.name)
     with suppress(ZeroDivisionError), occupied(base / "held", "a run", asked="this"):
         raise ZeroDivisionError

@@ -37,7 +37,7 @@ def _begin(*_: object, **__: object) -> Any:
 BEGINNING = dict.fromkeys(
     (
         "wirewear.simulation.runs:cycle_through",
-        "wirewear.simulation.runs:condense_wires",
+        "wirewear.simulation.runs:condense_bodies",
         "wirewear.planar.run:cycle_through",
         "wirewear.fitting.sensor_loading:contact_problem",
         "wirewear.simulation.together:run_side_by_side",

@@ -21,7 +21,7 @@ from wirewear.base.writing import why_not_written
 DEFAULT_GB = 10.0
 
 #: What is kept, by the names of the files.
-_KEPT = ("wire-*.npz", "nominal-*.h5")
+_KEPT = ("body-*.npz", "wire-*.npz", "nominal-*.h5")
 
 #: What was warned of, in this process or in the one that started it.
 WARNED: set[str] = set()

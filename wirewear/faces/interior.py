@@ -12,7 +12,6 @@ from wirewear.base.quantity import counted
 from wirewear.base.writing import usable_folder
 from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
 from wirewear.results import POSITIONS
-from wirewear.results.scar import require_body
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -106,6 +105,8 @@ def _asked(result: RunResult, body: str) -> tuple[str, ...]:
     """Both bodies of a run, or the one of that name."""
     if body == "both":
         return result.bodies
+    from wirewear.results.scar import require_body
+
     require_body(body, result.label, result.bodies)
     return (body,)
 

@@ -102,10 +102,10 @@ def per_of(tests: Sequence[MappedTest]) -> str:
 
 
 def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:
-    """One contact for tests on the same wires, with the median of their frictions and of their rigs' compliances."""
+    """One contact for tests of the same bodies, with the median of their frictions and of their rigs' compliances."""
     found: dict[tuple[Any, ...], list[FreshContact]] = {}
     for contact in (test.contact for test in tests if test.contact is not None):
-        found.setdefault((contact.bodies, contact.radii_mm, contact.crossing_angle_deg), []).append(contact)
+        found.setdefault((contact.bodies, contact.gap_per_mm), []).append(contact)
     return [
         replace(
             own[0],
@@ -172,7 +172,7 @@ def _boundaries(
     tensions = tension_lines(contact, reach[1], loads, () if limit_MPa is None else (limit_MPa,))
     rig = "rigid rig" if contact.rig_um_per_N < 1e-3 else f"rig {frame.figure(1e3 / contact.rig_um_per_N)} N/mm"
     return {
-        "label": f"{frame.figure(2.0 * contact.radii_mm[0])} mm, µ {frame.figure(contact.friction, 2)}, {rig}",
+        "label": f"{frame.figure(contact.ball_diameter_mm)} mm, µ {frame.figure(contact.friction, 2)}, {rig}",
         "load": numbers(slides.normal_load_N),
         "contact": numbers(slides.contact_um),
         "test": numbers(slides.test_um),

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from wirewear.kinds.kind import Kind
 from wirewear.kinds.lines import LineContacts
+from wirewear.kinds.points import AnyBodies, BallOnFlat
 from wirewear.kinds.wires import CrossedWires
 
 if TYPE_CHECKING:
@@ -27,7 +28,7 @@ __all__ = [
 ]
 
 #: The kinds by their names.
-KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts())}
+KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts(), BallOnFlat(), AnyBodies())}
 
 
 class OfAKind(Protocol):

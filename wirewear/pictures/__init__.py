@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wirewear.pictures.evolution import amplitude_evolution, evolution_panels
     from wirewear.pictures.gallery import drawings, show
     from wirewear.pictures.loops import loops_by_cycle, loops_by_run
-    from wirewear.pictures.mesh import surface_fields, wire_meshes
+    from wirewear.pictures.mesh import body_meshes, surface_fields
     from wirewear.pictures.scar_maps import scar_series, scars_from_above
     from wirewear.pictures.scar_surfaces import scars_in_3d
     from wirewear.pictures.sections import scar_sections
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = [
     "amplitude_evolution",
+    "body_meshes",
     "contact_maps",
     "drawings",
     "evolution_panels",
@@ -34,7 +35,6 @@ __all__ = [
     "scars_in_3d",
     "show",
     "surface_fields",
-    "wire_meshes",
 ]
 
 __getattr__ = loaded_late(__name__)

@@ -1,4 +1,4 @@
-"""The finite-element meshes of both wires, as they lie against each other."""
+"""The finite-element meshes of both bodies, as they lie against each other."""
 
 from __future__ import annotations
 
@@ -33,10 +33,11 @@ EDGE_COLOUR = "#303438"
 Array = NDArray[np.float64]
 
 
-def round_facets(points_mm: Array, facets: IntArray, radius_mm: float) -> tuple[Array, IntArray, IntArray]:
+def round_facets(points_mm: Array, facets: IntArray, radius_mm: float | None) -> tuple[Array, IntArray, IntArray]:
     """Finer points (m, 3), quads (k·PARTS², 4) of them, and the facets' edges (4k, PARTS + 1) as rows of points.
 
-    The wire's axis is x, its crown the origin, its material below; facets (k, 4) name their corners in order.
+    The body's axis is x, its crown the origin, its material below; facets (k, 4) name their corners in order. Of a bar
+    of a radius, those on its surface are made round.
     """
     corners = points_mm[facets]
     u, v = np.meshgrid(*2 * [np.linspace(0.0, 1.0, PARTS + 1)], indexing="ij")
@@ -45,6 +46,8 @@ def round_facets(points_mm: Array, facets: IntArray, radius_mm: float) -> tuple[
     along = np.linspace(0.0, 1.0, PARTS + 1)
     # Edge from the first to the second corner at v = 0, and so on around the facet; each with the blend to its middle.
     for start, end, blend, varies in ((0, 1, 1 - v, u), (3, 2, v, u), (0, 3, 1 - u, v), (1, 2, u, v)):
+        if radius_mm is None:
+            continue
         moved = _bulge(corners[:, start], corners[:, end], along, radius_mm)
         place = np.round(varies * PARTS).astype(int)
         finer += blend[None, ..., None] * moved[:, place]
@@ -71,21 +74,26 @@ def _bulge(start: Array, end: Array, along: Array, radius_mm: float) -> Array:
     return np.asarray(np.where(on_surface, outward, 0.0))
 
 
-def wire_meshes(
-    moving: BodyMesh, fixed: BodyMesh, crossing_angle_deg: float, first_moving: BodyMesh | None = None
+def body_meshes(
+    moving: BodyMesh,
+    fixed: BodyMesh,
+    crossing_angle_deg: float,
+    names: tuple[str, str],
+    first_moving: BodyMesh | None = None,
 ) -> Figure:
-    """Both meshes in contact, and the moving wire's patch from close by; grips dark, contact patches red.
+    """Both meshes in contact, and the driven body's patch from close by; grips dark, contact patches red.
 
-    first_moving: the moving wire's mesh for the fresh contact, shown beside that for the grown scar.
+    names: what the bodies are called.
+    first_moving: the driven body's mesh for the fresh contact, shown beside that for the grown scar.
     """
-    patches = {"moving wire's patch": moving}
+    patches = {f"patch of the {names[0]}": moving}
     if first_moving is not None:
         patches = {"fresh contact": first_moving, "grown scar": moving}
     figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.35)
     panels = figure.subplots(1, 1 + len(patches))
     angle = radians(crossing_angle_deg)
-    lower = _Body(moving, MOVING_COLOUR, "moving wire", lambda points: points)
-    upper = _Body(fixed, FIXED_COLOUR, "fixed wire", lambda points: upper_position(points, angle))
+    lower = _Body(moving, MOVING_COLOUR, names[0], lambda points: points)
+    upper = _Body(fixed, FIXED_COLOUR, names[1], lambda points: upper_position(points, angle))
     views = [_rendered([lower, upper], (-0.55, -0.75, 0.5), None)]
     titles = [f"{counted(len(moving.mesh.cells) + len(fixed.mesh.cells))} hexahedra"]
     height_mm = 1.3 * max(_extent(wire) for wire in patches.values())
@@ -102,31 +110,31 @@ def wire_meshes(
     return figure
 
 
-def _elements(wire: BodyMesh) -> str:
-    """Sizes of the smallest elements of a patch along and across the wire."""
-    along, across = (1e3 * axis.fine_mm for axis in (wire.geometry.axial, wire.geometry.transverse))
+def _elements(body: BodyMesh) -> str:
+    """Sizes of the smallest elements of a patch along and across."""
+    along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
     return f"{along:.1f} × {across:.1f} µm"
 
 
-def _extent(wire: BodyMesh) -> float:
-    return 2.0 * max(wire.geometry.axial.half_extent_mm, wire.geometry.transverse.half_extent_mm)
+def _extent(body: BodyMesh) -> float:
+    return 2.0 * max(body.geometry.axial.half_extent_mm, body.geometry.transverse.half_extent_mm)
 
 
-def surface_fields(wire: BodyMesh) -> dict[str, NDArray[np.float64]]:
+def surface_fields(body: BodyMesh) -> dict[str, NDArray[np.float64]]:
     """Point data that mark a mesh's named surfaces, for export: name -> (n,) 1 on the surface, 0 elsewhere."""
     fields = {}
-    for name in wire.mesh.surfaces:
-        field = np.zeros(len(wire.mesh.points))
-        field[wire.mesh.surface_nodes(name)] = 1.0
+    for name in body.mesh.surfaces:
+        field = np.zeros(len(body.mesh.points))
+        field[body.mesh.surface_nodes(name)] = 1.0
         fields[name] = field
     return fields
 
 
 @dataclass(frozen=True)
 class _Body:
-    """A wire's mesh with its colour, its name and how it is put in its place."""
+    """A body's mesh with its colour, its name and how it is put in its place."""
 
-    wire: BodyMesh
+    meshed: BodyMesh
     colour: str
     name: str
     placed: Callable[[Array], Array]
@@ -168,8 +176,8 @@ def _rendered(bodies: Sequence[_Body], eye: tuple[float, float, float], height_m
 def _add(plotter: Any, body: _Body) -> None:
     import pyvista
 
-    mesh, radius_mm = body.wire.mesh, 0.5 * body.wire.geometry.diameter_mm
-    for name, facets in mesh.surfaces.items():
+    mesh, radius_mm = body.meshed.mesh, body.meshed.geometry.round_mm
+    for name, facets in ((name, facets) for name, facets in mesh.surfaces.items() if len(facets)):
         points, quads, edges = round_facets(mesh.points, facets, radius_mm)
         placed = body.placed(points)
         shade = {"grip": GRIP_COLOUR, "contact": PATCH_COLOUR}.get(name, body.colour)
@@ -186,9 +194,9 @@ def _counted_rows(rows: NDArray[np.int_]) -> NDArray[np.int_]:
 
 
 def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
-    """The middle of the wire's nearer end in the image [pixels from the upper left]."""
-    length, radius = 0.5 * body.wire.geometry.length_mm, 0.5 * body.wire.geometry.diameter_mm
-    ends = body.placed(np.array([[-length, 0.0, -radius], [length, 0.0, -radius]]))
+    """The middle of the body's nearer end in the image [pixels from the upper left]."""
+    length, middle = body.meshed.geometry.half_length_mm, 0.5 * float(body.meshed.mesh.points[:, 2].min())
+    ends = body.placed(np.array([[-length, 0.0, middle], [length, 0.0, middle]]))
     nearer = ends[np.argmax(ends @ np.array(plotter.camera.position))]
     renderer = plotter.renderer
     renderer.SetWorldPoint(*nearer, 1.0)
@@ -198,7 +206,7 @@ def _above_end(plotter: Any, body: _Body) -> tuple[float, float]:
 
 
 def _show(axes: Axes, view: _Drawn) -> None:
-    """The image with a scale bar in its lower left corner and the wires' names on their ends."""
+    """The image with a scale bar in its lower left corner and the bodies' names on their ends."""
     axes.imshow(view.image)
     axes.set_axis_off()
     box = {"facecolor": "white", "alpha": 0.8, "edgecolor": "none", "pad": 1.2}
@@ -212,7 +220,7 @@ def _show(axes: Axes, view: _Drawn) -> None:
 
 
 def upper_position(points: Array, angle_rad: float) -> Array:
-    """The upper wire, turned over about its axis and then about the normal by the crossing angle."""
+    """The upper body, turned over about its axis and then about the normal by the crossing angle."""
     x, y, z = points[:, 0], -points[:, 1], -points[:, 2]
     c, s = np.cos(angle_rad), np.sin(angle_rad)
     return np.column_stack([c * x - s * y, s * x + c * y, z])

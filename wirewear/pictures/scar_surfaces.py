@@ -150,7 +150,7 @@ def _render(
         centre = VIEW.right * centre_flat[0] + VIEW.up * centre_flat[1]
         camera = plotter.camera
         camera.focal_point = tuple(centre)
-        camera.position = tuple(centre + 10.0 * scar.radius_um * VIEW.eye)
+        camera.position = tuple(centre + 10.0 * (half_length_um + half_strip_um) * VIEW.eye)
         camera.up = tuple(VIEW.up)
         camera.parallel_projection = True
         camera.parallel_scale = height / 2

@@ -47,7 +47,7 @@ def record_of_result(
         RecordError: the result has logged no loops, its study says too little or has unequal wires, or the length of a
             line contact is missing, or that of another one is given.
     """
-    TABLES[result.contact_kind].require_length(length_mm, result.label)
+    _model_of(result).require_length(length_mm, result.label)
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     # Studies of line contacts state effects, as of sensors, as they are of one millimetre.
@@ -100,8 +100,16 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
         )
 
 
+def _model_of(result: RunResult) -> type[RecordTables | LineRecordTables]:
+    """The tables of a record of that kind of contact; RecordError where there are none yet."""
+    if result.contact_kind not in TABLES:
+        kind = result.contact_kind.replace("-", " ")
+        raise RecordError(f"the result {result.label!r} is of a {kind}, of which there are no experiment records yet.")
+    return TABLES[result.contact_kind]
+
+
 def _tables(result: RunResult, sensor: Sensor) -> RecordTables | LineRecordTables:
-    study, model = result.study, TABLES[result.contact_kind]
+    study, model = result.study, _model_of(result)
     stated = model.stated_by(study, result.length_mm)
     conditions, believed = (cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated"))
     data = {

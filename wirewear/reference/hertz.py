@@ -1,7 +1,7 @@
 """Hertz contact: moduli; circular, elliptic (crossed cylinders) and line contact (N, mm, MPa)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -124,19 +124,31 @@ def relative_curvatures(
     """Gap Ax² + By² of two crossed cylinders: (A, B, angle) with A ≤ B in 1/mm.
 
     The angle (rad) is that of the x axis, i.e. of the contact's major axis, from the first cylinder's axis.
-    From A + B = ½(1/R1 + 1/R2) and 4AB = sin²ω/(R1 R2) (Johnson 1985, section 4.1).
+    4AB = sin²ω/(R1 R2) (Johnson 1985, section 4.1).
     """
     require_positive(first_radius_mm=first_radius_mm, second_radius_mm=second_radius_mm)
     if not 0.0 < crossing_angle_deg < 180.0:
         raise ValueError(f"crossing_angle_deg must lie between 0 and 180 (exclusive), not {crossing_angle_deg:g}")
-    omega = math.radians(crossing_angle_deg)
-    k1, k2 = 1.0 / first_radius_mm, 1.0 / second_radius_mm
-    # (1/R1 − 1/R2)² + 4cos²ω/(R1 R2): equal to the textbook radicand, but without cancellation near 90°
-    difference = 0.5 * math.hypot(k1 - k2, 2.0 * math.cos(omega) * math.sqrt(k1 * k2))
-    large = 0.5 * (0.5 * (k1 + k2) + difference)
-    small = min(math.sin(omega) ** 2 * k1 * k2 / (4.0 * large), large)
-    h11, h12 = 0.5 * k2 * math.sin(omega) ** 2, -0.5 * k2 * math.sin(omega) * math.cos(omega)
-    h22 = 0.5 * k1 + 0.5 * k2 * math.cos(omega) ** 2
+    first, second = (0.0, 1.0 / first_radius_mm), (0.0, 1.0 / second_radius_mm)
+    return gap_curvatures(first, second, math.radians(crossing_angle_deg))
+
+
+def gap_curvatures(
+    first_per_mm: tuple[float, float], second_per_mm: tuple[float, float], angle_rad: float
+) -> tuple[float, float, float]:
+    """Gap Ax² + By² of two bodies, each curved along its axis and across: (A, B, angle) with A ≤ B in 1/mm.
+
+    angle_rad: of the second body's axis from the first one's. The angle (rad) is that of the x axis, i.e. of the
+    contact's major axis, from the first body's axis (Johnson 1985, section 4.1).
+    """
+    (k1, m1), (k2, m2) = first_per_mm, second_per_mm
+    c, s = math.cos(angle_rad), math.sin(angle_rad)
+    h11, h22 = 0.5 * (k1 + k2 * c**2 + m2 * s**2), 0.5 * (m1 + k2 * s**2 + m2 * c**2)
+    h12 = 0.5 * (k2 - m2) * s * c
+    large = 0.5 * (h11 + h22) + math.hypot(0.5 * (h11 - h22), h12)
+    # Principal minors of sums of squares: no difference of large numbers cancels at small angles.
+    apart = (k1 * m1 + k2 * m2 + (k1 * k2 + m1 * m2) * s**2 + (k1 * m2 + m1 * k2) * c**2) / 4.0
+    small = min(apart / large, large) if large else 0.0
     return small, large, 0.5 * math.atan2(-2.0 * h12, h22 - h11)
 
 
@@ -195,13 +207,23 @@ def hertz_crossed_cylinders(
 
     Raises ValueError for an argument outside its range. Source: `relative_curvatures`, `hertz_elliptic`.
     """
-    small, large, angle = relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)
-    contact = hertz_elliptic(normal_load_N, small, large, contact_modulus(first, second))
-    return PointContact(
-        normal_load_N,
-        contact.major_semi_axis_mm,
-        contact.minor_semi_axis_mm,
-        contact.approach_mm,
-        contact.peak_pressure_MPa,
-        angle,
-    )
+    relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)  # raises
+    curvatures = (0.0, 1.0 / first_radius_mm), (0.0, 1.0 / second_radius_mm)
+    return hertz_bodies(normal_load_N, *curvatures, math.radians(crossing_angle_deg), first=first, second=second)
+
+
+def hertz_bodies(
+    normal_load_N: float,
+    first_per_mm: tuple[float, float],
+    second_per_mm: tuple[float, float],
+    angle_rad: float,
+    *,
+    first: Elastic,
+    second: Elastic,
+) -> PointContact:
+    """Any two bodies that touch at a point; arguments as of `gap_curvatures`.
+
+    Raises ValueError where they touch along a line. Source: `gap_curvatures`, `hertz_elliptic`.
+    """
+    small, large, angle = gap_curvatures(first_per_mm, second_per_mm, angle_rad)
+    return replace(hertz_elliptic(normal_load_N, small, large, contact_modulus(first, second)), major_angle_rad=angle)

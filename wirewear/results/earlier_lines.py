@@ -71,7 +71,7 @@ def _loop(group: h5py.Group) -> Loop:
 
 
 def _scar(group: h5py.Group) -> Scar:
-    found = {name: column[:, None] for name, column in _arrays(group).items()}
+    found: dict[str, Any] = {name: column[:, None] for name, column in _arrays(group).items()}
     amplitude = found.pop("slip_amplitude_um", np.zeros_like(found["depth_um"]))
     return Scar(
         cycle=int(group.attrs["cycle"]),

@@ -1,12 +1,19 @@
-"""A simulated test of crossed wires: `run_study` does it all; the rest is for those who watch a run or go beneath it.
+"""A simulated test of a contact at a point: `run_study` does it all; the rest is for those who go beneath a run.
 
 A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jumps; `runs` says what is kept of it,
-`folder` where. `workbench` has the parts for scripts that press and move wires themselves.
+`folder` where. `workbench` has the parts for scripts that press and move bodies themselves.
 """
 
 from wirewear.simulation.budget import require_affordable_wires
 from wirewear.simulation.contact_forces import mean_pressures
-from wirewear.simulation.convergence import WIRES, Converged, converge, convergence_table, last_of, write_convergence
+from wirewear.simulation.convergence import (
+    Converged,
+    converge,
+    convergence_table,
+    last_of,
+    point_contact,
+    write_convergence,
+)
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
 from wirewear.simulation.problem import contact_problem
@@ -14,7 +21,6 @@ from wirewear.simulation.runs import ObserverOf, run_study, simulate
 from wirewear.simulation.workbench import write_meshes
 
 __all__ = [
-    "WIRES",
     "Converged",
     "Moment",
     "NoObserver",
@@ -27,6 +33,7 @@ __all__ = [
     "discretise",
     "last_of",
     "mean_pressures",
+    "point_contact",
     "require_affordable_wires",
     "run_study",
     "simulate",

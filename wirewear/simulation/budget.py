@@ -9,8 +9,8 @@ from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import counted
 from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.patches import unknowns
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.wire_patches import unknowns
 from wirewear.study import Study
 
 #: Cycle jumps that a run may take: at some tenths of a second each, days.

@@ -8,11 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from geometry import WireGeometry
+from geometry import BodyGeometry
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody
 from solvers.interior import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
-from wirewear.results.scar import WIRES
 from wirewear.simulation.plan import RunPlan
 
 Array = NDArray[np.float64]
@@ -69,7 +68,7 @@ def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
 
 
 def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunPlan) -> tuple[ContactForces, ...]:
-    """Forces on the moving and the fixed wire; nothing where the study asks for none."""
+    """Forces on the driven and the held body; nothing where the study asks for none."""
     study = plan.study
     stage = next(
         stage
@@ -77,10 +76,10 @@ def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunP
         if _is_of(stage.moving, problem.lower) and _is_of(stage.fixed, problem.upper)
     )
     made_of: tuple[dict[str, Any], dict[str, Any]] = (
-        {"geometry": stage.moving, "material": study.moving_wire.material},
-        {"geometry": stage.fixed, "material": study.fixed_wire.material},
+        {"geometry": stage.moving, "material": study.bodies[0].material},
+        {"geometry": stage.fixed, "material": study.bodies[1].material},
     )
-    return forces_on(problem, trace, cycle, study.log.contact_states, WIRES, made_of)
+    return forces_on(problem, trace, cycle, study.log.contact_states, plan.discretisation.bodies, made_of)
 
 
 def forces_on(
@@ -93,7 +92,7 @@ def forces_on(
 ) -> tuple[ContactForces, ...]:
     """Forces on the driven body and the other at about so many positions, nothing for none.
 
-    made_of: geometry and material of wires.
+    made_of: geometry and material of bodies whose scars are maps.
     """
     if count == 0:
         return ()
@@ -144,7 +143,7 @@ def positions(trace: CycleTrace, count: int) -> IntArray:
     return np.asarray(order[sorted(named | between)])
 
 
-def _is_of(geometry: WireGeometry, body: PlacedBody) -> bool:
+def _is_of(geometry: BodyGeometry, body: PlacedBody) -> bool:
     patch = body.patch
     return np.array_equal(geometry.axial.lines(), patch.axial_mm) and np.array_equal(
         geometry.transverse.lines(), patch.transverse_mm

@@ -20,6 +20,7 @@ from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, writing
 from wirewear.results import RunResult
+from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
@@ -158,15 +159,23 @@ PRESSURES = (
 )
 
 
-FIGURES = (
+def depth_of(body: int) -> Callable[[Any], float]:
+    """The last depth of the driven body (0) or the held one (1) of a run."""
+    return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
+
+
+def figures_of(bodies: tuple[str, str]) -> tuple[Figure, ...]:
+    """What is watched of a contact at a point between bodies of these names."""
+    depths = (Figure(f"depth of the {called(name)}", "µm", depth_of(k)) for k, name in enumerate(bodies))
+    return (*FORCES, *depths, VOLUME, *PRESSURES)
+
+
+FORCES = (
     Figure("largest tangential force", "N", last_of("max_tangential_force_N")),
     Figure("energy of the last cycle", "µJ", last_of("dissipated_energy_mJ", 1e3)),
     Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
-    Figure("depth of the moving wire", "µm", last_of("max_depth_moving_um")),
-    Figure("depth of the fixed wire", "µm", last_of("max_depth_fixed_um")),
-    Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result.worn_volume_mm3[-1])),
-    *PRESSURES,
 )
+VOLUME = Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result.worn_volume_mm3[-1]))
 
 
 @dataclass(frozen=True)
@@ -255,7 +264,9 @@ def refined_study(study: Study, fidelity: str) -> Study:
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
 
-WIRES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_study)
+def point_contact(bodies: tuple[str, str]) -> RefinedSubject[Study]:
+    """A contact at a point between bodies of these names."""
+    return RefinedSubject(figures_of(bodies), resolutions_of, refined_study, run_study)
 
 
 def converge(

@@ -2,21 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from math import pi, sin
 from typing import Any
 
-from geometry import WireGeometry
+from geometry import BodyGeometry
 from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
+from wirewear.results.scar import called
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
-from wirewear.simulation.wire_patches import (
+from wirewear.simulation.patches import (
     SCAR_MARGIN,
     ElementSizes,
-    affordable_wires,
+    affordable_meshes,
+    axes_of,
     needed_reach_mm,
     unknowns,
-    wire_axes,
 )
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
@@ -24,14 +25,16 @@ from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Meshes of both wires and the steps of a run; lengths in mm.
+    """Meshes of the driven and the held body and the steps of a run; lengths in mm.
 
-    level: of fidelity, refined as the study asks.  expected: the contact and the scar that the meshes are for.
+    bodies: what they are called.  level: of fidelity, refined as the study asks.
+    expected: the contact and the scar that the meshes are for.
     coarsening: by how much elements are larger than the level asks for, to keep the patches to its number of unknowns.
     """
 
-    moving: WireGeometry
-    fixed: WireGeometry
+    moving: BodyGeometry
+    fixed: BodyGeometry
+    bodies: tuple[str, str]
     increments_per_cycle: int
     increments_per_wear_cycle: int
     jump_tolerance: float
@@ -64,8 +67,10 @@ class Discretisation:
             "hertz_pressure_MPa": self.hertz.peak_pressure_MPa,
             "hertz_approach_um": 1e3 * self.hertz.approach_mm,
             "predicted_scar_half_width_um": 1e3 * self.predicted_scar_half_width_mm,
-            "moving_wire": asdict(self.moving),
-            "fixed_wire": asdict(self.fixed),
+            **{
+                called(body).replace(" ", "_"): geometry.as_table()
+                for body, geometry in zip(self.bodies, (self.moving, self.fixed), strict=True)
+            },
         }
 
 
@@ -73,7 +78,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     """Meshes and steps of a study at a level of fidelity.
 
     Raises:
-        StudyError: the fine patch would not fit on a wire, or the contact would leave it during the stroke.
+        StudyError: the fine patch would not fit on a body, or the contact would leave it during the stroke.
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
     expected = expected_contact(study)
@@ -81,7 +86,7 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         level = level.for_sticking()
     fresh, scar = expected.fresh, expected.scar
     needed = max(
-        needed_reach_mm(axis, fresh, scar) for wire in wire_axes(study) for axis in (wire.axial, wire.transverse)
+        needed_reach_mm(axis, fresh, scar) for body in axes_of(study) for axis in (body.axial, body.transverse)
     )
     given = study.mesh.scar_half_width_um
     if given is not None and given * 1e-3 < needed / SCAR_MARGIN:
@@ -98,14 +103,15 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
         contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
         outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
     )
-    moving, fixed, coarsening = affordable_wires(study, sizes, level)
+    moving, fixed, coarsening = affordable_meshes(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle
     wear_increments = chosen.increments_per_wear_cycle or max(8, 4 * round(level.wear_increments * increments / 4.0))
-    finest = min(line.fine_mm for wire in (moving, fixed) for line in (wire.axial, wire.transverse))
+    finest = min(line.fine_mm for body in (moving, fixed) for line in (body.axial, body.transverse))
     _require_stable_update(study, expected, finest, wear_increments)
     return Discretisation(
         moving=moving,
         fixed=fixed,
+        bodies=(study.bodies[0].name, study.bodies[1].name),
         increments_per_cycle=increments,
         increments_per_wear_cycle=wear_increments,
         jump_tolerance=chosen.jump_tolerance or level.jump_tolerance,
@@ -122,7 +128,7 @@ def _require_stable_update(study: Study, expected: ExpectedContact, element_mm: 
     per_sliding = wear.volume_per_sliding_mm3_per_N_m(study.contact.friction) if wear else 0.0
     if wear is None or wear.explicit_jump_cycles is None or per_sliding == 0.0:
         return
-    moving, fixed = (wire.material for wire in (study.moving_wire, study.fixed_wire))
+    moving, fixed = (body.material for body in study.bodies)
     longest_step_mm = 1e-3 * study.conditions.displacement_amplitude_um * sin(2.0 * pi / increments)
     limit = explicit_stability_limit(
         element_mm, per_sliding, 1.0, contact_modulus(moving, fixed), longest_step_mm, plane=False

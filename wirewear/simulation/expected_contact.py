@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import cos, hypot, pi, sin, sqrt
+from math import cos, hypot, pi, radians, sin
 from typing import Any
 
 import numpy as np
@@ -13,9 +13,9 @@ from solvers import WearRates
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
 from wirewear.reference import (
     PointContact,
-    hertz_crossed_cylinders,
+    gap_curvatures,
+    hertz_bodies,
     partial_slip_point,
-    relative_curvatures,
     tangential_contact_modulus,
 )
 from wirewear.study import Study
@@ -25,17 +25,20 @@ from wirewear.study import Study
 _MARGIN = 1.35
 _AGES = 200
 
+#: Curvatures A ≤ B of the gap Ax² + By² in 1/mm, and the angle of its x axis from the driven body's.
+Gap = tuple[float, float, float]
+
 
 @dataclass(frozen=True)
 class Ellipse:
-    """A contact or scar centred on the crossing point; the angle is that of its major axis from the moving wire's."""
+    """A contact or scar centred on the first contact; the angle is that of its major axis from the driven body's."""
 
     major_mm: float
     minor_mm: float
     angle_rad: float
 
     def reach(self, axis_rad: float) -> float:
-        """Largest distance from the centre along an axis at an angle to the moving wire's: half the bounding box."""
+        """Largest distance from the centre along an axis at an angle to the driven body's: half the bounding box."""
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return hypot(self.major_mm * c, self.minor_mm * s)
 
@@ -54,10 +57,10 @@ class Ellipse:
 
 
 @dataclass(frozen=True)
-class WireAxis:
-    """One axis of a wire's patch.
+class PatchAxis:
+    """One axis of a body's patch.
 
-    angle_rad: from the moving wire's axis.  travel_mm: how far the contact's centre moves along it to each side.
+    angle_rad: from the driven body's axis.  travel_mm: how far the contact's centre moves along it to each side.
     """
 
     angle_rad: float
@@ -66,44 +69,50 @@ class WireAxis:
 
 @dataclass(frozen=True)
 class PatchAxes:
-    """Both axes of a wire's patch."""
+    """Both axes of a body's patch."""
 
-    axial: WireAxis
-    transverse: WireAxis
+    axial: PatchAxis
+    transverse: PatchAxis
 
 
 def fresh_ellipse(hertz: PointContact) -> Ellipse:
-    """Contact of the unworn wires."""
+    """Contact of the unworn bodies."""
     return Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
 
 
-def scar_ellipse(
-    volume_mm3: float, first_radius_mm: float, second_radius_mm: float, crossing_angle_deg: float
-) -> Ellipse:
-    """Outline of the scar of a worn volume (both wires together): the gap Ax² + By² cut off by a plane.
+def scar_ellipse(volume_mm3: float, gap: Gap) -> Ellipse:
+    """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane.
 
     The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); with wires of equal
     radius R crossed at right angles the scar's radius is (4 R V / pi)^(1/4).
     """
-    small, large, angle = relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)
+    small, large, angle = gap
     depth = (2.0 * volume_mm3 * (small * large) ** 0.5 / pi) ** 0.5
     return Ellipse((depth / small) ** 0.5, (depth / large) ** 0.5, angle)
 
 
-def patch_axes(stroke_mm: float, direction_rad: float, crossing_rad: float) -> tuple[PatchAxes, PatchAxes]:
-    """Axes of the patches of the moving and the fixed wire, with the contact's travel along them.
+def patch_axes(
+    stroke_mm: float,
+    direction_rad: float,
+    curvatures_per_mm: tuple[tuple[float, float], tuple[float, float]],
+    crossing_rad: float,
+) -> tuple[PatchAxes, PatchAxes]:
+    """Axes of the patches of the driven and the held body, with the contact's travel along them.
 
-    stroke_mm: amplitude of the moving wire.  direction_rad: of its motion, crossing_rad: of the fixed wire's axis, both
-    from the moving wire's axis. Two cylinders touch where their crowns cross, seen from above; when the moving wire is
-    displaced by d, that point moves along each wire's crown by the component of d along that crown, d being resolved
-    along both crowns. So a wire that moves along itself moves the contact on itself only, and no crossing of crowns
-    moves the contact across a wire.
+    stroke_mm: amplitude of the driven body.  direction_rad: of its motion, crossing_rad: of the held body's axis, both
+    from the driven body's axis. Bodies of curvatures K and L touch where their surfaces are parallel: displaced by d,
+    K (x - d) + L x = 0. So a wire that moves along itself moves the contact on itself only, no crossing of crowns moves
+    the contact across a wire, and under a ball the contact moves on the flat.
     """
-    on_moving = abs(stroke_mm * sin(crossing_rad - direction_rad) / sin(crossing_rad))
-    on_fixed = abs(stroke_mm * sin(direction_rad) / sin(crossing_rad))
+    turn = np.array([[cos(crossing_rad), -sin(crossing_rad)], [sin(crossing_rad), cos(crossing_rad)]])
+    own, other = np.diag(curvatures_per_mm[0]), turn @ np.diag(curvatures_per_mm[1]) @ turn.T
+    moved = stroke_mm * np.array([cos(direction_rad), sin(direction_rad)])
+    on_held = np.linalg.solve(own + other, own @ moved)
+    # Travel that round-off alone makes is none.
+    driven, held = (np.abs(np.round(travel, 14)) for travel in (on_held - moved, turn.T @ on_held))
     return (
-        PatchAxes(WireAxis(0.0, on_moving), WireAxis(0.5 * pi, 0.0)),
-        PatchAxes(WireAxis(crossing_rad, on_fixed), WireAxis(crossing_rad + 0.5 * pi, 0.0)),
+        PatchAxes(PatchAxis(0.0, float(driven[0])), PatchAxis(0.5 * pi, float(driven[1]))),
+        PatchAxes(PatchAxis(crossing_rad, float(held[0])), PatchAxis(crossing_rad + 0.5 * pi, float(held[1]))),
     )
 
 
@@ -138,16 +147,14 @@ def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading,
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Contact of the unworn wires and scar of the worn ones.
+    """Contact of the unworn bodies and scar of the worn ones.
 
-    radii_mm: of the moving and the fixed wire.  hertz: the fresh contact.  scar: outline of the final scar in gross
-    slip on a rigid rig, None without wear and flattening.  flattened_mm3: volume of both wires that an effect takes
-    away before the first cycle.  wear_factors: of the effects, over the test.
-    sticks: whether the middle of the contact sticks for good.
+    gap: of the unworn bodies.  hertz: the fresh contact.  scar: outline of the final scar in gross slip on a rigid rig,
+    None without wear and flattening.  flattened_mm3: volume of both bodies that an effect takes away before the first
+    cycle.  wear_factors: of the effects, over the test.  sticks: whether the middle of the contact sticks for good.
     """
 
-    radii_mm: tuple[float, float]
-    crossing_angle_deg: float
+    gap: Gap
     hertz: PointContact
     scar: Ellipse | None
     flattened_mm3: float
@@ -160,22 +167,21 @@ class ExpectedContact:
         return fresh_ellipse(self.hertz)
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:
-        """Largest half-width when both wires together have lost a volume, never below the fresh contact's."""
+        """Largest half-width when both bodies together have lost a volume, never below the fresh contact's."""
         if worn_volume_mm3 <= 0.0:
             return self.fresh.major_mm
-        return max(self.fresh.major_mm, _scar(worn_volume_mm3, self.radii_mm, self.crossing_angle_deg).major_mm)
+        return max(self.fresh.major_mm, scar_ellipse(worn_volume_mm3, self.gap).major_mm)
 
 
 def expected_contact(study: Study) -> ExpectedContact:
     """What is expected of a study."""
-    moving, fixed = study.moving_wire, study.fixed_wire
-    radii, angle = (moving.diameter_mm / 2.0, fixed.diameter_mm / 2.0), study.wires.crossing_angle_deg
+    driven, held = study.bodies
+    pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg)
+    gap = gap_curvatures(*pair)
     conditions = study.conditions
-    hertz = hertz_crossed_cylinders(
-        conditions.normal_load_N, *radii, angle, first=moving.material, second=fixed.material
-    )
+    hertz = hertz_bodies(conditions.normal_load_N, *pair, first=driven.material, second=held.material)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
-    flattened = _flattened_volume(study, radii)
+    flattened = _flattened_volume(study, gap)
     volume = max(_worn_volume(study, factors), flattened)
     sticks = _sticks(study, hertz)
     if volume == 0.0:
@@ -184,30 +190,26 @@ def expected_contact(study: Study) -> ExpectedContact:
         # A contact that sticks in its middle for good wears within its fresh outline.
         scar = fresh_ellipse(hertz)
     else:
-        scar = _scar(volume, radii, angle)
-    return ExpectedContact(radii, angle, hertz, scar, flattened, factors, sticks)
-
-
-def _scar(volume_mm3: float, radii_mm: tuple[float, float], crossing_angle_deg: float) -> Ellipse:
-    return scar_ellipse(volume_mm3, *radii_mm, crossing_angle_deg)
+        scar = scar_ellipse(volume, gap)
+    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks)
 
 
 def _sticks(study: Study, hertz: PointContact) -> bool:
-    """Whether the displacement is too small for the unworn wires to slide by Cattaneo and Mindlin, on a rigid rig.
+    """Whether the displacement is too small for the unworn bodies to slide by Cattaneo and Mindlin, on a rigid rig.
 
-    The contact between gripped wires is softer and slides later. Effects may make it slide earlier: with any, it is
+    The contact between gripped bodies is softer and slides later. Effects may make it slide earlier: with any, it is
     taken to slide.
     """
     if study.effects or not study.contact.friction:
         return False
     radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
-    modulus = tangential_contact_modulus(study.moving_wire.material, study.fixed_wire.material)
+    modulus = tangential_contact_modulus(*(body.material for body in study.bodies))
     contact = partial_slip_point(study.conditions.normal_load_N, study.contact.friction, radius, modulus)
     return 1e-3 * study.conditions.displacement_amplitude_um < contact.full_slip_displacement_mm
 
 
 def _worn_volume(study: Study, factors: WearFactors) -> float:
-    """Volume in mm³ that both wires lose over the test in gross slip on a rigid rig."""
+    """Volume in mm³ that both bodies lose over the test in gross slip on a rigid rig."""
     if study.wear is None:
         return 0.0
     conditions = study.conditions
@@ -217,8 +219,8 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     return per_sliding * conditions.normal_load_N * sliding_m
 
 
-def _flattened_volume(study: Study, radii_mm: tuple[float, float]) -> float:
-    """Volume in mm³ on which the unworn wires overlap when they are flattened by an effect, crossed at right angles."""
-    nominal = Specimens(study.wires.crossing_angle_deg)
+def _flattened_volume(study: Study, gap: Gap) -> float:
+    """Volume in mm³ on which the unworn bodies overlap when they are flattened by an effect."""
+    nominal = Specimens(study.crossing_angle_deg)
     depth = applied(study.effects, Seam.SPECIMENS, nominal, Age.new()).flattening_mm
-    return pi * sqrt(radii_mm[0] * radii_mm[1]) * depth**2
+    return float(0.5 * pi * depth**2 / (gap[0] * gap[1]) ** 0.5)

@@ -11,7 +11,8 @@ from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody, Solver
 from wirewear.loops.signals import enclosed_area
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, Loop, Scar
 from wirewear.simulation.tally import mirrored_mismatch
-from wirewear.study import Study, Wire
+from wirewear.study import Study
+from wirewear.study.bodies import Body
 
 Array = NDArray[np.float64]
 
@@ -92,9 +93,9 @@ def _triangular_phase(x: Array, sine_phase: Array) -> Array:
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
-    """Both wires' scars at mid-stroke of a simulated cycle: (moving, fixed)."""
+    """Both bodies' scars at mid-stroke of a simulated cycle: (driven, held)."""
     driven, other = worn_bodies(problem, trace)
-    return _scar(*driven, cycle, "moving", study.moving_wire), _scar(*other, cycle, "fixed", study.fixed_wire)
+    return _scar(*driven, cycle, study.bodies[0]), _scar(*other, cycle, study.bodies[1])
 
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
@@ -114,8 +115,7 @@ def _scar(
     force: Array,
     slid: Array,
     cycle: int,
-    body_name: str,
-    described: Wire,
+    described: Body,
 ) -> Scar:
     patch = body.patch
     # An upper body's transverse axis runs backwards in the common frame.
@@ -126,8 +126,9 @@ def _scar(
     pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
     return Scar(
         cycle=cycle,
-        body=body_name,
-        diameter_mm=described.diameter_mm,
+        body=described.name,
+        diameter_mm=described.diameters_mm[1],
+        diameter_along_mm=described.diameters_mm[0],
         axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
         axial_um=1e3 * patch.axial_mm,
         transverse_um=np.sort(1e3 * patch.transverse_mm * body.facing),

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, log
 
-from geometry import WireGeometry
+from geometry import BodyGeometry
 from wirewear.base.errors import StudyError
 from wirewear.simulation.discretisation import Discretisation
-from wirewear.simulation.wire_patches import ElementSizes, affordable_wires
+from wirewear.simulation.patches import ElementSizes, affordable_meshes
 from wirewear.study import Study
 
 #: Growth of the scar's half-width that one mesh is to serve.
@@ -20,12 +20,12 @@ _LEAST_GROWTH = 1.1
 
 @dataclass(frozen=True)
 class MeshStage:
-    """Meshes of both wires while the scar's largest half-width grows from one to the other, mm."""
+    """Meshes of both bodies while the scar's largest half-width grows from one to the other, mm."""
 
     from_half_width_mm: float
     to_half_width_mm: float
-    moving: WireGeometry
-    fixed: WireGeometry
+    moving: BodyGeometry
+    fixed: BodyGeometry
 
 
 def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[MeshStage, ...]:
@@ -35,7 +35,7 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
     the study gives sizes of its own or asks not to follow the scar.
 
     Raises:
-        StudyError: a patch would not fit on its wire.
+        StudyError: a patch would not fit on its body.
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
@@ -49,7 +49,7 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
 def spare_stages(study: Study, fidelity: str, plan: Discretisation, last: MeshStage) -> tuple[MeshStage, ...]:
     """Meshes for contacts that leave the last planned ones, as over soft layers or at shifting loads, in case they do.
 
-    As many as fit on the wires; none where the study gives sizes of its own or asks not to follow the scar.
+    As many as fit on the bodies; none where the study gives sizes of its own or asks not to follow the scar.
     """
     stages: list[MeshStage] = []
     width, growth = last.to_half_width_mm, _GROWTH_PER_STAGE
@@ -77,5 +77,5 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
     contact = plan.expected.fresh
     shape = plan.expected.scar or contact
     sizes = ElementSizes(contact, shape.enlarged(then_mm / shape.major_mm), fresh=fresh)
-    moving, fixed, _ = affordable_wires(study, sizes, plan.level)
+    moving, fixed, _ = affordable_meshes(study, sizes, plan.level)
     return MeshStage(now_mm, then_mm, moving, fixed)

@@ -20,7 +20,7 @@ from wirewear.study.fidelity import WIRE_LEVELS, level_of
 
 
 @dataclass(frozen=True)
-class WireMeshes:
+class PointMeshes:
     """The meshes that a study's run goes through, and when it takes the next.
 
     stages: planned, taken as the scar grows.  spare: taken one after another where the contact leaves those.
@@ -34,7 +34,7 @@ class WireMeshes:
     move_nodes_at_stages: bool = False
 
     def first(self) -> MeshHistory:
-        """The stage for wires that have lost no more than what an effect flattens before the first cycle."""
+        """The stage for bodies that have lost no more than what an effect flattens before the first cycle."""
         stage = 0
         while self._outgrown(stage, self.expected.flattened_mm3):
             stage += 1
@@ -106,7 +106,7 @@ class RunPlan:
     study: Study
     fidelity: str
     discretisation: Discretisation
-    meshes: WireMeshes
+    meshes: PointMeshes
 
     @classmethod
     def of(cls, study: Study, fidelity: str) -> RunPlan:
@@ -119,7 +119,7 @@ class RunPlan:
         stages = mesh_stages(study, fidelity, discretisation)
         spare = spare_stages(study, fidelity, discretisation, stages[-1])
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
-        meshes = WireMeshes(study, discretisation.expected, stages, spare, moves)
+        meshes = PointMeshes(study, discretisation.expected, stages, spare, moves)
         return cls(study, fidelity, discretisation, meshes)
 
     @property
@@ -151,7 +151,7 @@ class RunPlan:
     def pressure_length_mm(self) -> float:
         """The diameter of the discs that mean pressures are over: the study's, or else that of the fresh contact.
 
-        Worn wires touch in a band across the motion. Elements across the motion come near that diameter, so means over
+        Worn bodies touch in a band across the motion. Elements across the motion come near that diameter, so means over
         smaller discs would be those of single elements (docs/accuracy.md).
         """
         stated = self.study.log.pressure_length_um

@@ -12,7 +12,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, WireGeometry, build_body
+from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Profile, build_body
 from solvers import (
     CondensedBody,
     ContactProblem,
@@ -32,62 +32,63 @@ from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used
 from wirewear.base.identity import CONDENSATION_CODE, identity_of
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
+from wirewear.results.scar import called
 from wirewear.study import Study
 
 Array = NDArray[np.float64]
 
 
-def condensed_wire(geometry: WireGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
-    """Mesh and condense a wire, or load it when the same has been condensed before.
+def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
+    """Mesh and condense a body, or load it when the same has been condensed before.
 
     A file that cannot be read is made anew; one that cannot be written is left out.
     """
-    name = f"wire-{_key(geometry, material)}.npz"
+    name = f"body-{_key(geometry, material)}.npz"
     path = kept_file(name) if directory is None else directory / name
-    stored = None if path is None else _load(path, geometry.radius_mm)
+    stored = None if path is None else _load(path, geometry.profile)
     if path is not None and stored is not None:
         mark_used(path)
         return _on_bricks(stored, geometry, material)
-    wire = build_body(geometry)
-    body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
+    meshed = build_body(geometry)
+    body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     if path is not None:
         _store(path, body)
     return _on_bricks(body, geometry, material)
 
 
-def condensed_worn_wire(geometry: WireGeometry, material: Elastic, worn_depth_mm: Array) -> tuple[CondensedBody, float]:
-    """Condense a wire whose patch's nodes are moved by a vertical depth (n_a, n_t) below the fresh surface.
+def condensed_worn_body(geometry: BodyGeometry, material: Elastic, worn_depth_mm: Array) -> tuple[CondensedBody, float]:
+    """Condense a body whose patch's nodes are moved by a vertical depth (n_a, n_t) below the fresh surface.
 
     Returns the body and the smallest scaled Jacobian of its mesh. Not kept: every state of wear comes but once.
     GeometryError naming the place of an element that the motion distorts too much.
     """
-    wire = _fresh_wire(geometry).worn(worn_depth_mm)
-    body = condense(wire.mesh, wire.patch, material, bedding=wire.bedding)
-    return _on_bricks(body, geometry, material), wire.smallest_scaled_jacobian
+    worn = _fresh_body(geometry).worn(worn_depth_mm)
+    body = condense(worn.mesh, worn.patch, material, bedding=worn.bedding)
+    return _on_bricks(body, geometry, material), worn.smallest_scaled_jacobian
 
 
-def _on_bricks(body: CondensedBody, geometry: WireGeometry, material: Elastic) -> CondensedBody:
+def _on_bricks(body: CondensedBody, geometry: BodyGeometry, material: Elastic) -> CondensedBody:
     """The body with what it is known of the elements under its patch."""
     return replace(body, bricks=Bricks(material, geometry.layers))
 
 
 @lru_cache(maxsize=2)
-def _fresh_wire(geometry: WireGeometry) -> BodyMesh:
-    """Kept, as both wires of a run are worn again and again from the same fresh mesh."""
+def _fresh_body(geometry: BodyGeometry) -> BodyMesh:
+    """Kept, as both bodies of a run are worn again and again from the same fresh mesh."""
     return build_body(geometry)
 
 
-def _key(geometry: WireGeometry, material: Elastic) -> str:
-    asked = {"geometry": asdict(geometry), "material": asdict(material)}
+def _key(geometry: BodyGeometry, material: Elastic) -> str:
+    asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
     return identity_of(asked, CONDENSATION_CODE, {}).name
 
 
-def _load(path: Path, radius_mm: float) -> CondensedBody | None:
+def _load(path: Path, profile: Profile) -> CondensedBody | None:
     try:
         # What numpy opens itself it leaves open where the archive is damaged.
         with path.open("rb") as file, np.load(file) as data:
             lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
-            patch = ContactPatch(*lines, nodes, Cylinder(radius_mm))
+            patch = ContactPatch(*lines, nodes, profile)
             planes = tuple(data["planes"].tolist())
             return CondensedBody(patch, PatchCompliance(patch.shape, planes, data["blocks"]))
     except Exception:  # noqa: BLE001 - a damaged archive raises errors of zipfile and zlib, too many to name
@@ -112,25 +113,25 @@ def _store(path: Path, body: CondensedBody) -> None:
         not_kept(path, problem)
 
 
-class BothWires(Protocol):
-    """The meshes of both wires."""
+class BothMeshes(Protocol):
+    """The meshes of both bodies."""
 
     @property
-    def moving(self) -> WireGeometry:
-        """That of the moving wire."""
+    def moving(self) -> BodyGeometry:
+        """That of the driven body."""
 
     @property
-    def fixed(self) -> WireGeometry:
-        """That of the fixed wire."""
+    def fixed(self) -> BodyGeometry:
+        """That of the held body."""
 
 
-def contact_problem(study: Study, meshes: BothWires, stage: Callable[[str], None]) -> ContactProblem:
-    """Mesh, condense (or load from the cache) and place both wires, and hang the fixed one on its rig.
+def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> ContactProblem:
+    """Mesh, condense (or load from the cache) and place both bodies, and hang the upper one on its rig.
 
     Effects that depend on the age of the test are not in it: see `problem_at`.
     """
-    lower, upper = _placed(study, *condense_wires(study, meshes, stage))
-    stage("pressing the wires together")
+    lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
+    stage("pressing the bodies together")
     return ContactProblem(
         upper=upper,
         lower=lower,
@@ -144,23 +145,24 @@ def contact_problem(study: Study, meshes: BothWires, stage: Callable[[str], None
 
 
 def with_nodes_moved(
-    problem: ContactProblem, study: Study, meshes: BothWires, depths: tuple[Array, Array], stage: Callable[[str], None]
+    problem: ContactProblem, study: Study, meshes: BothMeshes, depths: tuple[Array, Array], stage: Callable[[str], None]
 ) -> tuple[ContactProblem, float]:
-    """The problem with the surface nodes of the moving and the fixed wire moved below the fresh surfaces by depths in
-    mm, each (n_a, n_t) of its patch, and both wires condensed again.
+    """The problem with the surface nodes of the driven and the held body moved below the fresh surfaces by depths in
+    mm, each (n_a, n_t) of its patch, and both condensed again.
 
     Returns it with the smallest scaled Jacobian of the two meshes. GeometryError when an element is distorted too much.
     """
-    stage("moving the nodes of the moving wire")
-    moving, first = condensed_worn_wire(meshes.moving, study.moving_wire.material, depths[0])
-    stage("moving the nodes of the fixed wire")
-    fixed, second = condensed_worn_wire(meshes.fixed, study.fixed_wire.material, depths[1])
+    driven, held = study.bodies
+    stage(f"moving the nodes of the {called(driven.name)}")
+    moving, first = condensed_worn_body(meshes.moving, driven.material, depths[0])
+    stage(f"moving the nodes of the {called(held.name)}")
+    fixed, second = condensed_worn_body(meshes.fixed, held.material, depths[1])
     lower, upper = _placed(study, moving, fixed)
     return replace(problem, lower=lower, upper=upper), min(first, second)
 
 
 def worn_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Worn depth of the moving and the fixed wire in mm, each of the shape of its patch."""
+    """Worn depth of the driven and the held body in mm, each of the shape of its patch."""
     wear = state.wear
     if problem.primary_is_upper:
         return wear.secondary_depth, wear.primary_depth
@@ -168,8 +170,8 @@ def worn_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
 
 
 def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[PlacedBody, PlacedBody]:
-    """The moving wire below and the fixed one above the contact; the world's x axis is the direction of motion."""
-    motion = radians(study.conditions.motion_angle_deg)
+    """The driven body below and the held one above the contact; the world's x axis is the direction of motion."""
+    motion = radians(study.motion_angle_deg)
     crossing = radians(specimens_of(study).crossing_angle_deg)
     lower = place(moving, upper=False, axis_angle_rad=-motion)
     upper = place(fixed, upper=True, axis_angle_rad=crossing - motion)
@@ -186,18 +188,18 @@ def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProble
 
 
 def specimens_of(study: Study) -> Specimens:
-    """The wires as they were mounted."""
-    return applied(study.effects, Seam.SPECIMENS, Specimens(study.wires.crossing_angle_deg), Age.new())
+    """The bodies as they were mounted."""
+    return applied(study.effects, Seam.SPECIMENS, Specimens(study.crossing_angle_deg), Age.new())
 
 
 def fresh_state(problem: ContactProblem, study: Study) -> ContactState:
-    """Wires that just touch, flattened where an effect says so."""
+    """Bodies that just touch, flattened where an effect says so."""
     amplitude = 1e-3 * study.conditions.displacement_amplitude_um
     return flattened(problem, unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
 
 def holder_of(study: Study) -> Holder:
-    """The fixed wire's holder with its springs."""
+    """The held body's holder with its springs."""
     holder, conditions = study.holder, study.conditions
     return Holder(
         normal_load_N=conditions.normal_load_N,
@@ -213,18 +215,19 @@ def _compliance(stiffness: float | Literal["rigid"]) -> float:
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
-def condense_wires(
-    study: Study, meshes: BothWires, stage: Callable[[str], None]
+def condense_bodies(
+    study: Study, meshes: BothMeshes, stage: Callable[[str], None]
 ) -> tuple[CondensedBody, CondensedBody]:
-    """Mesh and condense the moving and the fixed wire, or load them from the cache."""
-    stage("condensing the moving wire")
-    moving = condensed_wire(meshes.moving, study.moving_wire.material)
-    stage("condensing the fixed wire")
-    return moving, condensed_wire(meshes.fixed, study.fixed_wire.material)
+    """Mesh and condense the driven and the held body, or load them from the cache."""
+    driven, held = study.bodies
+    stage(f"condensing the {called(driven.name)}")
+    moving = condensed_body(meshes.moving, driven.material)
+    stage(f"condensing the {called(held.name)}")
+    return moving, condensed_body(meshes.fixed, held.material)
 
 
 def wear_rates(study: Study) -> WearRates:
-    """Wear law and coefficients of the fixed (upper) and moving (lower) wire, before any variation."""
+    """Wear law and coefficients of the held (upper) and driven (lower) body, before any variation."""
     if study.wear is None:
         return WearRates()
     wear = study.wear

@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
-from typing import Any, ClassVar
+from typing import Any
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
@@ -28,9 +28,9 @@ def _versions() -> Mapping[str, str]:
 class Recorded(ABC):
     """The record of one run; everything that a resumed run needs of it is in the result and the checkpoint."""
 
-    contact_kind: ClassVar[str]
-    bodies: ClassVar[tuple[str, str]]
-    length_mm: ClassVar[float | None]
+    contact_kind: str
+    bodies: tuple[str, str]
+    length_mm: float | None
 
     def __init__(self, study: Any, fidelity: str, pressure_length_mm: float) -> None:
         """Empty, before the run of a study of one variant."""

@@ -18,7 +18,6 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
-from wirewear.results.scar import WIRES
 from wirewear.results.vtk import TIME_SERIES_FILES
 from wirewear.simulation.budget import affordable_jobs, require_affordable
 from wirewear.simulation.checkpoint import MeshHistory
@@ -28,7 +27,7 @@ from wirewear.simulation.folder import InMemory, RunFolder
 from wirewear.simulation.measure import MEASURED, holder_settings, scars_of
 from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan
-from wirewear.simulation.problem import condense_wires
+from wirewear.simulation.problem import condense_bodies
 from wirewear.simulation.recorded import Recorded
 from wirewear.simulation.tally import bends
 from wirewear.simulation.together import Task, run_together
@@ -47,15 +46,16 @@ PICTURES = (
 ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 
-class WireRecord(Recorded):
-    """The record of one run of crossed wires."""
+class PointRecord(Recorded):
+    """The record of one run of a contact at a point."""
 
-    contact_kind, bodies, length_mm = "crossed-wires", WIRES, None
+    length_mm = None
 
     def __init__(self, plan: RunPlan) -> None:
         """Empty, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
+        self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
         self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
@@ -90,11 +90,11 @@ class WireRecord(Recorded):
         return cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
-        """Those of the moving and of the fixed wire."""
+        """Those of the driven and of the held body."""
         return scars_of(problem, trace, cycle, self.plan.study)
 
     def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
-        """With what wires are meshed of."""
+        """With what bodies are meshed of."""
         return forces_of(problem, trace, cycle, self.plan)
 
     def tables(self) -> dict[str, Any]:
@@ -148,11 +148,11 @@ def run_study(
             require_affordable(plan)
         return engine or LocalProcesses(min(affordable_jobs(list(left), jobs), max(len(left), 1)))
 
-    # Variants mostly share their wires: condensed once here, they are loaded by every process.
+    # Variants mostly share their bodies: condensed once here, they are loaded by every process.
     return run_planned(
         study,
         RunPlan.of,
-        WireRecord,
+        PointRecord,
         fidelity,
         Path(output),
         engine_for,
@@ -216,12 +216,12 @@ def simulate(study: Study, *, fidelity: str = "standard", observer: Observer | N
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)
     kept = InMemory(plan.identity)
-    return cycle_through(plan.test, WireRecord(plan), kept, observer or NoObserver(), resume=False)
+    return cycle_through(plan.test, PointRecord(plan), kept, observer or NoObserver(), resume=False)
 
 
 def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
     for meshes in plan.meshes.stages:
-        condense_wires(plan.study, meshes, stage)
+        condense_bodies(plan.study, meshes, stage)
 
 
 def run_cycles(

@@ -1,4 +1,4 @@
-"""A study's wires for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
+"""A study's bodies for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ from solvers.elasticity import stiffness_matrix
 from solvers.substructuring import schur_complement, schur_complements
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
+from wirewear.results.scar import called
 from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.plan import RunPlan
@@ -53,7 +54,7 @@ __all__ = [
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
-    """Mesh both wires; leave moving.vtu, fixed.vtu (surfaces as point data), mesh.png and
+    """Mesh both bodies; leave a file of each, such as moving.vtu (surfaces as point data), mesh.png and
     boundary_conditions.png in a folder.
 
     Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
@@ -63,21 +64,22 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
         StudyError: the study cannot be discretised.  GeometryError: the mesh is distorted.
         ResultError: the files cannot be written.
     """
-    from wirewear.pictures import save, surface_fields, wire_meshes
-    from wirewear.pictures.wire_supports import wire_supports
+    from wirewear.pictures import body_meshes, save, surface_fields
+    from wirewear.pictures.supports import supports
 
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)
     first, *others = plan.meshes.stages
     last = others[-1] if others else first
-    wires = {"moving": build_body(last.moving), "fixed": build_body(last.fixed)}
+    meshed = build_body(last.moving), build_body(last.fixed)
+    names = plan.discretisation.bodies
     fresh = build_body(first.moving) if others else None
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        for name, wire in wires.items():
+        for name, body in zip(names, meshed, strict=True):
             with in_one_step(folder / f"{name}.vtu") as partial:
-                wire.mesh.write(partial, surface_fields(wire))
-    angle = study.wires.crossing_angle_deg
-    picture = save(lambda: wire_meshes(wires["moving"], wires["fixed"], angle, fresh), folder / "mesh.png")
-    supports = save(lambda: wire_supports(study, wires["moving"], wires["fixed"]), folder / "boundary_conditions.png")
-    return [*(folder / f"{name}.vtu" for name in wires), picture, supports]
+                body.mesh.write(partial, surface_fields(body))
+    spoken, angle = (called(names[0]), called(names[1])), study.crossing_angle_deg
+    picture = save(lambda: body_meshes(*meshed, angle, spoken, fresh), folder / "mesh.png")
+    held = save(lambda: supports(study, *meshed), folder / "boundary_conditions.png")
+    return [*(folder / f"{name}.vtu" for name in names), picture, held]

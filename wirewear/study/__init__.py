@@ -9,15 +9,16 @@ from geometry.late import loaded_late
 from wirewear.study.fidelity import FIDELITIES
 
 if TYPE_CHECKING:
+    from wirewear.study.bodies import Body
     from wirewear.study.reading import load_study, parse_study, study_from_tables
-    from wirewear.study.study import Study, Wire
+    from wirewear.study.study import Study
     from wirewear.study.tables import FidelitySettings
 
 __all__ = [
     "FIDELITIES",
+    "Body",
     "FidelitySettings",
     "Study",
-    "Wire",
     "load_study",
     "parse_study",
     "study_from_tables",

@@ -1,12 +1,16 @@
 """Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.messages import Keys, place, validated
-from wirewear.study.tables import Log, StudyTables, WireOverride
+from wirewear.study.points import BallOnFlatTables, PointTables
+from wirewear.study.tables import ContactTables, Inconsistency, Log, StudyTables
+
+#: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
+_OTHERS: dict[object, type[ContactTables]] = {"ball-on-flat": BallOnFlatTables, "point-contact": PointTables}
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -32,7 +36,7 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
 
 def checked_tables(
     data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
-) -> StudyTables:
+) -> ContactTables:
     """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table.
 
     Raises:
@@ -43,7 +47,8 @@ def checked_tables(
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides or {}, keys) else table
 
-    tables = validated(StudyTables, data, where, StudyError, spelled)
+    model = next((own for kind, own in _OTHERS.items() if data.get("kind") == kind), StudyTables)
+    tables = validated(model, data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction
@@ -62,44 +67,13 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
     return True
 
 
-class Inconsistency(NamedTuple):
-    """A key that does not fit another, and the rest of the sentence that begins with it."""
-
-    keys: tuple[str, ...]
-    problem: str
-
-
-def inconsistency(tables: StudyTables) -> Inconsistency | None:
+def inconsistency(tables: ContactTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    for check in (_wires, _wear, _holder, _effects, _explicit, _fidelities):
-        found = check(tables)
-        if found is not None:
-            return found
-    return None
+    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities)
+    return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
-def _wires(tables: StudyTables) -> Inconsistency | None:
-    wires = tables.wires
-    for keys, override in (
-        (("wires", "length_mm"), WireOverride()),
-        (("wires", "moving", "length_mm"), wires.moving),
-        (("wires", "fixed", "length_mm"), wires.fixed),
-    ):
-        length = override.length_mm or wires.length_mm
-        diameter = override.diameter_mm or wires.diameter_mm
-        if length is not None and length < diameter:
-            return Inconsistency(keys, f"is {length:g} mm, but must be at least the wire's diameter, {diameter:g} mm")
-    thinnest_mm = min(wires.diameter_mm, *(w.diameter_mm or wires.diameter_mm for w in (wires.moving, wires.fixed)))
-    amplitude_um = tables.conditions.displacement_amplitude_um
-    if amplitude_um > 1e3 * thinnest_mm:
-        return Inconsistency(
-            ("conditions", "displacement_amplitude_um"),
-            f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
-        )
-    return None
-
-
-def _wear(tables: StudyTables) -> Inconsistency | None:
+def _wear(tables: ContactTables) -> Inconsistency | None:
     wear = tables.wear
     if wear is None:
         return None
@@ -108,7 +82,7 @@ def _wear(tables: StudyTables) -> Inconsistency | None:
         return Inconsistency(
             ("wear", "energy_wear_coefficient_mm3_per_J"),
             f"and archard_wear_coefficient_mm3_per_N_m are {'both missing' if energy is None else 'both given'}, "
-            "but exactly one of them says how the wires wear",
+            "but exactly one of them says how the bodies wear",
         )
     if (wear.variation == "none") != (not wear.variation_points):
         return Inconsistency(
@@ -124,7 +98,7 @@ def _wear(tables: StudyTables) -> Inconsistency | None:
     return None
 
 
-def _holder(tables: StudyTables) -> Inconsistency | None:
+def _holder(tables: ContactTables) -> Inconsistency | None:
     holder = tables.holder
     if holder.rotational_stiffness_N_mm_per_rad != "rigid" and holder.pivot_height_mm is None:
         return Inconsistency(
@@ -134,25 +108,25 @@ def _holder(tables: StudyTables) -> Inconsistency | None:
     if tables.conditions.approach_um is not None and holder.normal_spring_stiffness_N_per_mm > 0.0:
         return Inconsistency(
             ("conditions", "approach_um"),
-            "holds the wires at a fixed approach, which leaves normal_spring_stiffness_N_per_mm nothing to do: "
+            "holds the bodies at a fixed approach, which leaves normal_spring_stiffness_N_per_mm nothing to do: "
             "give one of the two",
         )
     return None
 
 
-def _effects(tables: StudyTables) -> Inconsistency | None:
+def _effects(tables: ContactTables) -> Inconsistency | None:
     if tables.conditions.approach_um is not None:
         for effect in tables.effects:
             if effect.needs_load:
                 return Inconsistency(
                     ("effects",),
-                    f"hold {effect.name}, which needs a test under load, but approach_um holds the wires at a fixed "
+                    f"hold {effect.name}, which needs a test under load, but approach_um holds the bodies at a fixed "
                     "approach",
                 )
     return None
 
 
-def _explicit(tables: StudyTables) -> Inconsistency | None:
+def _explicit(tables: ContactTables) -> Inconsistency | None:
     if tables.wear is not None and tables.wear.update == "explicit":
         for effect in tables.effects:
             if effect.needs_whole_cycles:
@@ -162,7 +136,7 @@ def _explicit(tables: StudyTables) -> Inconsistency | None:
     return None
 
 
-def _fidelities(tables: StudyTables) -> Inconsistency | None:
+def _fidelities(tables: ContactTables) -> Inconsistency | None:
     for name in FIDELITIES:
         settings = getattr(tables.fidelity, name)
         fine, outer = settings.contact_mesh_um, settings.outer_mesh_um

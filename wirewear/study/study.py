@@ -1,29 +1,30 @@
-"""A study as a value: what the user believes about wires, rig, contact and wear, with its variants."""
+"""A study as a value: what the user believes about bodies, rig, contact and wear, with its variants."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, fields, replace
-from typing import Any, ClassVar, Literal, TypeVar
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any, TypeVar, cast
 
-from geometry import Elastic
 from wirewear.base import notebook
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
+from wirewear.study.bodies import Body
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.tables import (
     Conditions,
     Contact,
+    ContactTables,
     FidelitySettings,
     HolderTable,
     Log,
     Mesh,
     StudyTables,
     Wear,
-    WireOverride,
     Wires,
 )
 
@@ -33,7 +34,7 @@ LOGGED = "log.loop_cycles"
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def with_values(tables: StudyTables, values: Mapping[str, Any], where: str) -> StudyTables:
+def with_values(tables: ContactTables, values: Mapping[str, Any], where: str) -> ContactTables:
     """The tables with these values, checked as a file's are; None takes a key back to its default.
 
     A test of another length is recorded at the same cycles as far as it goes, and at its last.
@@ -49,7 +50,7 @@ def with_values(tables: StudyTables, values: Mapping[str, Any], where: str) -> S
     return checked_tables(data, where)
 
 
-def value_at(tables: StudyTables, key: str) -> Any:
+def value_at(tables: ContactTables, key: str) -> Any:
     """What stands at a key with dots in it; None where there is none."""
     here: Any = tables.model_dump(mode="json")
     for part in key.split("."):
@@ -57,7 +58,7 @@ def value_at(tables: StudyTables, key: str) -> Any:
     return here
 
 
-def _as_far(tables: StudyTables, end: object) -> list[int]:
+def _as_far(tables: ContactTables, end: object) -> list[int]:
     """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
     logged = tables.log.loop_cycles
     if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
@@ -79,24 +80,6 @@ def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         here[last] = value
 
 
-@dataclass(frozen=True)
-class Wire:
-    """One wire, with `[wires]` and its own table put together; a length of None leaves it to the program."""
-
-    diameter_mm: float
-    length_mm: float | None
-    youngs_modulus_MPa: float
-    poissons_ratio: float
-    grip_angle_deg: float
-    grip_length_mm: float | None
-    grip_stiffness_N_per_mm3: float | Literal["rigid"]
-
-    @property
-    def material(self) -> Elastic:
-        """What it is made of."""
-        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
-
-
 @dataclass(frozen=True, repr=False)
 class Study:
     """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
@@ -104,10 +87,8 @@ class Study:
     `variant_name` says which variant of a study this is; it is empty for a study as a whole.
     """
 
-    contact_kind: ClassVar[str] = "crossed-wires"
-
-    tables: StudyTables
-    variants: tuple[tuple[str, StudyTables], ...] = ()
+    tables: ContactTables
+    variants: tuple[tuple[str, ContactTables], ...] = ()
     variant_name: str = ""
 
     @property
@@ -121,9 +102,39 @@ class Study:
         return self.tables.kind
 
     @property
+    def contact_kind(self) -> str:
+        """Kind of contact, as results and records name it."""
+        return self.tables.kind
+
+    @property
     def wires(self) -> Wires:
-        """Both wires as the file states them; see also `moving_wire` and `fixed_wire`."""
-        return self.tables.wires
+        """Both wires as the file of crossed wires states them; see also `bodies`."""
+        return cast("StudyTables", self.tables).wires
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """The driven body, which lies below, and the one above it, whose holder carries the rig's compliance."""
+        return self.tables.bodies_of_test()
+
+    @property
+    def moving_wire(self) -> Body:
+        """The driven body."""
+        return self.bodies[0]
+
+    @property
+    def fixed_wire(self) -> Body:
+        """The held body."""
+        return self.bodies[1]
+
+    @property
+    def motion_angle_deg(self) -> float:
+        """Direction of the motion against the driven body's axis."""
+        return -self.bodies[0].axis_angle_deg
+
+    @property
+    def crossing_angle_deg(self) -> float:
+        """Angle of the held body's axis to the driven body's."""
+        return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
 
     @property
     def conditions(self) -> Conditions:
@@ -157,7 +168,7 @@ class Study:
     def logging(self, cycles: tuple[int, ...]) -> Study:
         """The same study and variants, recording the loops of these cycles."""
 
-        def logged(tables: StudyTables) -> StudyTables:
+        def logged(tables: ContactTables) -> ContactTables:
             return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
 
         variants = tuple((name, logged(tables)) for name, tables in self.variants)
@@ -218,16 +229,6 @@ class Study:
     def mesh(self) -> Mesh:
         """Extent of the fine mesh."""
         return self.tables.mesh
-
-    @property
-    def moving_wire(self) -> Wire:
-        """The wire that slides along its own axis."""
-        return _wire(self.wires, self.wires.moving)
-
-    @property
-    def fixed_wire(self) -> Wire:
-        """The wire whose holder carries the rig's compliance."""
-        return _wire(self.wires, self.wires.fixed)
 
     def fidelity(self, name: str) -> FidelitySettings:
         """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
@@ -307,15 +308,7 @@ def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
     return table.model_copy(update=values)
 
 
-def _wire(wires: Wires, own: WireOverride) -> Wire:
-    def value(key: str) -> Any:
-        override = getattr(own, key)
-        return getattr(wires, key) if override is None else override
-
-    return Wire(**{field.name: value(field.name) for field in fields(Wire)})
-
-
-def _plain(tables: StudyTables) -> dict[str, Any]:
+def _plain(tables: ContactTables) -> dict[str, Any]:
     return tables.model_dump(mode="json", exclude_none=True)
 
 

@@ -1,16 +1,18 @@
-"""The tables of a study of crossed wires: every key with its sensible range, default and meaning."""
+"""The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from abc import ABC, abstractmethod
+from dataclasses import asdict, fields
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
 from solvers import Coulomb, FrictionLaw, SolverError, friction_law
 from wirewear.base.quantity import shown
+from wirewear.study.bodies import Body, Wire
 from wirewear.study.keys import (
     Amplitude,
     AngleScatter,
@@ -59,9 +61,7 @@ WearUpdate = Literal["implicit", "explicit"]
 
 #: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
 PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
-
-#: Kinds of contact that are asked for and that there are not.
-NOT_YET = ("sphere-on-flat", "ball-on-flat", "sphere-on-sphere")
+POINT_KINDS = ("ball-on-flat", "point-contact")
 
 
 def _law_of(value: object) -> FrictionLaw:
@@ -93,19 +93,24 @@ def _described(law: FrictionLaw) -> str | dict[str, Any]:
 FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
 
 
-#: The kind of contact of these tables.
+#: What the kind of crossed wires is called.
 CROSSED_WIRES = "crossed-wires"
 
 
 def _checked_kind(value: object) -> str:
     if value == "rig-stiffness":
         raise ValueError('is "rig-stiffness", which is a line contact whose variants have the rigs: "line-contact"')
-    if value in NOT_YET:
-        raise ValueError(f'is "{value}", which is not supported yet: crossed wires and line contacts are')
     if value != CROSSED_WIRES:
-        others = " or ".join(f'"{kind}"' for kind in PLANAR_KINDS)
+        others = " or ".join(f'"{kind}"' for kind in (*POINT_KINDS, *PLANAR_KINDS))
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
     return CROSSED_WIRES
+
+
+class Inconsistency(NamedTuple):
+    """A key that does not fit another, and the rest of the sentence that begins with it."""
+
+    keys: tuple[str, ...]
+    problem: str
 
 
 def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
@@ -158,15 +163,17 @@ class Wires(OfMaterial):
 class Conditions(Table):
     """What is asked of the rig."""
 
-    normal_load_N: NormalLoad = Field(description="normal load between the wires", examples=[2.0])
+    normal_load_N: NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
     approach_um: Approach | None = Field(
-        None, description="press the wires together by this much and hold them; normal_load_N is then only expected"
+        None, description="press the bodies together by this much and hold them; normal_load_N is then only expected"
     )
     displacement_amplitude_um: Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
     motion_angle_deg: MotionAngle = Field(
-        0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
+        0.0,
+        description="of crossed wires: direction of the motion against the moving wire's axis, about the normal that "
+        "points upwards",
     )
     frequency_Hz: Frequency = Field(description="cycles per second", examples=[3.0])
     cycles: Cycles = Field(description="length of the test", examples=[100000])
@@ -191,12 +198,12 @@ class Wear(Table):
     """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
 
     energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
-        None, description="energy law: worn volume of both wires together per dissipated energy"
+        None, description="energy law: worn volume of both bodies together per dissipated energy"
     )
     archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
-        None, description="Archard's law: worn volume of both wires together per load and sliding distance"
+        None, description="Archard's law: worn volume of both bodies together per load and sliding distance"
     )
-    moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+    moving_share: Share = Field(0.5, description="part of the worn volume that the driven body loses")
     variation: Annotated[Variation, PlainValidator(one_of("none", "cycles", "energy_J"))] = Field(
         "none", description='what the coefficient varies with: "none", "cycles" or "energy_J", the accumulated energy'
     )
@@ -230,7 +237,7 @@ class Wear(Table):
 
 
 class HolderTable(Table):
-    """The rig: springs between the fixed wire's holder and ground, and the spring of the loading train."""
+    """The rig: springs between the held body's holder and ground, and the spring of the loading train."""
 
     tangential_stiffness_N_per_mm: HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
@@ -293,7 +300,7 @@ class Mesh(Table):
     )
     move_nodes_every_um: NodeMotion | None = Field(
         None,
-        description="nodes are moved into the worn surface and the wires condensed again whenever the surface is this "
+        description="nodes are moved into the worn surface and the bodies condensed again whenever the surface is this "
         "much deeper than the nodes, 0 at every cycle jump; without it worn depth stays an offset from the fresh nodes",
     )
 
@@ -319,13 +326,15 @@ class Fidelities(Table):
     fine: FidelitySettings = Field(FidelitySettings(), description="for convergence checks")
 
 
-class StudyTables(NamedTable):
-    """A whole study without its variants."""
+class StatesItsKind(NamedTable):
+    """What states its kind of contact."""
 
-    kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
-        description="kind of contact", examples=["crossed-wires"]
-    )
-    wires: Wires = Field(description="the two wires")
+    kind: str = Field(description="kind of contact")
+
+
+class ContactTables(StatesItsKind, ABC):
+    """What studies of all contacts at a point state besides the bodies, without variants."""
+
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
@@ -335,3 +344,64 @@ class StudyTables(NamedTable):
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
+
+    @abstractmethod
+    def bodies_of_test(self) -> tuple[Body, Body]:
+        """The driven body, which lies below, and the held one above it."""
+
+    @abstractmethod
+    def contradiction(self) -> Inconsistency | None:
+        """What does not go together in the tables of the bodies, if anything."""
+
+
+class _OfWires(StatesItsKind):
+    """What a study of crossed wires states first."""
+
+    wires: Wires = Field(description="the two wires")
+
+
+class StudyTables(ContactTables, _OfWires):
+    """A whole study of crossed wires without its variants."""
+
+    kind: Annotated[Literal["crossed-wires"], PlainValidator(_checked_kind)] = Field(
+        description="kind of contact", examples=["crossed-wires"]
+    )
+
+    def bodies_of_test(self) -> tuple[Wire, Wire]:
+        """The moving and the fixed wire."""
+        wires, motion = self.wires, self.conditions.motion_angle_deg
+        return _wire("moving", wires, wires.moving, -motion), _wire(
+            "fixed", wires, wires.fixed, wires.crossing_angle_deg - motion
+        )
+
+    def contradiction(self) -> Inconsistency | None:
+        """Wires shorter than they are thick, or a stroke longer than that."""
+        wires = self.wires
+        for keys, override in (
+            (("wires", "length_mm"), WireOverride()),
+            (("wires", "moving", "length_mm"), wires.moving),
+            (("wires", "fixed", "length_mm"), wires.fixed),
+        ):
+            length = override.length_mm or wires.length_mm
+            diameter = override.diameter_mm or wires.diameter_mm
+            if length is not None and length < diameter:
+                return Inconsistency(
+                    keys, f"is {length:g} mm, but must be at least the wire's diameter, {diameter:g} mm"
+                )
+        thinnest_mm = min(wires.diameter_mm, *(w.diameter_mm or wires.diameter_mm for w in (wires.moving, wires.fixed)))
+        amplitude_um = self.conditions.displacement_amplitude_um
+        if amplitude_um > 1e3 * thinnest_mm:
+            return Inconsistency(
+                ("conditions", "displacement_amplitude_um"),
+                f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
+            )
+        return None
+
+
+def _wire(name: str, wires: Wires, own: WireOverride, axis_angle_deg: float) -> Wire:
+    def value(key: str) -> Any:
+        override = getattr(own, key)
+        return getattr(wires, key) if override is None else override
+
+    stated = {field.name: value(field.name) for field in fields(Wire) if field.name not in ("name", "axis_angle_deg")}
+    return Wire(name=name, axis_angle_deg=axis_angle_deg, **stated)

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from wirewear.base.quantity import UNIT_SYMBOLS
@@ -53,11 +54,14 @@ class Template:
     above: str
 
 
+#: Tables that every contact at a point has, spelled out.
+COMMON = ("conditions", "contact", "wear", "holder", "log")
+
 #: A study of crossed wires.
 CROSSED_WIRES = Template(
     "crossed-wires",
     StudyTables,
-    ("wires", "conditions", "contact", "wear", "holder", "log"),
+    ("wires", *COMMON),
     EXAMPLE,
     "The article's test of steel wires, to be changed into yours.",
 )
@@ -78,16 +82,27 @@ def study_text(
         # A study without the table of wear does not wear.
         if inner is None or (own is None and table == "wear"):
             continue
-        lines += ["", f"[{table}]  # {described.description}", *_keys(inner, own or {})]
+        lines += _section(table, described, inner, own or {})
     for effect in data.get("effects", ()):
         lines += ["", "[[effects]]", *(f"{key} = {_spelled(value)}" for key, value in effect.items())]
     return "\n".join(lines) + "\n"
 
 
+def _section(name: str, described: FieldInfo, table: type[Table], own: Mapping[str, Any]) -> list[str]:
+    """A table with its keys, then the tables in it, each with a heading of its own."""
+    keys = _keys(table, own)
+    lines = ["", f"[{name}]  # {described.description}", *keys] if keys else []
+    for key, inside in table.model_fields.items():
+        inner = table_of(inside)
+        if inner is not None and (key in own or key not in HIDDEN):
+            lines += _section(f"{name}.{key}", inside, inner, own.get(key, {}))
+    return lines
+
+
 def _keys(table: type[Table], own: Mapping[str, Any]) -> list[str]:
     lines = []
     for key, described in table.model_fields.items():
-        if key in HIDDEN and key not in own:
+        if (key in HIDDEN and key not in own) or table_of(described) is not None:
             continue
         quantity = quantity_of(described)
         unit = UNIT_SYMBOLS[quantity.unit].strip() if quantity is not None else ""

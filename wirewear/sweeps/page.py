@@ -17,7 +17,7 @@ from wirewear.pictures.style import svg
 from wirewear.sweeps import pictures
 from wirewear.sweeps.running import SweepResult
 from wirewear.sweeps.sensitivity import Index, indices
-from wirewear.sweeps.sweep import FIGURES, Sweep, SweepRow
+from wirewear.sweeps.sweep import Sweep, SweepRow, figures_named
 
 if TYPE_CHECKING:
     import polars as pl
@@ -45,7 +45,8 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
         for place, key in enumerate(sweep.design.keys)
     }
     ended = [FAILED if rows[number].failed else COMPLETE for number in numbers]
-    figures = {name: [(rows[number].figures or {}).get(name) for number in numbers] for name in FIGURES}
+    names = figures_named([body.name for body in sweep.study.bodies])
+    figures = {name: [(rows[number].figures or {}).get(name) for number in numbers] for name in names}
     columns = {
         "run": pl.Series(numbers, dtype=pl.Int64),
         **{key: pl.Series(values, dtype=pl.Float64) for key, values in keys.items()},
@@ -98,7 +99,7 @@ def write_sweep(folder: Path, result: SweepResult) -> list[Path]:
 def page(result: SweepResult) -> str:
     """The page, which needs no other file."""
     figures = varying_figures(result)
-    found = [i for name in pictures.DRAWN if name in figures for i in indices(result.sweep.design, result.rows, name)]
+    found = [i for name in pictures.drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
     return frame.rendered(
         HERE / "page.html",
         {
@@ -120,7 +121,8 @@ def varying_figures(result: SweepResult) -> dict[str, NDArray[np.float64]]:
     """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
-    for name in (*pictures.DRAWN, "worn_volume_mm3", "max_mean_pressure_MPa"):
+    names = figures_named([body.name for body in result.sweep.study.bodies])
+    for name in (*pictures.drawn_among(names), "worn_volume_mm3", "max_mean_pressure_MPa"):
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
         known = values[np.isfinite(values)]
@@ -146,7 +148,7 @@ def _pictures(
 ) -> list[tuple[str, str, str]]:
     """Heading, caption and SVG of each."""
     design = result.sweep.design
-    drawn = {name: values for name, values in figures.items() if name in pictures.DRAWN}
+    drawn = {name: figures[name] for name in pictures.drawn_among(figures)}
     made: list[tuple[str, str, bytes]] = []
     if drawn:
         image = svg(lambda: pictures.draw_responses(design.factors, design.points, drawn))
@@ -157,11 +159,11 @@ def _pictures(
     if found:
         words = "Shares of the variance that each key makes, with 95 % intervals."
         made.append(("Sensitivities", words, svg(lambda: pictures.draw_indices(found))))
-    if {pictures.SLIP, pictures.DEPTH} <= drawn.keys():
+    if {pictures.SLIP, depths := pictures.depth_among(drawn)} <= drawn.keys():
         known = np.isfinite(drawn[pictures.SLIP])
-        slip, depth = drawn[pictures.SLIP][known], drawn[pictures.DEPTH][known]
-        words = "Slip amplitude and depth of the fixed wire at the last cycle."
-        made.append(("Slip against depth", words, svg(lambda: pictures.draw_front(slip, depth))))
+        slip, depth = drawn[pictures.SLIP][known], drawn[depths][known]
+        words = "Slip amplitude and depth of the held body at the last cycle."
+        made.append(("Slip against depth", words, svg(lambda: pictures.draw_front(slip, depth, depths))))
     return [(head, words, frame.inline_svg(image, f"p{n}")) for n, (head, words, image) in enumerate(made)]
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from textwrap import wrap
 from typing import Any
 
@@ -18,26 +18,37 @@ from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
 from wirewear.sweeps.design import VariedInput
 from wirewear.sweeps.sensitivity import Index
+from wirewear.sweeps.sweep import DEPTH
 
 Array = NDArray[np.float64]
 
-#: Figures that are drawn, where they vary; units and words follow from their names.
-DRAWN = (
+#: Figures that are drawn, where they vary, with a depth after the first three; units and words follow from names.
+_DRAWN = (
     "max_tangential_force_N",
     "dissipated_energy_mJ",
     "slip_amplitude_um",
-    "max_depth_fixed_um",
     "mid_stroke_mean_pressure_MPa",
 )
 
-#: The figure that should be large, and the one that should be small, of the last picture.
-SLIP, DEPTH = "slip_amplitude_um", "max_depth_fixed_um"
+#: The figure that should be large in the last picture; the depth of the held body should be small.
+SLIP = "slip_amplitude_um"
 
 #: Medians of so many groups of runs show the trend.
 GROUPS = 8
 
 #: Runs of a group, at least; fewer show no trend.
 FEWEST = 5
+
+
+def depth_among(names: Iterable[str]) -> str:
+    """The depth of the held body, the last one among the names of figures."""
+    return next((name for name in reversed([*names]) if name.startswith(DEPTH)), "")
+
+
+def drawn_among(names: Iterable[str]) -> list[str]:
+    """Those of the figures that are drawn."""
+    known = [*names]
+    return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
 
 
 def label_of(name: str) -> str:
@@ -49,7 +60,7 @@ def label_of(name: str) -> str:
 
 def draw_responses(factors: Sequence[VariedInput], points: Array, figures: dict[str, Array]) -> Figure:
     """Every figure (rows) over every varied key (columns): runs as dots, joined where they differ in that key alone."""
-    rows = [name for name in DRAWN if name in figures]
+    rows = drawn_among(figures)
     figure = new_figure(1.5 * len(rows) + 0.8)
     panels = figure.subplots(len(rows), len(factors), squeeze=False, sharex="col", sharey="row")
     for row, name in enumerate(rows):
@@ -132,14 +143,17 @@ def _bars(
     )
 
 
-def draw_front(slip: Array, depth: Array) -> Figure:
-    """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth."""
+def draw_front(slip: Array, depth: Array, name: str) -> Figure:
+    """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth.
+
+    name: of the depth's figure.
+    """
     figure = new_figure(3.2)
     axes = figure.subplots()
     axes.plot(depth, slip, ".", color=GREY, markersize=6, label="runs")
     best = front(slip, depth)
     axes.plot(depth[best], slip[best], "o-", color=VARIANT_COLOURS[1], markersize=4, label="no run has both better")
-    axes.set_xlabel(label_of(DEPTH))
+    axes.set_xlabel(label_of(name))
     axes.set_ylabel(label_of(SLIP))
     axes.legend()
     return figure

@@ -5,7 +5,7 @@ from __future__ import annotations
 import resource
 import time
 from collections import defaultdict
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
@@ -24,14 +24,12 @@ from wirewear.study.messages import validated
 from wirewear.sweeps.design import Design, design_of
 from wirewear.sweeps.tables import SweepTables
 
-#: Columns of the evolution that a row holds of the last cycle, and with FIRST before it of the first.
+#: Columns of the evolution that a row holds of the last cycle besides depths, and with FIRST before it of the first.
 AT_END = (
     "max_tangential_force_N",
     "dissipated_energy_mJ",
     "slip_amplitude_um",
     "accumulated_energy_J",
-    "max_depth_moving_um",
-    "max_depth_fixed_um",
     "contact_half_width_um",
     "max_pressure_MPa",
     "mid_stroke_pressure_MPa",
@@ -46,8 +44,19 @@ QUALITY = ("mirror_error", "energy_against_loops")
 #: Figures that tell how a run was made and measured, and not what came out.
 TECHNICAL = (*QUALITY, PRESSURE_LENGTH)
 
-#: All figures of a row, in the table's order.
-FIGURES = (*AT_END, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL)
+#: What columns of depths begin with; then comes a body, the held one last.
+DEPTH = "max_depth_"
+
+#: How many of `AT_END` stand before the depths.
+_BEFORE_DEPTHS = 4
+
+
+def figures_named(bodies: Sequence[str]) -> tuple[str, ...]:
+    """All figures of a row, in the table's order, of a driven and a held body."""
+    depths = (f"{DEPTH}{body}_um" for body in bodies)
+    at_end = (*AT_END[:_BEFORE_DEPTHS], *depths, *AT_END[_BEFORE_DEPTHS:])
+    return (*at_end, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL)
+
 
 EFFECTS = "effects"
 
@@ -100,13 +109,14 @@ def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: i
 def figures_of(result: RunResult) -> dict[str, float | None]:
     """The figures of a finished run; None for what it does not have."""
     evolution = result.evolution
-    last = {name: float(evolution[name][-1]) for name in AT_END}
+    names = figures_named(result.bodies)
+    last = {name: float(evolution[name][-1]) for name in names if name in evolution}
     first = {f"{FIRST}{name}": float(evolution[name][0]) for name in AT_START}
-    volume = sum(float(evolution[f"worn_volume_{wire}_mm3"][-1]) for wire in ("moving", "fixed"))
+    volume = float(result.worn_volume_mm3[-1])
     quality = {name: float(result.quality.get(name, float("nan"))) for name in QUALITY}
     length = {PRESSURE_LENGTH: float(result.settings[PRESSURE_LENGTH])}
     found = {**last, VOLUME: volume, **first, **quality, **length}
-    return {name: found[name] if isfinite(found[name]) else None for name in FIGURES}
+    return {name: found[name] if isfinite(found[name]) else None for name in names}
 
 
 @dataclass(frozen=True, eq=False)

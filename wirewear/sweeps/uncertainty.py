@@ -16,7 +16,7 @@ from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
 from wirewear.sweeps.design import DIGITS, Design, VariedInput
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
-from wirewear.sweeps.sweep import FIGURES, FIRST, TECHNICAL, Sweep, SweepRow
+from wirewear.sweeps.sweep import FIRST, TECHNICAL, Sweep, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE
 
 Array = NDArray[np.float64]
@@ -240,7 +240,7 @@ def run_uncertain(
 def _varying(nominal: SweepRow, complete: Sequence[int], rows: Mapping[int, SweepRow]) -> list[str]:
     """Figures that all complete runs have and that are not the same in all."""
     found = []
-    for name in FIGURES:
+    for name in nominal.figures or {}:
         if name in TECHNICAL or (nominal.figures or {}).get(name) is None:
             continue
         values = [(rows[n].figures or {}).get(name) for n in complete]

@@ -13,7 +13,7 @@ from wirewear.base.quantity import unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.pictures.style import cycle_name, new_figure, svg
-from wirewear.sweeps.pictures import label_of
+from wirewear.sweeps.pictures import SLIP, depth_among, label_of
 from wirewear.sweeps.sweep import FIRST
 from wirewear.sweeps.uncertainty import Interval, LoopBand, Uncertainty
 
@@ -38,7 +38,8 @@ def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
 def sentence(found: Uncertainty) -> str:
     """What a reader in a hurry needs to know."""
     inputs = ", ".join(f"{one.key} ± {frame.figure(one.deviation)}" for one in found.inputs)
-    told = [one for one in found.intervals if one.figure in ("slip_amplitude_um", "max_depth_fixed_um")]
+    wanted = (SLIP, depth_among(one.figure for one in found.intervals))
+    told = [one for one in found.intervals if one.figure in wanted]
     said = "; ".join(
         f"{words_of(one.figure)} {frame.figure(one.low)} to {frame.figure(one.high)} {unit_of(one.figure)}"
         for one in told

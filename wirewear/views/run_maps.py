@@ -8,14 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import radians
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geometry import Elastic
+from wirewear.base.errors import StudyError
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, partial_slip_point
-from wirewear.reference.hertz import hertz_crossed_cylinders, tangential_contact_modulus
+from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
+from wirewear.study import study_from_tables
 
 Array = NDArray[np.float64]
 
@@ -28,19 +31,24 @@ TRANSITION = 0.2
 
 @dataclass(frozen=True)
 class FreshContact:
-    """What a study states of two wires before they wear: bodies, radii [mm], angle, friction, rig [µm/N], load [N]."""
+    """What a study states of two bodies before they wear: materials, gap [1/mm], friction, rig [µm/N], load [N]."""
 
     bodies: tuple[Elastic, Elastic]
-    radii_mm: tuple[float, float]
-    crossing_angle_deg: float
+    gap_per_mm: tuple[float, float]
     friction: float
     rig_um_per_N: float
     normal_load_N: float
 
+    @property
+    def ball_diameter_mm(self) -> float:
+        """Of the ball that leaves as large a gap on a flat; that of wires crossed at right angles is theirs."""
+        small, large = self.gap_per_mm
+        return float(1.0 / (small * large) ** 0.5)
+
     def at(self, load_N: float) -> tuple[PartialSlipPoint, float]:
         """Mindlin's contact on the circle of equal area under a load, and its peak pressure in MPa."""
         first, second = self.bodies
-        hertz = hertz_crossed_cylinders(load_N, *self.radii_mm, self.crossing_angle_deg, first=first, second=second)
+        hertz = hertz_elliptic(load_N, *self.gap_per_mm, contact_modulus(first, second))
         modulus = tangential_contact_modulus(first, second)
         return partial_slip_point(load_N, self.friction, hertz.contact_radius_mm, modulus), hertz.peak_pressure_MPa
 
@@ -57,19 +65,18 @@ class RunningConditions:
 def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
     """The contact of a resolved study; None where it states too little, or nothing rubs."""
     try:
-        wires, holder = study["wires"], study.get("holder", {})
-        friction, load = float(study["contact"]["friction"]), float(study["conditions"]["normal_load_N"])
-        moving, fixed = ({**wires, **wires.get(own, {})} for own in ("moving", "fixed"))
-        first, second = (Elastic(one["youngs_modulus_MPa"], one["poissons_ratio"]) for one in (moving, fixed))
-        radius_mm, other_mm = (0.5 * one["diameter_mm"] for one in (moving, fixed))
-        angle = float(wires.get("crossing_angle_deg", 90.0))
-    except (KeyError, TypeError):
+        stated = study_from_tables(study, "the study")
+    except StudyError:
         return None
+    friction, rig = stated.contact.friction, stated.holder.tangential_stiffness_N_per_mm
     if friction <= 0.0:
         return None
-    rig = holder.get("tangential_stiffness_N_per_mm", "rigid")
-    compliance = 0.0 if rig == "rigid" else 1e3 / float(rig)
-    return FreshContact((first, second), (radius_mm, other_mm), angle, friction, compliance, load)
+    first, second = stated.bodies
+    crossing = radians(stated.crossing_angle_deg)
+    small, large, _ = gap_curvatures(first.curvatures_per_mm, second.curvatures_per_mm, crossing)
+    compliance = 0.0 if isinstance(rig, str) else 1e3 / rig
+    bodies, load = (first.material, second.material), stated.conditions.normal_load_N
+    return FreshContact(bodies, (small, large), friction, compliance, load)
 
 
 def running_conditions(study: Mapping[str, Any]) -> RunningConditions | None:

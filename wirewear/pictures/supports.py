@@ -1,4 +1,4 @@
-"""How crossed wires are held and moved: their sections with grips, load, stroke and springs."""
+"""How the bodies of a contact at a point are held and moved: their sections with grips, load, stroke and springs."""
 
 from __future__ import annotations
 
@@ -19,10 +19,10 @@ Array = NDArray[np.float64]
 _BESIDE_mm = 1e-6
 
 
-def wire_supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:
-    """Both wires' sections along the motion and across it."""
-    angle = np.radians(study.wires.crossing_angle_deg)
-    motion = np.radians(study.conditions.motion_angle_deg)
+def supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:
+    """Both bodies' sections along the motion and across it."""
+    angle = np.radians(study.crossing_angle_deg)
+    motion = np.radians(study.motion_angle_deg)
 
     def view(axis: int) -> tuple[HeldBody, HeldBody]:
         upper = _held(fixed, lambda points: upper_position(points, float(angle - motion)), axis)
@@ -46,15 +46,15 @@ def _supports(study: Study) -> Supports:
     )
 
 
-def _held(wire: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
-    """A wire's section, round as it is; `placed` takes its points to where it lies in the test."""
+def _held(body: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
+    """A body's section, round where it is; `placed` takes its points to where it lies in the test."""
 
     def cut(facets: NDArray[np.int64]) -> Array:
-        points, finer, _ = round_facets(wire.mesh.points, facets, wire.geometry.radius_mm)
+        points, finer, _ = round_facets(body.mesh.points, facets, body.geometry.round_mm)
         return _cut(placed(points), finer, axis)
 
-    elastic = wire.geometry.grip_stiffness_N_per_mm3 is not None
-    return HeldBody(cut(wire.mesh.boundary_facets()), cut(wire.mesh.surfaces["grip"]), elastic)
+    elastic = body.geometry.grip_stiffness_N_per_mm3 is not None
+    return HeldBody(cut(body.mesh.boundary_facets()), cut(body.mesh.surfaces["grip"]), elastic)
 
 
 def _cut(points: Array, facets: NDArray[np.int64], axis: int) -> Array:

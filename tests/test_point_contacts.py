@@ -1,0 +1,154 @@
+"""Contacts at a point of any two bodies: a ball on a flat by kind and by shape, and crossed cylinders in its place."""
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wirewear import reference
+from wirewear.base.errors import StudyError
+from wirewear.results import RunResult, read_result
+from wirewear.simulation import run_study
+from wirewear.simulation.discretisation import discretise
+from wirewear.study import Study, study_from_tables
+
+STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+RADIUS_mm, LOAD_N, FRICTION = 6.35, 50.0, 0.6
+TEST: dict[str, Any] = {
+    "format": 1,
+    "name": "test",
+    "conditions": {
+        "normal_load_N": LOAD_N,
+        "displacement_amplitude_um": 40.0,
+        "frequency_Hz": 5.0,
+        "cycles": 20,
+    },
+    "contact": {"friction": FRICTION},
+    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
+    "log": {"loop_cycles": [1, 20]},
+    "fidelity": {"quick": {"increments_per_cycle": 16}},
+}
+BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": STEEL}}
+
+
+def cylinder(axis_angle_deg: float, **changes: Any) -> dict[str, Any]:
+    return {"shape": "cylinder", "diameter_mm": 2 * RADIUS_mm, "axis_angle_deg": axis_angle_deg, **STEEL} | changes
+
+
+def bodies(lower: dict[str, Any], upper: dict[str, Any]) -> dict[str, Any]:
+    return {"kind": "point-contact", "bodies": {"lower": lower, "upper": upper}}
+
+
+CROSSED = bodies(cylinder(0.0), cylinder(90.0))
+
+
+def study(contact: dict[str, Any], **tables: Any) -> Study:
+    return study_from_tables(deepcopy(TEST) | deepcopy(contact) | tables, "s.toml")
+
+
+def refusal(contact: dict[str, Any], **tables: Any) -> str:
+    with pytest.raises(StudyError) as caught:
+        study(contact, **tables)
+    return str(caught.value)
+
+
+def test_a_ball_on_a_flat_is_the_short_form_of_its_two_shapes() -> None:
+    spelled = bodies({"shape": "flat", **STEEL}, {"shape": "ball", "diameter_mm": 2 * RADIUS_mm, **STEEL})
+    short, long = (discretise(study(contact), "standard") for contact in (BALL, spelled))
+    assert (short.moving, short.fixed, short.expected) == (long.moving, long.fixed, long.expected)
+
+
+def test_its_hertz_contact_is_that_of_a_sphere_and_of_crossed_cylinders() -> None:
+    steel = reference.Elastic(210000.0, 0.3)
+    sphere = reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel))
+    for contact in (BALL, CROSSED):
+        hertz = discretise(study(contact), "quick").hertz
+        assert hertz.peak_pressure_MPa == pytest.approx(sphere.peak_pressure_MPa)
+        assert hertz.approach_mm == pytest.approx(sphere.approach_mm)
+
+
+@pytest.mark.parametrize("angle_deg", [5.0, 15.0, 90.0])
+def test_cylinders_cross_at_any_angle_from_5_degrees(angle_deg: float) -> None:
+    long = discretise(study(bodies(cylinder(0.0), cylinder(angle_deg)), wear=None), "quick")
+    # 4AB = sin²ω/R², A + B = 1/R: the half-angle of the crossing gives the gap's curvatures.
+    small, large, _ = long.expected.gap
+    assert small / large == pytest.approx(np.tan(0.5 * np.radians(angle_deg)) ** 2)
+    assert long.fixed.axial.half_extent_mm > 2.4 * long.expected.fresh.reach(np.radians(angle_deg)) * (1.0 - 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("contact", "tables", "says"),
+    [
+        (bodies(cylinder(0.0), cylinder(1.0)), {}, "touch along a line"),
+        (bodies({"shape": "flat", **STEEL}, cylinder(0.0)), {}, "touch along a line"),
+        (bodies({"shape": "flat", **STEEL}, {"shape": "flat", **STEEL}), {}, "touch along a line"),
+        (bodies(cylinder(0.0), cylinder(90.0, shape="barrel")), {}, "diameter_along_mm"),
+        (bodies(cylinder(0.0), {"shape": "ball", **STEEL}), {}, "diameter_mm"),
+        (bodies(cylinder(0.0, shape="cube"), cylinder(90.0)), {}, "shape"),
+        (BALL, {"conditions": TEST["conditions"] | {"motion_angle_deg": 20.0}}, "motion_angle_deg"),
+        (BALL, {"scatter": {"crossing_angle_deg": 1.0}}, "crossing_angle_deg"),
+        (BALL, {"effects": [{"name": "crossing_angle_error", "angle_deg": 2.0}]}, "crossing_angle_error"),
+        (BALL, {"wires": {"diameter_mm": 0.45}}, "wires"),
+        ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
+    ],
+)
+def test_what_is_no_contact_at_a_point_is_told_in_one_sentence(
+    contact: dict[str, Any], tables: dict[str, Any], says: str
+) -> None:
+    told = refusal(contact, **tables)
+    assert says in told
+    assert "\n" not in told
+
+
+def test_a_test_too_hard_for_a_small_ball_is_refused_before_it_is_meshed() -> None:
+    small = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 0.1, **STEEL}, "flat": STEEL}}
+    with pytest.raises(StudyError, match="the ball is too small for this test"):
+        discretise(study(small), "quick")
+
+
+@pytest.fixture(scope="module")
+def ball(tmp_path_factory: pytest.TempPathFactory) -> RunResult:
+    return run(BALL, tmp_path_factory.mktemp("ball"))
+
+
+def run(contact: dict[str, Any], output: Path) -> RunResult:
+    (result,) = run_study(study(contact), fidelity="quick", output=output)
+    return result
+
+
+@pytest.mark.slow
+def test_a_run_of_a_ball_wears_both_bodies_by_energy_and_is_its_own_mirror_image(ball: RunResult) -> None:
+    assert (ball.contact_kind, ball.bodies) == ("ball-on-flat", ("flat", "ball"))
+    energy, evolution = ball.evolution["accumulated_energy_J"], ball.evolution
+    assert ball.worn_volume_mm3 == pytest.approx(2.0e-5 * energy, rel=1e-9)
+    assert evolution["worn_volume_flat_mm3"] == pytest.approx(0.3 * ball.worn_volume_mm3, rel=1e-9)
+    assert evolution["max_tangential_force_N"][0] == pytest.approx(FRICTION * LOAD_N, rel=1e-3)
+    assert evolution["mirror_error"].max() < 1e-6
+    assert ball.settings["fresh_max_pressure_MPa"] == pytest.approx(ball.settings["hertz_pressure_MPa"], rel=0.03)
+    flat, worn_ball = (ball.scar(20, body) for body in ball.bodies)
+    assert np.ptp(flat.axial_um) - np.ptp(worn_ball.axial_um) == pytest.approx(80.0)
+    for scar in (flat, worn_ball):
+        for axis in (0, 1):
+            assert scar.depth_um == pytest.approx(np.flip(scar.depth_um, axis), abs=1e-6 * scar.max_depth_um)
+
+
+@pytest.mark.slow
+def test_a_result_of_a_ball_is_kept_with_its_unworn_shape(ball: RunResult) -> None:
+    assert ball.path is not None
+    again = read_result(ball.path)
+    assert again.scar(20, "ball").diameter_along_mm == again.scar(20, "ball").diameter_mm == 2 * RADIUS_mm
+    assert again.scar(20, "flat").diameter_mm == np.inf
+    assert again.forces(20, "ball").meshed == ball.forces(20, "ball").meshed
+    r = 100.0
+    assert again.scar(20, "ball").unworn_height_um(0.6 * r, 0.8 * r) == pytest.approx(-0.5 * r**2 / 6350.0, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_crossed_cylinders_wear_as_a_ball_of_their_radius_does(ball: RunResult, tmp_path: Path) -> None:
+    """Moved along one cylinder, the gap at every position is that of the ball on the flat, to second order."""
+    crossed = run(CROSSED, tmp_path)
+    for name in ("dissipated_energy_mJ", "slip_amplitude_um", "max_tangential_force_N", "max_mean_pressure_MPa"):
+        assert crossed.evolution[name][-1] == pytest.approx(ball.evolution[name][-1], rel=0.02), name
+    assert crossed.worn_volume_mm3[-1] == pytest.approx(ball.worn_volume_mm3[-1], rel=0.02)

@@ -1,0 +1,145 @@
+"""Contacts at a point as commands ask for them: of any two bodies, and of a ball on a flat."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+
+from wirewear.base.errors import RecordError
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.results import RunResult
+    from wirewear.study import Study
+    from wirewear.study.template import Template
+
+
+class AtAPoint:
+    """What all contacts at a point have in common; each method is described by `Kind`."""
+
+    inside_options: ClassVar[frozenset[str]] = frozenset(
+        ("--body", "--integration-points", "--no-pictures", "--animate")
+    )
+    scatters: ClassVar[bool] = True
+    bodies: ClassVar[tuple[str, str]]
+
+    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> Study:
+        """A study of that kind."""
+        from wirewear.study import study_from_tables
+
+        return study_from_tables(tables, where)
+
+    def run(self, study: Study, **asked: Any) -> list[RunResult]:
+        """Results of whole bodies."""
+        from wirewear.simulation import run_study
+
+        return run_study(study, **asked)
+
+    def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
+        """The scars of each run over the cycles for ParaView."""
+        from wirewear.results.vtk import FOLDER_NAME, write_time_series
+
+        for result in results:
+            write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
+
+    def write_meshes(self, study: Study, fidelity: str, folder: Path) -> list[Path]:
+        """Both bodies."""
+        from wirewear.simulation import write_meshes
+
+        return write_meshes(study, fidelity, folder)
+
+    @property
+    def refined(self) -> Any:
+        """Meshes, positions and jumps."""
+        from wirewear.simulation import point_contact
+
+        return point_contact(self.bodies)
+
+    def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
+        """With pictures and animations."""
+        from wirewear.interior.writing import write_fields
+
+        return write_fields(result, folder, **shown, **asked)
+
+    def assessable(self, result: RunResult, body: str, cycle: float, asked: StrengthAsked) -> int:
+        """Where contact forces are recorded, of a body that is thick enough."""
+        from wirewear.interior.strength import assessable
+
+        return assessable(result, body, cycle, asked)
+
+    def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+        """At all positions of the cycle."""
+        from wirewear.interior.strength import strength_of
+
+        return strength_of(
+            result,
+            body,
+            cycle,
+            yield_strength_MPa=asked.yield_strength_MPa,
+            crossland_slope=asked.crossland_slope,
+            averaging_length_um=asked.averaging_length_um,
+        )
+
+    def drawings(self, results: Sequence[RunResult]) -> Mapping[str, Callable[[], Figure]]:
+        """Loops, evolution and scars."""
+        from wirewear.pictures import drawings
+
+        return drawings(results)
+
+
+class AnyBodies(AtAPoint):
+    """Two bodies of any shapes; records of their tests are not read yet."""
+
+    name: ClassVar[str] = "point-contact"
+    names: ClassVar[tuple[str, ...]] = (name,)
+    bodies: ClassVar[tuple[str, str]] = ("lower", "upper")
+    options: ClassVar[frozenset[str]] = frozenset()
+    rigid_N_per_mm: ClassVar[float] = 1e7
+
+    @property
+    def template(self) -> Template:
+        """Crossed cylinders."""
+        from wirewear.study.points import ANY_BODIES
+
+        return ANY_BODIES
+
+    def checked_model(self, *_: Any) -> NoReturn:
+        """Not yet."""
+        self._refuse()
+
+    def states(self, *_: Any) -> NoReturn:
+        """Not yet."""
+        self._refuse()
+
+    def setup(self, *_: Any) -> NoReturn:
+        """Not yet."""
+        self._refuse()
+
+    def guessed_mapping(self, *_: Any) -> NoReturn:
+        """Not yet."""
+        self._refuse()
+
+    def surfaces(self, *_: Any) -> NoReturn:
+        """Not yet."""
+        self._refuse()
+
+    def _refuse(self) -> NoReturn:
+        raise RecordError(f"records of tests of a {self.name.replace('-', ' ')} are not supported yet.")
+
+
+class BallOnFlat(AnyBodies):
+    """A ball held above a flat."""
+
+    name: ClassVar[str] = "ball-on-flat"
+    names: ClassVar[tuple[str, ...]] = (name,)
+    bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
+
+    @property
+    def template(self) -> Template:
+        """Steel on steel."""
+        from wirewear.study.points import BALL
+
+        return BALL

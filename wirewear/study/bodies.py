@@ -1,0 +1,160 @@
+"""Bodies of a contact at a point as a study states them: how they are curved, stand, and are meshed."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from math import radians
+from typing import Literal
+
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
+from wirewear.base.errors import StudyError
+
+_COARSE_PER_DIAMETER = 0.155
+#: Largest element of a block far from the contact, as a share of its smaller extent.
+_COARSE_PER_EXTENT = 0.2
+#: Half-width of a block over the radius of its face: its corner, at 0.85 radii, is still meshed soundly.
+_WIDEST = 0.6
+
+
+@dataclass(frozen=True)
+class Body(ABC):
+    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards."""
+
+    name: str
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+    grip_stiffness_N_per_mm3: float | Literal["rigid"]
+    axis_angle_deg: float
+
+    @property
+    def material(self) -> Elastic:
+        """What it is made of."""
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+    @property
+    @abstractmethod
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """One over the radii of its surface along its axis and across, 0 where it is straight."""
+
+    @property
+    def diameters_mm(self) -> tuple[float, float]:
+        """Along its axis and across, infinite where it is straight."""
+        along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
+        return along, across
+
+    @property
+    def bedding_N_per_mm3(self) -> float | None:
+        """Stiffness of an elastic grip per area, None of a rigid one."""
+        return None if isinstance(self.grip_stiffness_N_per_mm3, str) else self.grip_stiffness_N_per_mm3
+
+    @abstractmethod
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BodyGeometry:
+        """What it is meshed as under such a patch.
+
+        Raises:
+            StudyError: the patch does not fit on it.
+        """
+
+
+@dataclass(frozen=True)
+class Wire(Body):
+    """A wire, with `[wires]` and its own table put together; a length of None leaves it to the program."""
+
+    diameter_mm: float
+    length_mm: float | None
+    grip_angle_deg: float
+    grip_length_mm: float | None
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """Round across."""
+        return 0.0, 2.0 / self.diameter_mm
+
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> WireGeometry:
+        """A round bar held about its back."""
+        reach, limit = transverse.half_extent_mm, 0.42 * self.diameter_mm
+        if reach > limit:
+            raise StudyError(
+                f"the {self.name} wire is too thin for this test: the contact is expected to need {1e3 * reach:.0f} um "
+                f"to each side of its crown, but at most {1e3 * limit:.0f} um of a wire of {self.diameter_mm:g} mm can "
+                "be meshed; lower the cycles, load, stroke or wear coefficient, or give a smaller scar_half_width_um "
+                "in [mesh]"
+            )
+        shortest = 2.0 * axial.half_extent_mm / 0.9
+        length = self.length_mm or max(2.2 * self.diameter_mm, shortest + self.diameter_mm)
+        if length < shortest:
+            raise StudyError(
+                f"length_mm = {length:g} of the {self.name} wire is too short: stroke and scar need at least "
+                f"{shortest:.3g} mm"
+            )
+        return WireGeometry(
+            self.diameter_mm,
+            length,
+            axial,
+            transverse,
+            _COARSE_PER_DIAMETER * self.diameter_mm,
+            grip_half_angle_rad=0.5 * radians(self.grip_angle_deg),
+            grip_half_length_mm=None if self.grip_length_mm is None else 0.5 * self.grip_length_mm,
+            grip_stiffness_N_per_mm3=self.bedding_N_per_mm3,
+            layering=layering,
+        )
+
+
+@dataclass(frozen=True)
+class BlockBody(Body):
+    """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides.
+
+    size_mm: the radius by which its extents are chosen where they are left to the program, its own or the other body's.
+    """
+
+    curvatures: tuple[float, float]
+    half_width_mm: float | None
+    height_mm: float | None
+    size_mm: float
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """As stated."""
+        return self.curvatures
+
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BlockGeometry:
+        """A block as wide as its radii allow, or where it is straight as keeps its sides far from the contact.
+
+        Held as it is, it approaches less than a half-space by about 0.5 a² / size of a ball's contact of radius a.
+        """
+        along, across = (
+            self._half_width(curvature, axis.half_extent_mm)
+            for curvature, axis in zip(self.curvatures, (axial, transverse), strict=True)
+        )
+        sharpest = max(self.curvatures)
+        height = self.height_mm or (1.0 / sharpest if sharpest else min(along, across))
+        coarse = _COARSE_PER_EXTENT * min(along, across, height)
+        stiffness = self.bedding_N_per_mm3
+        return BlockGeometry(*self.curvatures, along, across, height, axial, transverse, coarse, stiffness, layering)
+
+    @property
+    def _called(self) -> str:
+        return f"{self.name} body" if self.name in ("lower", "upper") else self.name
+
+    def _half_width(self, curvature: float, reach_mm: float) -> float:
+        """Half of the block's extent in the direction of a curvature, for a patch that reaches so far.
+
+        Raises:
+            StudyError: it would be too narrow for the patch, or too wide for its radius.
+        """
+        widest = _WIDEST / curvature if curvature else max(2.0 * self.size_mm, 4.0 * reach_mm)
+        width = self.half_width_mm or widest
+        if curvature and width > widest:
+            raise StudyError(
+                f"half_width_mm = {width:g} of the {self._called} is too wide: a block on it reaches at most "
+                f"{_WIDEST:g} of its radius, {widest:.4g} mm, to each side"
+            )
+        if reach_mm > 0.9 * width:
+            raise StudyError(
+                f"the {self._called} is too small for this test: the contact is expected to need "
+                f"{1e3 * reach_mm:.0f} um to each side of its middle, but at most {900.0 * width:.0f} um can be "
+                "meshed; lower the cycles, load, stroke or wear coefficient, or give a smaller scar_half_width_um in "
+                "[mesh]"
+            )
+        return width

@@ -1,0 +1,250 @@
+"""Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, PlainValidator
+
+from wirewear.base.quantity import Quantity
+from wirewear.effects import Age, Seam, Specimens, applied
+from wirewear.reference import gap_curvatures
+from wirewear.study.bodies import BlockBody, Body, Wire
+from wirewear.study.keys import (
+    GripAngle,
+    GripStiffness,
+    MaterialName,
+    OfMaterial,
+    PoissonsRatio,
+    Table,
+    YoungsModulus,
+    one_of,
+)
+from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
+from wirewear.study.template import COMMON, EXAMPLE, Template
+
+BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"
+
+#: Shapes that are blocks: whether they are curved along and across.
+_CURVED = {"ball": (True, True), "flat": (False, False), "cylinder": (False, True), "barrel": (True, True)}
+SHAPES = (*_CURVED, "wire")
+
+#: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
+FLATTEST = 1e-3
+
+Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
+Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
+AxisAngle = Annotated[float, PlainValidator(Quantity("deg", -180.0, 180.0))]
+
+
+class GrippedBody(OfMaterial):
+    """A body of one material, held by its holder."""
+
+    material: MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
+    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    half_width_mm: Extent | None = Field(
+        None, description="of the block that is meshed, to each side; without it the program chooses"
+    )
+    height_mm: Extent | None = Field(None, description="of the block, from its contact to its held back")
+    grip_stiffness_N_per_mm3: GripStiffness = Field(
+        "rigid", description='stiffness per area of what holds back and sides, a number or "rigid"'
+    )
+
+    def block(
+        self, name: str, curvatures: tuple[float, float], size_mm: float, axis_angle_deg: float = 0.0
+    ) -> BlockBody:
+        """The body of a name, of these curvatures."""
+        held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
+        return BlockBody(name, *held, axis_angle_deg, curvatures, self.half_width_mm, self.height_mm, size_mm)
+
+
+class _Diameter(Table):
+    """What is stated first of a ball."""
+
+    diameter_mm: Diameter = Field(description="diameter of the ball", examples=[12.7])
+
+
+class BallTable(GrippedBody, _Diameter):
+    """The ball, held above the flat."""
+
+
+class BallAndFlat(Table):
+    """A ball held above a flat that is driven."""
+
+    ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
+    flat: GrippedBody = Field(description="the flat, which is driven")
+
+
+class _Shape(Table):
+    """What is stated first of a body of any shape."""
+
+    shape: Annotated[str, PlainValidator(one_of(*SHAPES))] = Field(
+        description="ball, flat, cylinder (a block with a cylindrical face), barrel or wire (a round bar)"
+    )
+    diameter_mm: Diameter | None = Field(None, description="diameter, of a barrel across its axis; a flat has none")
+    diameter_along_mm: Diameter | None = Field(None, description="diameter of a barrel's profile along its axis")
+    axis_angle_deg: AxisAngle = Field(
+        0.0, description="angle of its axis to the motion, about the normal that points upwards"
+    )
+
+
+class ShapedBody(GrippedBody, _Shape):
+    """A body of any shape."""
+
+    grip_angle_deg: GripAngle = Field(90.0, description="part of a wire's circumference, about its back, that is held")
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """Along its axis and across."""
+        along, across = _CURVED.get(self.shape, (False, True))
+        own = self.diameter_along_mm or self.diameter_mm
+        return 2.0 / own if along and own else 0.0, 2.0 / self.diameter_mm if across and self.diameter_mm else 0.0
+
+    def missing(self) -> str | None:
+        """What is to be given or left out for that shape."""
+        if (self.diameter_mm is None) != (self.shape == "flat"):
+            return f"is {'missing' if self.diameter_mm is None else 'given'}, but a {self.shape} has " + (
+                "no diameter" if self.shape == "flat" else "one"
+            )
+        if (self.diameter_along_mm is None) == (self.shape == "barrel"):
+            return "needs diameter_along_mm beside it if it is a barrel's, and none otherwise"
+        return None
+
+    def body(self, name: str, size_mm: float) -> Body:
+        """As simulations take it."""
+        if self.shape != "wire":
+            return self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
+        held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
+        length = None if self.half_width_mm is None else 2.0 * self.half_width_mm
+        return Wire(name, *held, self.axis_angle_deg, self.diameter_mm or 0.0, length, self.grip_angle_deg, None)
+
+
+class LowerAndUpper(Table):
+    """Two bodies of any shapes."""
+
+    lower: ShapedBody = Field(description="the lower body, which is driven")
+    upper: ShapedBody = Field(description="the upper body, whose holder carries the rig's compliance")
+
+
+class _OfBallAndFlat(StatesItsKind):
+    """What a study of a ball on a flat states first."""
+
+    bodies: BallAndFlat = Field(description="both bodies")
+
+
+class _OfBodies(StatesItsKind):
+    """What a study of any contact at a point states first."""
+
+    bodies: LowerAndUpper = Field(description="both bodies")
+
+
+class BallOnFlatTables(ContactTables, _OfBallAndFlat):
+    """A whole study of a ball on a flat without its variants."""
+
+    kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[BALL_ON_FLAT])
+
+    def bodies_of_test(self) -> tuple[BlockBody, BlockBody]:
+        """The flat and the ball."""
+        ball, flat = self.bodies.ball, self.bodies.flat
+        radius = 0.5 * ball.diameter_mm
+        return flat.block("flat", (0.0, 0.0), radius), ball.block("ball", (1.0 / radius, 1.0 / radius), radius)
+
+    def contradiction(self) -> Inconsistency | None:
+        """A key of crossed wires, or a stroke longer than the ball is thick."""
+        return _of_wires(self) or _too_far(self)
+
+
+class PointTables(ContactTables, _OfBodies):
+    """A whole study of a contact at a point without its variants."""
+
+    kind: Literal["point-contact"] = Field(description="kind of contact", examples=[POINT_CONTACT])
+
+    def bodies_of_test(self) -> tuple[Body, Body]:
+        """The lower and the upper one."""
+        lower, upper = self.bodies.lower, self.bodies.upper
+        size = 1.0 / max(*lower.curvatures_per_mm, *upper.curvatures_per_mm)
+        return lower.body("lower", size), upper.body("upper", size)
+
+    def contradiction(self) -> Inconsistency | None:
+        """Shapes without their diameters, bodies that touch along a line, or what `BallOnFlatTables` refuses."""
+        for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
+            if (problem := body.missing()) is not None:
+                return Inconsistency(("bodies", name, "diameter_mm"), problem)
+        lower, upper = self.bodies.lower, self.bodies.upper
+        crossing = radians(upper.axis_angle_deg - lower.axis_angle_deg)
+        small, large, _ = gap_curvatures(lower.curvatures_per_mm, upper.curvatures_per_mm, crossing)
+        if small <= FLATTEST * large:
+            return Inconsistency(
+                ("bodies", "upper", "shape"),
+                "and its angle make the bodies touch along a line or nearly so: a contact at a point has a ball or a "
+                "barrel, or two cylinders or wires whose axes are some 5° apart or more",
+            )
+        return _of_wires(self) or _too_far(self)
+
+
+def _of_wires(tables: ContactTables) -> Inconsistency | None:
+    """A key that only crossed wires take."""
+    if tables.conditions.motion_angle_deg:
+        return Inconsistency(
+            ("conditions", "motion_angle_deg"),
+            "is of crossed wires: a point contact states the angle of each body's axis to the motion",
+        )
+    if tables.scatter is not None and tables.scatter.crossing_angle_deg is not None:
+        return Inconsistency(("scatter", "crossing_angle_deg"), "is of crossed wires")
+    mounted = applied(tables.effects, Seam.SPECIMENS, Specimens(90.0), Age.new())
+    if mounted.crossing_angle_deg != 90.0:
+        return Inconsistency(("effects",), "hold crossing_angle_error, which is of crossed wires")
+    return None
+
+
+def _too_far(tables: ContactTables) -> Inconsistency | None:
+    amplitude_um = tables.conditions.displacement_amplitude_um
+    thinnest_mm = min(min(body.diameters_mm) for body in tables.bodies_of_test())
+    if amplitude_um > 1e3 * thinnest_mm:
+        return Inconsistency(
+            ("conditions", "displacement_amplitude_um"),
+            f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
+        )
+    return None
+
+
+_STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+_TEST: dict[str, Any] = {
+    **EXAMPLE,
+    "conditions": {
+        "normal_load_N": 100.0,
+        "displacement_amplitude_um": 50.0,
+        "frequency_Hz": 10.0,
+        "cycles": 10000,
+    },
+    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5},
+}
+_SHOWN = ("bodies", *COMMON)
+
+#: A steel ball of half an inch on a steel flat.
+BALL = Template(
+    BALL_ON_FLAT,
+    BallOnFlatTables,
+    _SHOWN,
+    _TEST | {"bodies": {"ball": {"diameter_mm": 12.7, **_STEEL}, "flat": _STEEL}},
+    "A steel ball on a steel flat, to be changed into your test; the flat is driven, the ball held above it.",
+)
+
+#: Two cylinders of half an inch, crossed at right angles.
+ANY_BODIES = Template(
+    POINT_CONTACT,
+    PointTables,
+    _SHOWN,
+    _TEST
+    | {
+        "bodies": {
+            "lower": {"shape": "cylinder", "diameter_mm": 12.7, "axis_angle_deg": 0.0, **_STEEL},
+            "upper": {"shape": "cylinder", "diameter_mm": 12.7, "axis_angle_deg": 90.0, **_STEEL},
+        }
+    },
+    "Two cylinders crossed at right angles, to be changed into your bodies; the lower one is driven.",
+)
