@@ -19,7 +19,7 @@ from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of
-from wirewear.views.run_wording import sentence
+from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
 

@@ -16,8 +16,7 @@ from wirewear.faces.maps_reading import fretting_tests
 from wirewear.records import write_record
 from wirewear.results import write_result
 from wirewear.views.regression import line_through_origin, line_with_threshold
-from wirewear.views.response import edge_tension, tension_at
-from wirewear.views.run_maps import FreshContact, fresh_contact, transition
+from wirewear.views.run_maps import FreshContact, edge_tension, fresh_contact, tension_at, transition
 
 pytestmark = pytest.mark.seconds
 

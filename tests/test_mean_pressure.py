@@ -16,12 +16,11 @@ from scipy.sparse import csr_matrix, vstack
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
 from wirewear import largest_mean_pressure_MPa
-from wirewear.results.mean_pressure import averaging
+from wirewear.results.contact_forces import averaging
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
 from wirewear.sweeps.sweep import SweepRow, figures_named
-from wirewear.sweeps.uncertainty import fitted, inputs_of, run_uncertain, sweep_of
-from wirewear.sweeps.uncertainty_report import page, sentence
+from wirewear.sweeps.uncertainty import fitted, inputs_of, page, run_uncertain, sentence, sweep_of
 
 HOLDER = "[holder]\ntangential_stiffness_N_per_mm = 300.0\n"
 SCATTER = "[scatter]\nfriction = 0.05\nnormal_load = 0.03\n"

@@ -13,12 +13,11 @@ from tests.effect_studies import COARSE, WEARING
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
-from wirewear.sweeps.design import Design, VariedInput
 from wirewear.sweeps.page import write_table
 from wirewear.sweeps.pictures import _lines, front
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sensitivity import indices
-from wirewear.sweeps.sweep import SweepRow, figures_named
+from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'

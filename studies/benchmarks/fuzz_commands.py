@@ -39,7 +39,7 @@ BEGINNING = dict.fromkeys(
         "wirewear.simulation.runs:cycle_through",
         "wirewear.simulation.runs:condense_bodies",
         "wirewear.planar.run:cycle_through",
-        "wirewear.fitting.sensor_loading:contact_problem",
+        "wirewear.fitting.sensor_calibration:contact_problem",
         "wirewear.simulation.together:run_side_by_side",
         "wirewear.base.engine:LocalProcesses.done",
     ),

@@ -31,7 +31,9 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
-from wirewear.views.diagnosis_notes import (
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
+from wirewear.views.diagnosis_wording import (
+    Diagnosed,
     of_chance,
     of_hum,
     of_laws,
@@ -39,9 +41,8 @@ from wirewear.views.diagnosis_notes import (
     of_the_record,
     of_unrecognised,
     of_zero,
+    sentence_of,
 )
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
-from wirewear.views.diagnosis_wording import Diagnosed, sentence_of
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy

@@ -58,7 +58,7 @@ class Run(RunResult):
         Raises:
             ResultError: xarray is not installed.
         """
-        from wirewear.results.labelled import labelled
+        from wirewear.results.flat import labelled
 
         return labelled(self)
 
@@ -109,7 +109,7 @@ class Run(RunResult):
         Raises:
             ResultError: it cannot be written.
         """
-        from wirewear.results.labelled import write_netcdf
+        from wirewear.results.flat import write_netcdf
 
         path = Path(path)
         if path.suffix == ".nc":

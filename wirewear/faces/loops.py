@@ -99,8 +99,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from wirewear.faces.study_script import progress_bar
     from wirewear.fitting.sensor_calibration import calibrate as solve
     from wirewear.fitting.sensor_calibration import parse_loads, parse_near
-    from wirewear.fitting.sensor_correcting import corrected_record
-    from wirewear.fitting.sensor_report import calibration_json, calibration_text
+    from wirewear.fitting.sensor_correcting import calibration_json, calibration_text, corrected_record
     from wirewear.records import read_record, write_record
     from wirewear.study import load_study
 

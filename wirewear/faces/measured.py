@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Self
 
 from wirewear.base import notebook
 from wirewear.base.quantity import counted
-from wirewear.faces.bars import watched
+from wirewear.faces.running import watched
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
 

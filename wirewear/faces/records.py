@@ -127,7 +127,7 @@ def export(
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
     from wirewear.kinds import kind_of
     from wirewear.records import check_record, record_of_result, write_record
-    from wirewear.records.as_heights import write_as_heights
+    from wirewear.records.exporting import write_as_heights
 
     chosen = [one for one in (folder, heights, tables) if one is not None]
     if len(chosen) > 1:
@@ -209,8 +209,7 @@ def _require_no_measurement(folder: Path) -> None:
 
 def _export_tables(result: Any, folder: Path, form: str) -> None:
     """Write a run's tables and say where they are."""
-    from wirewear.results.flat import write_flat_tables
-    from wirewear.results.labelled import write_netcdf
+    from wirewear.results.flat import write_flat_tables, write_netcdf
 
     with busy("writing tables"):
         written = (

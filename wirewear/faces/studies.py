@@ -83,8 +83,7 @@ def run(
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.results.summary import summary
     from wirewear.simulation import ProgressBar
-    from wirewear.views.run_page import runs_json, write_page
-    from wirewear.views.run_wording import sentence
+    from wirewear.views.run_page import runs_json, sentence, write_page
 
     folder = output or default_output(study_path)
     if uncertain:

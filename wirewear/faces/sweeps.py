@@ -30,9 +30,8 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
 def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
     """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
-    from wirewear.faces.maps_page import write_maps
+    from wirewear.faces.maps_page import maps_json, sentences, tests_table, write_maps
     from wirewear.faces.maps_reading import fretting_tests
-    from wirewear.faces.maps_tables import maps_json, sentences, tests_table
     from wirewear.faces.study_script import wide_console
 
     with busy("reading the tests"):
@@ -86,8 +85,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     """Run a study whose inputs scatter, print its intervals and write them."""
     from wirewear.base.cluster import engine_of
     from wirewear.faces.study_script import wide_console
-    from wirewear.sweeps.uncertainty import RUNS, run_uncertain
-    from wirewear.sweeps.uncertainty_report import sentence, table, write_uncertainty
+    from wirewear.sweeps.uncertainty import RUNS, run_uncertain, sentence, table, write_uncertainty
 
     study = study.alone() if variant is None else study.variant(variant)
     with _told_of(RUNS + 1) as told:

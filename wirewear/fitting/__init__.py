@@ -1,7 +1,6 @@
 """Parameters of a test fitted to its record: friction, rig stiffness, play and wear, each with an interval."""
 
-from wirewear.fitting.checking import CheckedRun, check_by_run
-from wirewear.fitting.fit import fit_record
+from wirewear.fitting.fit import CheckedRun, check_by_run, fit_record
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import GivenWear
 

@@ -1,20 +1,20 @@
-"""Friction, rig and wear coefficients of a record with intervals, and the study that they make."""
+"""Friction, rig and wear of a record with intervals, the study that they make, and a run that checks it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.stats import t as students_t
 
 from wirewear.base.errors import RecordError
-from wirewear.fitting.fast_fit import FastFit, fast_fit
-from wirewear.fitting.loading import SPRING, with_spring
-from wirewear.fitting.loops_of_tests import FITTED, LoopsOfTests, loops_of_tests
-from wirewear.fitting.stiffness import ContactStiffness, contact_stiffness, fitted_tables
+from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
+from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.fitting.wear import (
     ANY_WEAR_mm3_per_J,
@@ -28,12 +28,75 @@ from wirewear.fitting.wear import (
     where_volumes,
 )
 from wirewear.kinds import kind_of
+from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
 from wirewear.records.believed import believed_tables, stated_friction
 from wirewear.records.checking import remarks_told
+from wirewear.records.exporting import true_loop
+from wirewear.results import read_loops
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
+    from wirewear.results import RunResult
+
+Array = NDArray[np.float64]
+ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
+
+
+@dataclass(frozen=True, eq=False)
+class CheckedRun:
+    """Figures (cycles, FITTED) of the record, of the run, and what a test scatters; NaN where one is missing."""
+
+    result: RunResult
+    cycles: Array
+    measured: Array
+    simulated: Array
+    deviations: Array
+
+    @property
+    def differences(self) -> dict[str, float]:
+        """Mean relative difference, run less record, of each figure; those that both have."""
+        found = {}
+        for place, name in enumerate(FITTED):
+            share = self.simulated[:, place] / self.measured[:, place] - 1.0
+            if np.isfinite(share).any():
+                found[name] = float(np.nanmean(share))
+        return found
+
+    @property
+    def scatters(self) -> float | None:
+        """Root mean square of all differences over what one test scatters; None where run and record share none."""
+        both = np.isfinite(self.simulated - self.measured)
+        off = (self.simulated - self.measured)[both] / self.deviations[both]
+        return float(np.sqrt(np.mean(off**2))) if both.any() else None
+
+
+def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
+    """Run the fitted study, and set its loops beside those of the record.
+
+    Raises:
+        StudyError, SolverError, RunError: the run cannot be made or written.
+    """
+    from wirewear.simulation import NoObserver
+
+    tests = loops_of_tests(fitted.record)
+    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    kind, length_mm = kind_of(fitted.record), fitted.record.tables.length_mm
+    (result,) = kind.run(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
+    whole = result if length_mm is None else result.of_length(length_mm)
+    loops = {loop.cycle: true_loop(loop) for loop in read_loops(whole)}
+    simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
+    for row, cycle in enumerate(tests.cycles):
+        if (loop := loops.get(int(cycle))) is None:
+            continue
+        try:
+            figures = loop.figures(fitted.record.tables.conditions.normal_load_N)
+        except LoopError:
+            continue
+        values = (getattr(figures, name) for name in FITTED)
+        simulated[row] = [np.nan if value is None else value.value for value in values]
+    return CheckedRun(result, tests.cycles, tests.mean, simulated, tests.deviations)
+
 
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03

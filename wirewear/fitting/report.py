@@ -14,8 +14,7 @@ from wirewear.base.quantity import UNIT_SYMBOLS, counted
 from wirewear.base.reading import parsed_toml, read_text, toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.base.writing import prepared_folder, write_text
-from wirewear.fitting.checking import CheckedRun
-from wirewear.fitting.fit import stated_by
+from wirewear.fitting.fit import CheckedRun, stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.kinds import kind_of
 from wirewear.records.toml_file import with_checksums

@@ -1,18 +1,143 @@
-"""A calibration from end to end, and the options of its command."""
+"""A sensor calibrated from loops end to end: motion of the remote point while a stuck contact is loaded, options."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.base.errors import SensorError, StudyError
-from wirewear.fitting.sensor_loading import NEAR_POINTS, LoadedMotion, NearPoint, loaded_motions
 from wirewear.loops import Measured
 from wirewear.loops.sensor import Sensor
+from wirewear.simulation import contact_problem, discretise, require_affordable_wires
 from wirewear.study import Study
+
+Array = NDArray[np.float64]
+
+#: Where the near displacement is taken: the moving wire at the contact, against ground or against the fixed wire at
+#: the contact; or the moving wire's holder against the fixed wire's.
+NearPoint = Literal["moving-wire", "between-wires", "between-holders"]
+NEAR_POINTS: tuple[NearPoint, ...] = get_args(NearPoint)
+
+#: Loads for which the default is taken, in shares of the study's own.
+USUAL_LOADS = (0.5, 1.0, 1.5)
+#: Tangential forces, in shares of friction times normal load.
+SHARES = (0.25, 0.5, 0.75, 1.0)
+
+# So much that nothing slips, but for nodes at the very edge.
+_STICKING = 20.0
+# Travel for which the patch has room; stuck wires move by less against each other.
+_ROOM_um = 2.0
+_FIRST_STEP_mm = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedMotion:
+    """Displacements of the remote and of the near point under a normal load and tangential forces, arrays (n,)."""
+
+    normal_load_N: float
+    tangential_force_N: Array
+    remote_um: Array
+    near_um: Array
+
+
+def loaded_motions(
+    study: Study,
+    *,
+    normal_loads_N: Sequence[float] = (),
+    near: NearPoint = "moving-wire",
+    remote_compliance_um_per_N: float = 0.0,
+    fidelity: str = "standard",
+    progress: Callable[[float, str], None] = lambda _share, _text: None,
+) -> tuple[LoadedMotion, ...]:
+    """Press the study's fresh wires by each load and move the sticking contact to tangential forces of ±µP.
+
+    The remote point is the back of the moving wire, which its holder grips and drives, behind
+    `remote_compliance_um_per_N` of whatever else lies between the sensor's point and that holder. Nothing slips, so
+    what is found is the compliance between the points and no friction.
+
+    Args:
+        study: without variants.
+        normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
+        near: where the near displacement is taken.
+        remote_compliance_um_per_N: stated by the rig's owner.
+        fidelity: of the mesh, which only covers the contact itself.
+        progress: is told the share done and what is being done.
+
+    Raises:
+        StudyError: a load is not positive, the contact has no friction, or its mesh takes more memory than there is.
+        SolverError: the contact does not converge.
+    """
+    loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
+    if loads[0] <= 0.0 or not np.isfinite(loads).all():
+        raise StudyError(f"the normal loads of a calibration must be positive numbers, not {loads[0]:g} N.")
+    if study.contact.friction == 0.0:
+        raise StudyError("a contact without friction carries no tangential force to calibrate with.")
+    problem = _stuck(study, loads[-1], fidelity, lambda text: progress(0.0, text))
+    motions = []
+    for number, load in enumerate(loads):
+        progress(number / len(loads), f"loading tangentially under {load:g} N")
+        motions.append(_loaded(problem, load, study.contact.friction * load, near, 1e-3 * remote_compliance_um_per_N))
+    return tuple(motions)
+
+
+def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
+    """The study's wires, fresh and sticking, on a patch that covers the contact under the largest load."""
+    conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
+    still = study.changed({"conditions": conditions, "wear": None})
+    meshes = discretise(still, fidelity)
+    require_affordable_wires(still, fidelity, meshes)
+    return replace(contact_problem(still, meshes, stage), friction=_STICKING)
+
+
+def _loaded(
+    problem: ContactProblem, load_N: float, largest_N: float, near: NearPoint, remote_mm_per_N: float
+) -> LoadedMotion:
+    problem = replace(problem, holder=replace(problem.holder, normal_load_N=load_N))
+    pressed, _ = press(problem, unloaded_state(problem))
+    base = _near(problem, pressed, near)
+    rows: list[tuple[float, float, float]] = []
+    for direction in (1.0, -1.0):
+        drive = direction * _FIRST_STEP_mm
+        state, reports = advance(problem, pressed, drive, 0.0)
+        for share in SHARES:
+            # The stuck contact is linear but for the nodes at its edge.
+            drive *= share * largest_N / abs(reports[-1].tangential_force)
+            state, reports = advance(problem, state, drive, 0.0)
+            force = reports[-1].tangential_force
+            rows.append((force, drive + remote_mm_per_N * force, _near(problem, state, near) - base))
+    force_N, remote_mm, near_mm = np.array(sorted(rows)).T
+    return LoadedMotion(load_N, force_N, 1e3 * remote_mm, 1e3 * near_mm)
+
+
+def _near(problem: ContactProblem, state: ContactState, near: NearPoint) -> float:
+    """Displacement of the near point along x, mm."""
+    if near == "between-holders":
+        return state.drive - state.holder_x
+    upper_force, lower_force = (
+        (state.primary_force, state.secondary_force)
+        if problem.primary_is_upper
+        else (state.secondary_force, state.primary_force)
+    )
+    moving = state.drive + _surface_motion(problem.lower, -lower_force)
+    if near == "moving-wire":
+        return moving
+    return moving - (state.holder_x + _surface_motion(problem.upper, upper_force))
+
+
+def _surface_motion(body: PlacedBody, force: Array) -> float:
+    """Elastic displacement of a body's surface along x in the mean over the pressure, under forces (n, 3) on it."""
+    loaded = np.flatnonzero(force.any(axis=1))
+    columns = (3 * loaded[:, None] + np.arange(3)).ravel()
+    displacement = body.compliance[np.ix_(3 * loaded, columns)] @ force[loaded].ravel()
+    weights = np.abs(force[loaded, 2])
+    return float(weights @ displacement / weights.sum())
+
 
 FEWEST_MOTIONS = 4
 

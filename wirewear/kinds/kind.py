@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.strength import Strength, StrengthAsked
-    from wirewear.records.as_heights import Surface
+    from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.study.template import Template
 

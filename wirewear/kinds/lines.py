@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
-    from wirewear.records.as_heights import Surface
+    from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.records.line_tables import LineRecordTables
     from wirewear.results import RunResult
@@ -111,7 +111,7 @@ class LineContacts:
         """Profiles across the scar."""
         import numpy as np
 
-        from wirewear.records.as_heights import profile_surfaces
+        from wirewear.records.exporting import profile_surfaces
 
         return profile_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
 

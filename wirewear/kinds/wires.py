@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.records import ExperimentRecord, RecordTables
-    from wirewear.records.as_heights import Surface
+    from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.results import RunResult
     from wirewear.study import Study
@@ -72,6 +72,6 @@ class CrossedWires(AtAPoint):
         """Scar maps in each wire's own frame."""
         import numpy as np
 
-        from wirewear.records.as_heights import scar_surfaces
+        from wirewear.records.exporting import scar_surfaces
 
         return scar_surfaces(result, noise_um, np.random.default_rng([seed, 1]))

@@ -10,9 +10,8 @@ from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
     from wirewear.base.recognised import RESULT_FILE_NAME
-    from wirewear.results.contact_forces import ContactForces
+    from wirewear.results.contact_forces import ContactForces, largest_mean_pressure_MPa, largest_means
     from wirewear.results.hdf5 import read_result, read_results, write_result
-    from wirewear.results.mean_pressure import largest_mean_pressure_MPa, largest_means
     from wirewear.results.readings import age_at, read_loops, sensor_of
     from wirewear.results.scar import BODIES, Scar
     from wirewear.results.values import (

@@ -1,18 +1,149 @@
-"""Forces on a body's contact patch at positions of a recorded cycle: what the stresses inside it follow from."""
+"""Forces on a body's patch at positions of a recorded cycle, and the means of its pressure over a stated length.
+
+The stresses inside a body follow from the forces. At a crest as narrow as an element, nodal pressures tell the mesh: of
+wires a mean is over a disc of that diameter in the plane of contact, of line contacts over a segment of that length.
+Each node's pressure stands for the cell that belongs to the node, up to halfway to its neighbours: the forces on the
+nodes are kept to round-off, wherever the contact ends between them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import csr_matrix
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import ResultError
 from wirewear.results.checks import FloatArray, float_array, require_finite
 from wirewear.results.positions import POSITIONS
+
+BoolArray = NDArray[np.bool_]
+
+#: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
+_PAIRS_AT_ONCE = 1_000_000
+
+
+def largest_mean_pressure_MPa(
+    pressure_MPa: ArrayLike, axial_um: ArrayLike, transverse_um: ArrayLike | None = None, *, over_um: float
+) -> float:
+    """The largest mean pressure over a length about any node: over a disc of that diameter, or on a line a segment.
+
+    axial_um: (n_a,) and transverse_um: (n_t,), the lines of the nodes, as a scar has them; of a line contact's profile
+    only the former.  pressure_MPa: (n_a, n_t), or (n_a,), at the nodes.
+
+    Raises:
+        ResultError: the length is not positive, or pressures and lines do not fit together.
+    """
+    pressure, axial = np.asarray(pressure_MPa, dtype=float), np.asarray(axial_um, dtype=float)
+    transverse = np.zeros(1) if transverse_um is None else np.asarray(transverse_um, dtype=float)
+    if not 0.0 < over_um < np.inf:
+        raise ResultError(f"a mean pressure is over a positive length, not over {over_um:g} µm")
+    wanted = axial.shape if transverse_um is None else axial.shape + transverse.shape
+    if axial.ndim != 1 or transverse.ndim != 1 or pressure.shape != wanted or pressure.size == 0:
+        raise ResultError(f"pressures of shape {pressure.shape} are not those at nodes on lines of shape {wanted}")
+    if np.any(np.diff(axial) <= 0.0) or np.any(np.diff(transverse) <= 0.0):
+        raise ResultError("the lines of the nodes must increase")
+    states = pressure.reshape(1, axial.size, transverse.size)
+    return float(largest_means(states, axial, transverse, over_um)[0])
+
+
+def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArray, length: float) -> FloatArray:
+    """The largest mean about any node in each of k states of nodal pressures (k, n_a, n_t), (k,).
+
+    axial, transverse: (n_a,) and (n_t,) increasing lines, of a line contact a single one across.  length: the diameter
+    of the discs, or the length of the segments, in the unit of the lines.
+    """
+    touched: BoolArray = np.asarray(pressure.any(axis=0))
+    if not touched.any():
+        return np.zeros(len(pressure))
+    # A disc about the nearest node of the rectangle around all that touch holds whatever one about another node does.
+    along, across = _reached(touched, 1), _reached(touched, 0)
+    within = np.ascontiguousarray(pressure[:, along, across].reshape(len(pressure), -1).T)
+    weighed = averaging(axial, transverse, length, along, across)
+    return np.asarray(np.max([(means @ within).max(axis=0) for means in weighed], axis=0))
+
+
+def averaging(
+    axial: FloatArray,
+    transverse: FloatArray,
+    length: float,
+    along: slice = slice(None),
+    across: slice = slice(None),
+) -> Iterator[csr_matrix]:
+    """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
+
+    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing bears. Rows come
+    in order, those of some lines of nodes at a time.
+    """
+    a, t = _near(axial, along, length), _near(transverse, across, length)
+    at_once = max(1, _PAIRS_AT_ONCE // max(1, a.count * len(t.about)))
+    for first in range(0, a.count, at_once):
+        yield _weights(a.of_lines(first, min(first + at_once, a.count)), t, plane=len(transverse) > 1)
+
+
+def _weights(a: _Near, t: _Near, *, plane: bool) -> csr_matrix:
+    if plane:
+        (low_a, high_a), (low_t, high_t) = 2.0 * a.sides.T[:, :, None], 2.0 * t.sides.T[:, None, :]
+        inside = _disc_below(high_a, high_t) - _disc_below(low_a, high_t)
+        inside -= _disc_below(high_a, low_t) - _disc_below(low_a, low_t)
+        shares = inside.ravel() / np.pi
+    else:
+        shares = np.diff(np.clip(a.sides, -0.5, 0.5), axis=1)[:, 0]
+    about = (t.count * a.about[:, None] + t.about).ravel()
+    node = (t.count * a.node[:, None] + t.node).ravel()
+    found = shares > 0.0
+    return csr_matrix((shares[found], (about[found], node[found])), shape=(a.rows * t.count, a.count * t.count))
+
+
+def _reached(touched: BoolArray, axis: int) -> slice:
+    """Lines from the first to the last that any node along an axis touches on."""
+    places = np.flatnonzero(touched.any(axis=axis))
+    return slice(int(places[0]), int(places[-1]) + 1)
+
+
+@dataclass(frozen=True)
+class _Near:
+    """Pairs (p,) of one of `rows` lines and one of `count` whose cell is near, and where that cell begins and ends
+    (p, 2), as seen from the former, over the length. The former increase.
+    """
+
+    rows: int
+    count: int
+    about: IntArray
+    node: IntArray
+    sides: FloatArray
+
+    def of_lines(self, first: int, end: int) -> _Near:
+        """Pairs of some of the lines, which are counted from the first of them."""
+        here = slice(*np.searchsorted(self.about, [first, end]))
+        return _Near(end - first, self.count, self.about[here] - first, self.node[here], self.sides[here])
+
+
+def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
+    halfway = 0.5 * (every[1:] + every[:-1])
+    lines = every[chosen]
+    begin, end = np.concatenate([every[:1], halfway])[chosen], np.concatenate([halfway, every[-1:]])[chosen]
+    about, node = np.nonzero((begin < lines[:, None] + 0.5 * length) & (end > lines[:, None] - 0.5 * length))
+    sides = np.stack([begin[node], end[node]], axis=1) - lines[about, None]
+    return _Near(len(lines), len(lines), about, node, sides / length)
+
+
+def _disc_below(x: FloatArray, y: FloatArray) -> FloatArray:
+    """Area of the part of a disc of radius 1 that lies left of x and below y, for coordinates that broadcast."""
+    x, y = np.broadcast_arrays(np.clip(x, -1.0, 1.0), np.clip(y, -1.0, 1.0))
+    left, below = _disc_left(x), _disc_left(y)
+    within = x * y + 0.5 * (left + below) - 0.25 * np.pi
+    beside = np.where(x < 0.0, np.where(y < 0.0, 0.0, left), np.where(y < 0.0, below, left + below - np.pi))
+    return np.where(x**2 + y**2 < 1.0, within, beside)
+
+
+def _disc_left(x: FloatArray) -> FloatArray:
+    return x * np.sqrt(1.0 - x**2) + np.arcsin(x) + 0.5 * np.pi
+
 
 IntArray = NDArray[np.int64]
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from wirewear.results.checks import FloatArray
 from wirewear.results.contact_forces import ContactForces
-from wirewear.results.per_mm import whole
+from wirewear.results.flat import whole
 from wirewear.results.scar import Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
 

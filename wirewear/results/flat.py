@@ -1,22 +1,156 @@
-"""Results as flat tables, one row a sample, for spreadsheets and data frames: CSV and Parquet."""
+"""Results for other programs: flat tables, one row a sample (CSV, Parquet), and labelled arrays with units (netCDF).
+
+Columns of a line contact are per mm of its length, as its tables for users and its earlier files name them.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import json
+import re
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wirewear.base.errors import ResultError
-from wirewear.base.writing import in_one_step, write_csv, writing
+from wirewear.base.quantity import unit_of, words_of
+from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
 from wirewear.results.checks import FloatArray
-from wirewear.results.per_mm import per_mm
-from wirewear.results.scar import FIELD_COLUMNS, WIRES
-from wirewear.results.values import LOOP_COLUMNS, RunResult
+from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
+from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled
 
 if TYPE_CHECKING:
     import polars as pl
+    import xarray
+
+
+def labelled(result: RunResult) -> xarray.DataTree:
+    """A run as a tree of data sets: `evolution`, `loops` and `scars/<wire>_<cycle>`; every array states its unit.
+
+    Loops are told apart by `cycle` and filled up with NaN to the length of the longest.
+
+    Raises:
+        ResultError: xarray is not installed.
+    """
+    made = _xarray()
+    nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
+    nodes["/evolution"] = _evolution(result)
+    if result.loops:
+        nodes["/loops"] = _loops(result.loops)
+    for scar in result.scars:
+        nodes[f"/scars/{scar.body}_{scar.cycle}"] = _scar(scar)
+    tree: xarray.DataTree = made.DataTree.from_dict(nodes)
+    return tree
+
+
+def write_netcdf(result: RunResult, path: Path) -> Path:
+    """Write that tree as one netCDF 4 file.
+
+    Raises:
+        ResultError: xarray or h5netcdf is not installed, or the file cannot be written.
+    """
+    tree = labelled(result)
+    try:
+        import h5netcdf  # noqa: F401
+    except ImportError as error:
+        raise _missing("h5netcdf") from error
+    with writing(ResultError, f"cannot write {path}"):
+        path.parent.mkdir(parents=True, exist_ok=True)
+        return write_bytes(path, bytes(tree.to_netcdf(engine="h5netcdf")))
+
+
+def _xarray() -> Any:
+    try:
+        import xarray
+    except ImportError as error:
+        raise _missing("xarray") from error
+    return xarray
+
+
+def _missing(package: str) -> ResultError:
+    return ResultError(f"this needs {package}, which is not installed: pip install 'wirewear[xarray]'.")
+
+
+def _described(result: RunResult) -> dict[str, str]:
+    texts = {name: getattr(result, name) for name in ("name", "variant", "fidelity", "status")}
+    return texts | {name: json.dumps(dict(getattr(result, name)), default=str) for name in ("study", "versions")}
+
+
+def _evolution(result: RunResult) -> Any:
+    columns = {name: ("cycle", np.array(values), _attributes(name)) for name, values in result.evolution.items()}
+    return _xarray().Dataset(_without(columns, "cycle"), coords={"cycle": columns["cycle"]})
+
+
+def _loops(loops: Iterable[Loop]) -> Any:
+    loops = sorted(loops, key=lambda loop: loop.cycle)
+    longest = max(loop.time_s.size for loop in loops)
+
+    def stacked(name: str) -> np.ndarray:
+        rows = [np.pad(getattr(one, name), (0, longest - one.time_s.size), constant_values=np.nan) for one in loops]
+        return np.stack(rows)
+
+    columns = {name: (("cycle", "sample"), stacked(name), _attributes(name)) for name in LOOP_COLUMNS}
+    cycles = ("cycle", [loop.cycle for loop in loops], _attributes("cycle"))
+    return _xarray().Dataset(columns, coords={"cycle": cycles, "sample": np.arange(longest)})
+
+
+def _scar(scar: Scar) -> Any:
+    x, y = scar.sliding_coordinates(scar.axial_um[:, None], scar.transverse_um[None, :])
+    grid = ("axial_um", "transverse_um")
+    fields = {name: (grid, np.array(getattr(scar, name)), _attributes(name)) for name in FIELD_COLUMNS}
+    coordinates = {name: (name, np.array(getattr(scar, name)), _attributes(name)) for name in grid}
+    places = {
+        name: (grid, np.array(np.broadcast_to(values, scar.depth_um.shape)), _attributes(name))
+        for name, values in (("x_um", x), ("y_um", y))
+    }
+    attributes = {
+        "wire" if scar.body in WIRES else "body": scar.body,
+        "cycle": scar.cycle,
+        "diameter_mm": scar.diameter_mm,
+    }
+    return _xarray().Dataset(fields, coords=coordinates | places, attrs=attributes)
+
+
+def _attributes(name: str) -> dict[str, str]:
+    return {"units": unit_of(name), "long_name": words_of(name)}
+
+
+def _without(columns: Mapping[str, Any], name: str) -> dict[str, Any]:
+    return {key: value for key, value in columns.items() if key != name}
+
+
+#: A body's column, the body last; per mm it stands first.
+_OF_A_BODY = re.compile(r"(worn_volume|max_depth|left_edge|right_edge)_(pad|specimen)_(mm3|um)$")
+_PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)_(um2|um)$")
+_um2_PER_mm2 = 1e6
+
+
+def per_mm(columns: Mapping[str, FloatArray], length_mm: float) -> dict[str, FloatArray]:
+    """Columns of a contact of that length per mm of it; in place of worn volumes stand areas."""
+    found = {}
+    for name, column in scaled(columns, 1.0 / length_mm).items():
+        if own := _OF_A_BODY.match(name):
+            what, body, unit = own.groups()
+            area = unit == "mm3"
+            found[f"{body}_worn_area_um2" if area else f"{body}_{what}_um"] = column * _um2_PER_mm2 if area else column
+        else:
+            found[f"{name}_per_mm" if extensive(name) else name] = column
+    return found
+
+
+def whole(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+    """Columns per mm as those of a contact of one millimetre."""
+    found = {}
+    for name, column in columns.items():
+        if own := _PER_MM.match(name):
+            body, what, unit = own.groups()
+            area = unit == "um2"
+            new = f"worn_volume_{body}_mm3" if area else f"{what}_{body}_um"
+            found[new] = np.asarray(column / _um2_PER_mm2 if area else column)
+        else:
+            found[name.removesuffix("_per_mm")] = column
+    return found
 
 
 def evolution_table(result: RunResult) -> pl.DataFrame:

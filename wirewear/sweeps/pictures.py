@@ -16,9 +16,8 @@ from wirewear.base.frame import figure as written
 from wirewear.base.quantity import unit_of, words_of
 from wirewear.pictures.colours import GREY, VARIANT_COLOURS
 from wirewear.pictures.style import new_figure
-from wirewear.sweeps.design import VariedInput
 from wirewear.sweeps.sensitivity import Index
-from wirewear.sweeps.sweep import DEPTH
+from wirewear.sweeps.sweep import DEPTH, VariedInput
 
 Array = NDArray[np.float64]
 

@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.sweeps.design import Design
-from wirewear.sweeps.sweep import SweepRow
+from wirewear.sweeps.sweep import Design, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
 #: Fewer complete runs (of Sobol's design: blocks) tell nothing.

@@ -26,13 +26,14 @@ from wirewear.views.differences import (
     EVOLUTION_FIGURES,
     REPEATS,
     Difference,
+    LoopPair,
     common_evolution,
     evolution_differences,
     loop_differences,
+    loop_pairs,
     scar_differences,
     worst_differences,
 )
-from wirewear.views.matched_loops import LoopPair, loop_pairs
 from wirewear.views.registration import ScarPair, scar_pairs
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"

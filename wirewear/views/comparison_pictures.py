@@ -16,8 +16,7 @@ from wirewear.pictures.style import WIDTH_in, cycle_axis, cycle_name, new_figure
 from wirewear.records import AnyRecord
 from wirewear.records.values import Array
 from wirewear.results import RunResult
-from wirewear.views.differences import EVOLUTION_FIGURES, common_evolution
-from wirewear.views.matched_loops import PHASES, LoopPair
+from wirewear.views.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
 from wirewear.views.registration import ScarPair
 
 SIMULATED, MEASURED, BAND = VARIANT_COLOURS[0], INK, "#c9c9c9"

@@ -16,8 +16,8 @@ from wirewear.records.importing.guessed_conditions import frequency_of
 from wirewear.records.importing.guessed_files import GuessedFile, looked_into
 from wirewear.records.importing.importing import loops_of
 from wirewear.records.importing.mapping import LoopSource
+from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of
-from wirewear.records.importing.text import TextReader
 from wirewear.records.normal_force import require_pressing
 from wirewear.results import read_results
 from wirewear.views.loops_csv import SampledLoop, Spelling, csv_loops

@@ -18,9 +18,9 @@ from wirewear.base.quantity import FIELD_UNITS
 from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.mistaken import OPEN
+from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
-from wirewear.records.importing.text import TextReader
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
 from wirewear.records.values import Array
 

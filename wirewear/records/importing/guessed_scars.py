@@ -8,8 +8,7 @@ from typing import Any
 
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
-from wirewear.records.importing.height_maps import stated_map
-from wirewear.records.importing.map_scale import MapScale, StatedMap
+from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points, wire_direction_deg

@@ -15,8 +15,7 @@ from wirewear.base.reading import toml_text
 from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import listed, scars_of
-from wirewear.records.importing.height_maps import is_map
-from wirewear.records.importing.matrices import matrix_of
+from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.mistaken import OPEN, open_lines
 
 #: Words in a file's name that tell which number is a cycle's or a repeat's.

@@ -10,7 +10,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.planar.tables import LineLoad
-from wirewear.records.importing.map_scale import MapScale
+from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata

@@ -1,5 +1,8 @@
-"""What a reader of a laboratory's files is."""
+"""What a reader of a laboratory's files is; that of delimited text, which most loggers write."""
 
+from __future__ import annotations
+
+import re
 import struct
 import zipfile
 import zlib
@@ -9,26 +12,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import ClassVar
 
-from wirewear.base.delimited import DelimitedLayout
-from wirewear.records.values import Array
+import numpy as np
 
-#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
-DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
-    OSError,
-    EOFError,
-    ValueError,
-    TypeError,
-    LookupError,
-    ArithmeticError,
-    AttributeError,
-    NameError,
-    AssertionError,
-    RuntimeError,
-    MemoryError,
-    struct.error,
-    zipfile.BadZipFile,
-    zlib.error,
-)
+from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.quantity import nearest, shown
+from wirewear.records.values import Array
 
 
 def reason_of(problem: Exception) -> str:
@@ -75,3 +64,74 @@ class Reader(ABC):
             RecordError: the file cannot be read; one sentence.
         """
         return ()
+
+
+#: Columns side by side that are one channel, such as ``2:129``.
+_GROUP = re.compile(r"(\d+):(\d+)")
+
+
+class TextReader(Reader):
+    """Delimited text in the mapping's spelling; ``"2:129"`` are the samples of one cycle a row, or one a column."""
+
+    kind = "text"
+
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
+        """The columns of the text; rows that end early leave NaN, times of day become seconds."""
+        text = read_delimited(path, layout)
+        start = text.layout.lines_before_rows
+        if next(text.rows(), None) is None:
+            raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
+        groups = {name: _group(text, column) for name, column in wanted.items()}
+        alone = {name: _place(text, column) for name, column in wanted.items() if groups[name] is None}
+        parts = {f"{name} {place}": place for name, group in groups.items() for place in group or ()}
+        read = text.numbers(alone | parts, as_logged=True, clock="time_s").columns
+        return {
+            name: read[name] if group is None else np.stack([read[f"{name} {place}"] for place in group])
+            for name, group in groups.items()
+        }
+
+
+def _group(text: DelimitedText, column: str | int) -> range | None:
+    """The places of a group of columns; None of one alone."""
+    found = _GROUP.fullmatch(str(column)) if column not in text.names else None
+    if found is None:
+        return None
+    first, last = int(found[1]), int(found[2])
+    if not 1 <= first < last:
+        raise RecordError(
+            f"{text.path}: {column!r} is no group of columns: their numbers go up from 1, such as '1:128'."
+        )
+    return range(first - 1, last)
+
+
+def _place(text: DelimitedText, column: str | int) -> int:
+    if isinstance(column, int):
+        return column - 1
+    names, line = text.names, text.layout.line_of_names
+    if not text.layout.names_line:
+        raise RecordError(f"{text.path}: with names_line = false, columns are given by number, not as {column!r}.")
+    if column not in names:
+        hint = f"; did you mean {like!r}?" if (like := nearest(column, names)) else "."
+        raise RecordError(
+            f"{text.path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}{hint}"
+        )
+    return names.index(column)
+
+
+#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
+DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
+    OSError,
+    EOFError,
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    AttributeError,
+    NameError,
+    AssertionError,
+    RuntimeError,
+    MemoryError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)

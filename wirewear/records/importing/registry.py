@@ -7,9 +7,8 @@ from pathlib import Path
 from solvers.plugins import installed
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.matlab import MatlabReader
-from wirewear.records.importing.reader import Reader
+from wirewear.records.importing.reader import Reader, TextReader
 from wirewear.records.importing.tdms import TdmsReader
-from wirewear.records.importing.text import TextReader
 
 #: Entry point group in which a package names its subclasses of `Reader`.
 ENTRY_POINT_GROUP = "wirewear.readers"

@@ -11,8 +11,8 @@ from wirewear.base.errors import RecordError
 from wirewear.base.processes import within
 from wirewear.base.reading import DELIMITERS, require_within
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
+from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of, readers
-from wirewear.records.importing.text import TextReader
 from wirewear.records.reading import RECORD_COLUMNS
 from wirewear.records.values import Array
 from wirewear.study.keys import Table
