@@ -13,8 +13,8 @@ import pytest
 
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from tests.studies import minimal
-from tests.synthetic_results import result
-from wirewear.results import RunResult
+from tests.synthetic_results import earlier_line_result, result
+from wirewear.results import RunResult, read_result
 from wirewear.results.quality import health
 from wirewear.views.run_data import page_data
 from wirewear.views.run_maps import running_conditions
@@ -62,6 +62,22 @@ def test_what_is_drawn_is_what_was_computed(runs: list[RunResult]) -> None:
     assert scar["section"]["depths"][-1][80] == pytest.approx(20.0, rel=1e-3)
     # 1.5e-5 mm³/J for each wire.
     assert shown["slope_mm3_per_J"] == pytest.approx(3e-5, rel=1e-4)
+
+
+def test_a_line_contact_has_the_same_page_per_mm_of_whatever_length(tmp_path: Path) -> None:
+    (tmp_path / "line.h5").write_bytes(earlier_line_result())
+    line = read_result(tmp_path / "line.h5")
+    (run,), (longer,) = (page_data([one])["runs"] for one in (line, line.of_length(7.0)))
+    assert longer == run
+    assert run["units"] == {"force": "N/mm", "energy": "mJ/mm", "worked": "J/mm", "worn": "µm²"}
+    assert run["courses"]["force"][-1] == pytest.approx(60.0, rel=1e-3)
+    scars = [line.scar(200, body) for body in ("pad", "specimen")]
+    assert run["courses"]["worn"][-1] == pytest.approx(sum(scar.area_um2 for scar in scars), rel=1e-3)
+    assert max(run["scars"]["pad"]["section"]["depths"][-1]) == pytest.approx(scars[0].max_depth_um, rel=1e-3)
+    assert max(run["scars"]["pad"]["profiles"]["pressure_MPa"][-1]) == pytest.approx(
+        scars[0].pressure_MPa.max(), rel=1e-3
+    )
+    assert "all per mm of its length" in run_page([line])
 
 
 def test_running_conditions_follow_mindlin_and_the_rig(runs: list[RunResult]) -> None:

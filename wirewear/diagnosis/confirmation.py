@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,17 +18,17 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.effects import Age, Effect, Seam, applied
+from wirewear.effects import Age, Seam, applied
+from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
-from wirewear.planar.tables import PlanarStudy
 from wirewear.results import read_loops
+from wirewear.simulation import NoObserver
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
     from wirewear.results import Loop
-    from wirewear.study import Study
     from wirewear.views.diagnosis_wording import Diagnosed
 
 _KNOWN = constants("confirmation")
@@ -51,8 +52,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
     shrink = diagnosed.diagnosis.shrink
-    gives_course, gives_scars = _COURSES[diagnosed.study.contact_kind]
-    if shrink.scar_held_out and not gives_scars:
+    if shrink.scar_held_out and not kind_of(diagnosed.study).foresees_scars:
         notes = (*diagnosed.diagnosis.notes, SCARS_ALONE)
         return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=notes))
     share, after = achieved(
@@ -60,70 +60,29 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
         diagnosed.search.covariance,
         diagnosed.observed,
         shrink,
-        gives_course(diagnosed, observer_of),
+        _course(diagnosed, observer_of),
     )
     diagnosis = replace(diagnosed.diagnosis, confirmed=Confirmed(share, after, best.names))
     return replace(diagnosed, diagnosis=diagnosis)
 
 
-def _of_wires(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
-    from wirewear.simulation import run_study
-
-    with temporary_folder("wirewear-confirm-") as folder:
-        kwargs: dict[str, Any] = {} if observer_of is None else {"observer_of": observer_of}
-        result = run_study(_with_effects(diagnosed), fidelity="quick", output=folder, **kwargs)[0]
-    return lambda cycles: course_of_loops(read_loops(result), cycles)
-
-
-def _of_line(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
-    """Loops and profiles of the whole contact that a line contact's run leaves."""
-    from wirewear.planar.run import run_planar_variants
-    from wirewear.planar.tables import per_mm
-
-    study, length_mm = cast("PlanarStudy", diagnosed.study), diagnosed.setup.length_mm
-    effects = (*study.effects, *per_mm(_leading(diagnosed), length_mm))
-    asked = study.conditions.model_copy(update={"displacement_amplitude_um": _amplitude_um(diagnosed)})
-    cycles = tuple(sorted({*_logged(diagnosed), study.conditions.cycles}))
-    log = study.log.model_copy(update={"loop_cycles": cycles})
-    study = study.model_copy(update={"effects": effects, "conditions": asked, "log": log})
-    with temporary_folder("wirewear-confirm-") as folder:
-        (result,) = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)
-    ends = {body: result.scar(study.conditions.cycles, body) for body in result.bodies}
-    profiles = {body: (own.axial_um, own.depth_um[:, 0]) for body, own in ends.items()}
-    return lambda cycles: course_of_loops(read_loops(result.of_length(length_mm)), cycles, profiles)
-
-
-#: What a full simulation gives by the kind of contact, and whether worn bodies are among it.
-_COURSES = {"crossed-wires": (_of_wires, False), "line-contact": (_of_line, True)}
-
-
-def _leading(diagnosed: Diagnosed) -> list[Effect[Any]]:
-    return [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
-
-
-def _logged(diagnosed: Diagnosed) -> list[int]:
-    last = diagnosed.study.conditions.cycles
-    return sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
-
-
-def _amplitude_um(diagnosed: Diagnosed) -> float:
-    logged = _logged(diagnosed) or [diagnosed.study.conditions.cycles]
-    return _true_amplitude_um(diagnosed, np.array(logged, dtype=float))
-
-
-def _with_effects(diagnosed: Diagnosed) -> Study:
-    """The nominal study with the leading effects, logged at the record's cycles."""
-    nominal = cast("Study", diagnosed.study)
-    study = nominal.with_effects(*nominal.effects, *_leading(diagnosed))
-    logged = _logged(diagnosed)
-    increments = study.fidelity("quick").increments_per_cycle or _INCREMENTS
-    return study.changed(
-        {
-            "log": {"loop_cycles": tuple(logged)},
-            "fidelity": {"quick": {"increments_per_cycle": increments}},
-            "conditions": {"displacement_amplitude_um": _amplitude_um(diagnosed)},
-        }
+def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
+    """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
+    kind, nominal, length_mm = kind_of(diagnosed.study), diagnosed.study, diagnosed.setup.length_mm
+    last = nominal.conditions.cycles
+    logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
+    amplitude_um = _true_amplitude_um(diagnosed, np.array(logged or [last], dtype=float))
+    leading = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
+    study = kind.with_effects(nominal, leading, length_mm, amplitude_um, _INCREMENTS).logging(
+        tuple(sorted({*logged, last}))
     )
+    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    with temporary_folder("wirewear-confirm-") as folder:
+        (result,) = kind.run(study, fidelity="quick", output=folder, observer_of=quiet)
+    ends = [result.scar(last, body) for body in result.bodies] if kind.foresees_scars else []
+    profiles = {own.body: (own.axial_um, own.depth_um[:, 0]) for own in ends}
+    whole = result.of_length(length_mm) if length_mm else result
+    return lambda cycles: course_of_loops(read_loops(whole), cycles, profiles)
 
 
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -27,6 +28,7 @@ class Kind(Protocol):
         inside_options: options of `wirewear fields` and `strength` that not all kinds know.
         scatters: whether studies state the scatter of their inputs.
         options: keys of its records alone that `wirewear new --mapping` takes as options.
+        foresees_scars: whether the fast model's worn bodies are as those of a run, so that both are compared.
         rigid_N_per_mm: a rig as stiff as this takes nothing of any stroke.
     """
 
@@ -35,6 +37,7 @@ class Kind(Protocol):
     inside_options: ClassVar[frozenset[str]]
     scatters: ClassVar[bool]
     options: ClassVar[frozenset[str]]
+    foresees_scars: ClassVar[bool]
     rigid_N_per_mm: ClassVar[float]
 
     @property
@@ -70,6 +73,11 @@ class Kind(Protocol):
 
     def setup(self, study: Any, tables: Any) -> Setup:
         """The circumstances that a study states of a record's test, for the fast model."""
+
+    def with_effects(
+        self, study: Any, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+    ) -> Any:
+        """A study with further effects of the whole contact and another amplitude, of loops of so many increments."""
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
@@ -30,6 +31,7 @@ class LineContacts:
     inside_options: ClassVar[frozenset[str]] = frozenset()
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
+    foresees_scars: ClassVar[bool] = True
     rigid_N_per_mm: ClassVar[float] = 1e7  # stiffer than what a record may state
 
     @property
@@ -98,6 +100,17 @@ class LineContacts:
         from wirewear.diagnosis.model.candidates import nominal_line_setup
 
         return nominal_line_setup(study, tables.length_mm, tables.conditions.drive)
+
+    def with_effects(
+        self, study: PlanarStudy, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+    ) -> PlanarStudy:
+        """Effects of one millimetre; loops have the increments of the plan."""
+        from wirewear.planar.tables import per_mm
+
+        del increments
+        asked = study.conditions.model_copy(update={"displacement_amplitude_um": amplitude_um})
+        every = (*study.effects, *per_mm(effects, length_mm))
+        return study.model_copy(update={"effects": every, "conditions": asked})
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

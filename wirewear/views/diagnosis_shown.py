@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ import numpy as np
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES, WIRES
+from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import ObservedBranch
@@ -22,11 +22,11 @@ from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
 from wirewear.effects import all_measurements, effect_named
 from wirewear.pictures.colours import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
+from wirewear.results.scar import called
 from wirewear.views.diagnosis_wording import plain
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Array
-    from wirewear.records import ExperimentRecord, LineRecord
     from wirewear.views.diagnosis_values import Cause, Diagnosis
     from wirewear.views.diagnosis_wording import Diagnosed
 
@@ -236,43 +236,20 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 
 
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
-    """Worn bodies along the motion, measured and computed."""
-    return _SECTIONS[diagnosed.record.contact_kind](diagnosed.record, curves)
-
-
-def _of_profiles(record: LineRecord, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
-    return [
-        {
-            "wire": body,
-            "measured": [[_numbers(one.x_um), _numbers(-one.depth_um)] for one in own],
-            "bowls": [
-                [_numbers(x), _numbers(-depth)] for x, depth in (course.profiles[body] for _, _, course in curves)
-            ],
-        }
-        for body in curves[0][2].profiles
-        if (own := [read_profile(one) for one in record.scars_of(body)])
-    ]
-
-
-def _of_scars(record: ExperimentRecord, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
-    """Computed are bowls of the computed depth and length."""
-    return [
-        {
-            "wire": f"{wire} wire",
-            "measured": [[_numbers(x), _numbers(-depth)] for x, depth in measured],
-            "bowls": [
-                [_numbers(x), _numbers(-depth)] for x, depth in (bowl(course.scars[place]) for _, _, course in curves)
-            ],
-        }
-        for place, wire in enumerate(WIRES)
-        if (measured := measured_section(record.scars_of(wire)))
-    ]
-
-
-_SECTIONS: dict[str, Callable[[Any, Any], list[dict[str, Any]]]] = {
-    "crossed-wires": _of_scars,
-    "line-contact": _of_profiles,
-}
+    """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
+    found = []
+    for place, body in enumerate(diagnosed.record.tables.bodies):
+        scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
+        if courses[0].profiles:
+            measured = [(one.x_um, one.depth_um) for one in map(read_profile, scars)]
+            computed = [course.profiles[body] for course in courses]
+        else:
+            measured, computed = measured_section(scars), [bowl(course.scars[place]) for course in courses]
+        if measured:
+            drawn = {"measured": measured, "bowls": computed}
+            heights = {name: [[_numbers(x), _numbers(-depth)] for x, depth in own] for name, own in drawn.items()}
+            found.append({"wire": called(body), **heights})
+    return found
 
 
 def gap_map(diagnosed: Diagnosed) -> GapMap:

@@ -26,6 +26,17 @@ _OF_NODES: tuple[Course, ...] = (
     ("mid_stroke_pressure_MPa", "at a node at mid-stroke", ""),
 )
 
+#: What a page calls columns of the evolution.
+_COURSES = {
+    "cycle": "cycle",
+    "amplitude": "displacement_amplitude_um",
+    "slip": "slip_amplitude_um",
+    "energy": "dissipated_energy_mJ",
+    "force": "max_tangential_force_N",
+    "load": "normal_force_N",
+    "worked": "accumulated_energy_J",
+}
+
 Array = NDArray[np.float64]
 
 #: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
@@ -82,36 +93,40 @@ def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if energy_J.any() else float("nan")
 
 
-def of_any_kind(result: RunResult, index: int) -> dict[str, Any]:
-    """What pages show of any run: how it is called and drawn, its evolution, its loops."""
-    evolution = named_for_users(result, result.evolution)
+def _run(result: RunResult, index: int) -> dict[str, Any]:
+    """What a page shows of a run; of a line contact per mm of its length."""
+    conditions = running_conditions(result.study)
+    per, worn, worn_unit = ("", 1e3, "10⁻³ mm³") if not result.length_mm else ("/mm", 1e6, "µm²")
+    result = result.of_length(1.0) if per else result
+    evolution = result.evolution
+    columns = {
+        **{name: evolution[column] for name, column in _COURSES.items()},
+        "worn": worn * sum(evolution[f"worn_volume_{body}_mm3"] for body in result.bodies),
+        "ratio": energy_ratio(*(evolution[_COURSES[name]] for name in ("energy", "amplitude", "force"))),
+    }
+    pressures = pressure_courses(result.evolution, result.settings)
+    bodies = result.bodies[::-1]
     return {
         "label": result.label,
         "color": VARIANT_COLOURS[index % len(VARIANT_COLOURS)],
         "dash": DASHES[index % len(DASHES)],
-        "evolution": {name: numbers(column) for name, column in evolution.items()},
-        "pressures": pressure_courses(result.evolution, result.settings),
+        "units": {"force": f"N{per}", "energy": f"mJ{per}", "worked": f"J{per}", "worn": worn_unit},
+        "evolution": {
+            **{name: numbers(column) for name, column in named_for_users(result, result.evolution).items()},
+            "energy_ratio": numbers(columns["ratio"]),
+        },
+        "courses": {name: numbers(column) for name, column in columns.items()},
+        "depths": [(called(body), numbers(evolution[f"max_depth_{body}_um"])) for body in bodies],
+        "pressures": [(words, dash, numbers(evolution[name])) for name, words, dash in pressures],
         "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
-    }
-
-
-def _run(result: RunResult, index: int) -> dict[str, Any]:
-    evolution = result.evolution
-    ratio = energy_ratio(
-        evolution["dissipated_energy_mJ"], evolution["displacement_amplitude_um"], evolution["max_tangential_force_N"]
-    )
-    conditions = running_conditions(result.study)
-    common = of_any_kind(result, index)
-    common["evolution"]["energy_ratio"] = numbers(ratio)
-    return common | {
-        "bodies": [(body, called(body)) for body in result.bodies[::-1]],
         "friction": _friction(result),
         "slope_mm3_per_J": number(slope_mm3_per_J(evolution["accumulated_energy_J"], result.worn_volume_mm3)),
+        "worn_per_mm3": worn,
         "conditions": None
         if conditions is None
         else {name: numbers(getattr(conditions, name)) for name in ("normal_load_N", "contact_um", "test_um")},
         "tensions": _tensions(result),
-        "scars": {body: _scars(result, body) for body in result.bodies[::-1]} if result.scar_cycles() else None,
+        "scars": {body: _scars(result, body) for body in bodies} if result.scar_cycles() else None,
     }
 
 
@@ -144,29 +159,34 @@ def _friction(result: RunResult) -> dict[str, list[float | None]]:
 
 
 def _scars(result: RunResult, body: str) -> dict[str, Any]:
-    """The scars of a body on one grid in the sliding frame, and their sections along the motion."""
+    """The scars of a body on one grid in the sliding frame, and their sections along the motion.
+
+    Of a line contact they are sections alone, with pressure and slip amplitude.
+    """
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
     scars = [result.scar(cycle, body) for cycle in cycles]
-    half_x, half_y = (MARGIN * half for half in worn_half_extent(scars))
-    reach = max(half_x, half_y)
-    lines = np.linspace(-reach, reach, LINES)
-    smooth = [smooth_scar(scar) for scar in scars]
-    depths = [scar.sampled(lines, lines) for scar in smooth]
-    deepest = max(float(depth.max()) for depth in depths) or 1.0
-    section = np.linspace(-reach, reach, SECTION_POINTS)
-    return {
-        "cycles": list(cycles),
-        "lines": numbers(lines),
-        "deepest": number(deepest),
-        "depths": [_packed(depth, deepest) for depth in depths],
-        "called": called(body),
-        "unworn": [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])],
-        "section": {
-            "x": numbers(section),
-            "unworn": numbers(_heights(scars[-1], section, np.zeros(1))),
-            "depths": [numbers(scar.sampled(section, np.zeros(1))[:, 0]) for scar in smooth],
-        },
+    own: dict[str, Any] = {"cycles": list(cycles), "called": called(body)}
+    if result.length_mm:
+        x, smooth = scars[-1].axial_um, scars
+        deepest = max(scar.max_depth_um for scar in scars)
+        pressures = [numbers(scar.pressure_MPa[:, 0]) for scar in scars]
+        slips = [numbers(0.25 * scar.slip_distance_um[:, 0]) for scar in scars]
+        own["profiles"] = {"pressure_MPa": pressures, "slip_amplitude_um": slips}
+    else:
+        reach = MARGIN * max(worn_half_extent(scars))
+        lines, x = np.linspace(-reach, reach, LINES), np.linspace(-reach, reach, SECTION_POINTS)
+        smooth = [smooth_scar(scar) for scar in scars]
+        depths = [scar.sampled(lines, lines) for scar in smooth]
+        deepest = max(float(depth.max()) for depth in depths) or 1.0
+        own["lines"] = numbers(lines)
+        own["depths"] = [_packed(depth, deepest) for depth in depths]
+        own["unworn"] = [numbers(row) for row in _heights(scars[-1], lines[:, None], lines[None, :])]
+    section = {
+        "x": numbers(x),
+        "unworn": numbers(_heights(scars[-1], x, np.zeros(1))),
+        "depths": [numbers(scar.sampled(x, np.zeros(1))[:, 0]) for scar in smooth],
     }
+    return own | {"deepest": number(deepest), "section": section}
 
 
 def _heights(scar: Scar, x: Array, y: Array) -> Array:
