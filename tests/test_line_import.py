@@ -12,7 +12,7 @@ from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.records import check_record, read_record
 from wirewear.records.importing import import_record
-from wirewear.records.importing.profiles import levelled
+from wirewear.records.importing.profilometry import levelled
 
 
 def wirewear(*arguments: object) -> Result:

@@ -15,7 +15,7 @@ from tests.synthetic_results import bowl, result
 from wirewear.base.errors import ResultError
 from wirewear.faces import cli
 from wirewear.results import LATER_COLUMNS, Evolution, Scar
-from wirewear.results.vtk import write_time_series
+from wirewear.results.flat import write_time_series
 
 EXAMPLE = Path("studies/steel_wires/example_records/no_gap")
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'

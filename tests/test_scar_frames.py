@@ -23,7 +23,7 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
-from wirewear.records.writing import frame_of
+from wirewear.records.reading import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.study import load_study

@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from wirewear import effects, reference
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
     from wirewear.faces.looking import Run, read_result, read_results
-    from wirewear.faces.measured import Record, read_record
-    from wirewear.faces.running import load, run, run_variants
+    from wirewear.faces.running import Record, load, read_record, run, run_variants
     from wirewear.loops.sensor import Sensor, SensorNoise, sensor_held_stroke
     from wirewear.loops.signals import LoopSignals
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record

@@ -25,8 +25,8 @@ from wirewear.base.engine import Engine, LocalProcesses, results_of
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
 from wirewear.sweeps import load_sweep, run_sweep
-from wirewear.sweeps.forecast import Forecast
 from wirewear.sweeps.page import write_table
+from wirewear.sweeps.running import Forecast
 from wirewear.sweeps.sweep import SweepRow
 
 STUDY = """format = 1

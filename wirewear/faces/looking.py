@@ -81,7 +81,7 @@ class Run(RunResult):
         Raises:
             ResultError: no scar is recorded near that cycle, or there is no such wire.
         """
-        from wirewear.results.vtk import surface_mesh
+        from wirewear.results.flat import surface_mesh
 
         body = wire or self.bodies[1]
         return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, body), upper=self.is_upper(body))

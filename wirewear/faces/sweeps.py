@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
     from wirewear.study import Study
-    from wirewear.sweeps.forecast import Forecast
+    from wirewear.sweeps.running import Forecast
     from wirewear.sweeps.sweep import SweepRow
 
 

@@ -11,6 +11,7 @@ from wirewear.base.errors import RecordError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.results import RunResult
     from wirewear.study import Study
@@ -24,6 +25,7 @@ class AtAPoint:
         ("--body", "--integration-points", "--no-pictures", "--animate")
     )
     scatters: ClassVar[bool] = True
+    foresees_scars: ClassVar[bool] = False
     bodies: ClassVar[tuple[str, str]]
 
     def study_from_tables(self, tables: Mapping[str, Any], where: str) -> Study:
@@ -40,7 +42,7 @@ class AtAPoint:
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """The scars of each run over the cycles for ParaView."""
-        from wirewear.results.vtk import FOLDER_NAME, write_time_series
+        from wirewear.results.flat import FOLDER_NAME, write_time_series
 
         for result in results:
             write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
@@ -57,6 +59,19 @@ class AtAPoint:
         from wirewear.simulation import point_contact
 
         return point_contact(self.bodies)
+
+    def with_effects(
+        self, study: Study, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+    ) -> Study:
+        """Loops have the increments that quick runs state, if any."""
+        del length_mm
+        stated = study.fidelity("quick").increments_per_cycle or increments
+        return study.with_effects(*study.effects, *effects).changed(
+            {
+                "fidelity": {"quick": {"increments_per_cycle": stated}},
+                "conditions": {"displacement_amplitude_um": amplitude_um},
+            }
+        )
 
     def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """With pictures and animations."""

@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.effects import Effect
     from wirewear.records import ExperimentRecord, RecordTables
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -28,7 +27,6 @@ class CrossedWires(AtAPoint):
     names: ClassVar[tuple[str, ...]] = (name,)
     bodies: ClassVar[tuple[str, str]] = ("moving", "fixed")
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
-    foresees_scars: ClassVar[bool] = False
     rigid_N_per_mm: ClassVar[float] = 1e6
 
     @property
@@ -60,19 +58,6 @@ class CrossedWires(AtAPoint):
         from wirewear.diagnosis.model.candidates import nominal_setup
 
         return nominal_setup(study, tables.conditions.drive)
-
-    def with_effects(
-        self, study: Study, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
-    ) -> Study:
-        """Loops have the increments that quick runs state, if any."""
-        del length_mm
-        stated = study.fidelity("quick").increments_per_cycle or increments
-        return study.with_effects(*study.effects, *effects).changed(
-            {
-                "fidelity": {"quick": {"increments_per_cycle": stated}},
-                "conditions": {"displacement_amplitude_um": amplitude_um},
-            }
-        )
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

@@ -19,10 +19,10 @@ from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.sensor import Sensor
 from wirewear.planar.tables import FACE_KEYS, PadFace
 from wirewear.records.line_tables import TABLES, LineRecordTables
+from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.tables import Noise, RecordTables, known_of
 from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
-from wirewear.records.writing import frame_of, loops_frame
 from wirewear.results import BODIES, Loop, RunResult, age_at, sensor_of
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated

@@ -18,7 +18,7 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
-from wirewear.results.vtk import TIME_SERIES_FILES
+from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.budget import affordable_jobs, require_affordable
 from wirewear.simulation.checkpoint import MeshHistory
 from wirewear.simulation.contact_forces import forces_of

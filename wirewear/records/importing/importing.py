@@ -14,8 +14,7 @@ from wirewear.loops.digitised import outline
 from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.mistaken import require_mapping
-from wirewear.records.importing.profiles import profiles_of
-from wirewear.records.importing.profilometry import scars_of_source
+from wirewear.records.importing.profilometry import profiles_of, scars_of_source
 from wirewear.records.importing.sources import (
     equal_rows,
     files_of,
