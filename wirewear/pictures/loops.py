@@ -18,14 +18,14 @@ PANELS_IN_A_ROW = 3
 WIDEST, THINNEST = 1.8, 1.1
 
 
-def loops_by_run(results: Sequence[RunResult]) -> Figure:
-    """One panel for each run, its loops at chosen cycles in colour; all panels on the same axes."""
+def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
+    """One panel for each run, its loops at chosen cycles in colour; all panels on the same axes. unit: of forces."""
     figure, panels = _panels(len(results))
     cycles = chosen_cycles([loop.cycle for result in results for loop in result.loops])
     for axes, result in zip(panels, results, strict=True):
         draw_loops(axes, result, cycles)
         axes.set_title(result.label)
-    _finish(panels)
+    _finish(panels, unit)
     keys = [
         Line2D([], [], color=colour, linewidth=width, label=cycle_name(cycle))
         for cycle, colour, width in zip(cycles, cycle_colours(len(cycles)), _widths(len(cycles)), strict=True)
@@ -85,16 +85,16 @@ def _widths(count: int) -> list[float]:
     return [float(width) for width in np.linspace(WIDEST, THINNEST, count)] if count > 1 else [THINNEST]
 
 
-def _name_axes(axes: Axes) -> None:
+def _name_axes(axes: Axes, unit: str = "N") -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.set_xlabel("displacement δ [µm]")
-    axes.set_ylabel("tangential force Q [N]")
+    axes.set_ylabel(f"tangential force Q [{unit}]")
 
 
-def _finish(panels: Sequence[Axes]) -> None:
+def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
     for axes in panels:
-        _name_axes(axes)
+        _name_axes(axes, unit)
         axes.label_outer()
     if len(panels) > 1:
         panel_letters(panels)

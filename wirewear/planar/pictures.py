@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import cycle as endless
 
@@ -11,10 +12,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
+from wirewear.pictures.loops import loops_by_run
+from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
 from wirewear.results import BODIES, RunResult, Scar, read_loops
-
-_MOST_CYCLES = 6
 
 
 def planar_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
@@ -25,7 +26,7 @@ def planar_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figu
         suffix = f"_{result.variant}" if len(results) > 1 else ""
         found |= {
             f"profiles{suffix}": partial(planar_profiles, result),
-            f"loops{suffix}": partial(planar_loops, result),
+            f"loops{suffix}": partial(loops_by_run, [replace(result, loops=read_loops(result))], "N/mm"),
         }
     return found | ({"variants": partial(planar_variants, logged)} if len(logged) > 1 else {})
 
@@ -70,7 +71,7 @@ def planar_variants(results: Sequence[RunResult]) -> Figure:
 
 def planar_profiles(result: RunResult) -> Figure:
     """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
-    cycles = _shown(result)
+    cycles = chosen_cycles([loop.cycle for loop in result.loops])
     figure = new_figure(5.2)
     panels = figure.subplots(2, 2)
     reach = _reach(result)
@@ -101,23 +102,6 @@ def planar_profiles(result: RunResult) -> Figure:
     return figure
 
 
-def planar_loops(result: RunResult) -> Figure:
-    """Tangential force over imposed displacement at the logged cycles."""
-    cycles = _shown(result)
-    figure = new_figure(3.4)
-    axes = figure.subplots()
-    loops = {loop.cycle: loop for loop in read_loops(result)}
-    for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
-        loop = loops[cycle]
-        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
-        axes.plot(x, q, color=colour, label=cycle_name(cycle))
-    axes.set_title("friction loops")
-    axes.set_xlabel("displacement (µm)")
-    axes.set_ylabel("tangential force (N/mm)")
-    axes.legend(title="cycles", loc="upper left", bbox_to_anchor=(1.01, 1.0))
-    return figure
-
-
 def _growth(axes: Axes, result: RunResult) -> None:
     cycles = result.evolution["cycle"]
     for colour, dashes, body in zip(VARIANT_COLOURS, VARIANT_DASHES, BODIES, strict=False):
@@ -133,13 +117,6 @@ def _growth(axes: Axes, result: RunResult) -> None:
         axes.legend()
     else:
         axes.text(0.5, 0.5, "nothing is worn", transform=axes.transAxes, ha="center", va="center")
-
-
-def _shown(result: RunResult) -> list[int]:
-    """Logged cycles, at most six of them, evenly spread and with the first and the last."""
-    cycles = sorted({loop.cycle for loop in result.loops})
-    chosen = np.unique(np.linspace(0, len(cycles) - 1, min(len(cycles), _MOST_CYCLES)).round().astype(int))
-    return [cycles[i] for i in chosen]
 
 
 def _reach(result: RunResult) -> float:
