@@ -1,6 +1,6 @@
 """From a laboratory's files to a record, by a mapping."""
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
@@ -14,7 +14,7 @@ from wirewear.loops.digitised import outline
 from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.mistaken import require_mapping
-from wirewear.records.importing.profilometry import profiles_of, scars_of_source
+from wirewear.records.importing.profilometry import surfaces_of
 from wirewear.records.importing.sources import (
     equal_rows,
     files_of,
@@ -26,7 +26,6 @@ from wirewear.records.importing.sources import (
 from wirewear.records.line_tables import TABLES
 from wirewear.records.normal_force import pressing
 from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
-from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
@@ -69,7 +68,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     found: list[Any] = []
     for body in mapping.bodies:
         if (source := getattr(mapping.surfaces, body)) is not None:
-            found += _SURFACES[mapping.worn.name](source, body, home, mapping)
+            found += surfaces_of(source, body, home, mapping)
     scars, told = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
     if not loops and not evolution and not scars:
         raise RecordError(
@@ -80,12 +79,6 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     files = {"loops": "loops.csv"} if loops else {}
     tables = model.model_validate(taken_over | {"conditions": conditions, "files": files})
     return ExperimentRecord(tables, loops, evolution, scars, (*notes, *filter(None, told), *turned))
-
-
-_SURFACES: dict[str, Callable[[Any, str, Path, Any], Iterable[Any]]] = {
-    SCARS.name: scars_of_source,
-    PROFILES.name: profiles_of,
-}
 
 
 def mapped_loops(

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +18,7 @@ from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, Mapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
 from wirewear.records.line_tables import LineTest
-from wirewear.records.surfaces import Array, MeasuredProfile, MeasuredScar
+from wirewear.records.surfaces import PROFILES, SCARS, Array, MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordWires
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
@@ -219,31 +220,45 @@ def wire_direction_deg(x: Array, y: Array, height: Array, radius_um: float) -> f
     return float(min(np.arange(-85.0, 91.0, 5.0), key=left))
 
 
-def scars_of_source(source: ScarSource, wire: str, home: Path, tables: Mapping) -> Iterator[MeasuredScar]:
-    """The scars of a wire that a source's files hold, x along the motion.
+def surfaces_of(
+    source: ScarSource | ProfileSource, body: str, home: Path, tables: Any
+) -> Iterator[MeasuredScar | MeasuredProfile]:
+    """The worn surfaces of a body that a source's files hold: maps with x along the motion, or profiles.
 
     Raises:
-        RecordError: a file cannot be read, or lacks something.
+        RecordError: a file cannot be read or lacks something, or a repeat is there twice.
     """
-    wires = tables.wires
+    seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
         # Without a pattern, files stand for repeats in their order.
         repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
-        if source.kind == PROFILOMETER:
-            yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
+        for one in _IN_FILE[tables.worn.name](file, source, body, tables, repeat):
+            if one.repeat in seen:
+                raise RecordError(
+                    f"{file}: [{tables.worn.name}s.{body}] finds repeat {one.repeat} twice, first in "
+                    f"{seen[one.repeat].name}: name_pattern or a column must tell them apart."
+                )
+            seen[one.repeat] = file
+            yield one
+
+
+def _scars_in(file: Path, source: ScarSource, wire: str, tables: Mapping, repeat: int) -> Iterator[MeasuredScar]:
+    wires = tables.wires
+    if source.kind == PROFILOMETER:
+        yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
+        return
+    given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
+    for number in np.unique(columns["repeat"]):
+        own: NDArray[np.bool_] = columns["repeat"] == number
+        x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
+        if given == "height_um":
+            yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
             continue
-        given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
-        for number in np.unique(columns["repeat"]):
-            own: NDArray[np.bool_] = columns["repeat"] == number
-            x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
-            if given == "height_um":
-                yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
-                continue
-            try:
-                scar = MeasuredScar.from_points(int(number), wire, x, y, level)
-                yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
-            except RecordError as problem:
-                raise RecordError(f"{file}: {problem}") from None
+        try:
+            scar = MeasuredScar.from_points(int(number), wire, x, y, level)
+            yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
+        except RecordError as problem:
+            raise RecordError(f"{file}: {problem}") from None
 
 
 #: Fewer points tell no face.
@@ -307,31 +322,10 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
     return surface(fit(bare if np.mean(bare) > LEAST_UNWORN else np.ones_like(bare), start, rough), x)
 
 
-def profiles_of(source: ProfileSource, body: str, home: Path, tables: LineTest) -> Iterator[MeasuredProfile]:
-    """The profiles of a body that a source's files hold, below their unworn faces.
-
-    Raises:
-        RecordError: a file cannot be read or lacks something, or a repeat is there twice.
-    """
-    face = dict(zip(tables.bodies, (tables.pad.profile, Flat()), strict=True))[body]
-    seen: dict[int, Path] = {}
-    for place, file in enumerate(files_of(source, home)):
-        # Without a pattern, files stand for repeats in their order.
-        repeat = numbers_in_name(file, source).get("repeat", source.repeat + place)
-        for one in _profiles_in(file, source, body, face, repeat):
-            number = one.repeat
-            if number in seen:
-                raise RecordError(
-                    f"{file}: [profiles.{body}] finds repeat {number} twice, first in {seen[number].name}: "
-                    "name_pattern or a column must tell them apart."
-                )
-            seen[number] = file
-            yield one
-
-
 def _profiles_in(
-    file: Path, source: ProfileSource, body: str, face: Face | Flat, repeat: int
+    file: Path, source: ProfileSource, body: str, tables: LineTest, repeat: int
 ) -> Iterator[MeasuredProfile]:
+    face = dict(zip(tables.bodies, (tables.pad.profile, Flat()), strict=True))[body]
     if source.kind == PROFILOMETER:
         heights = _line_of_map(file, source)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)
@@ -363,3 +357,9 @@ def _line_of_map(file: Path, source: ProfileSource) -> tuple[Array, Array]:
     count = known.sum(axis=1)
     line = np.where(known, height, 0.0).sum(axis=1) / np.maximum(count, 1)
     return x[count > 0], line[count > 0]
+
+
+_IN_FILE: dict[str, Callable[[Path, Any, str, Any, int], Iterator[Any]]] = {
+    SCARS.name: _scars_in,
+    PROFILES.name: _profiles_in,
+}
