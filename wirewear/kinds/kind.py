@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -75,7 +74,7 @@ class Kind(Protocol):
         """The circumstances that a study states of a record's test, for the fast model."""
 
     def with_effects(
-        self, study: Any, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+        self, study: Any, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
     ) -> Any:
         """A study with further effects of the whole contact and another amplitude, of loops of so many increments."""
 

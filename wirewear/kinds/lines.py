@@ -12,7 +12,6 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
@@ -102,7 +101,7 @@ class LineContacts:
         return nominal_line_setup(study, tables.length_mm, tables.conditions.drive)
 
     def with_effects(
-        self, study: PlanarStudy, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+        self, study: PlanarStudy, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
     ) -> PlanarStudy:
         """Effects of one millimetre; loops have the increments of the plan."""
         from wirewear.planar.tables import per_mm

@@ -11,7 +11,6 @@ from wirewear.base.errors import RecordError
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from wirewear.effects import Effect
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.results import RunResult
     from wirewear.study import Study
@@ -61,7 +60,7 @@ class AtAPoint:
         return point_contact(self.bodies)
 
     def with_effects(
-        self, study: Study, effects: Sequence[Effect[Any]], length_mm: float, amplitude_um: float, increments: int
+        self, study: Study, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
     ) -> Study:
         """Loops have the increments that quick runs state, if any."""
         del length_mm
