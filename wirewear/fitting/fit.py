@@ -40,7 +40,6 @@ if TYPE_CHECKING:
     from wirewear.results import RunResult
 
 Array = NDArray[np.float64]
-ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
 
 
 @dataclass(frozen=True, eq=False)

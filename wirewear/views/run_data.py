@@ -101,7 +101,7 @@ def _run(result: RunResult, index: int) -> dict[str, Any]:
     evolution = result.evolution
     columns = {
         **{name: evolution[column] for name, column in _COURSES.items()},
-        "worn": worn * sum(evolution[f"worn_volume_{body}_mm3"] for body in result.bodies),
+        "worn": worn * result.worn_volume_mm3,
         "ratio": energy_ratio(*(evolution[_COURSES[name]] for name in ("energy", "amplitude", "force"))),
     }
     pressures = pressure_courses(result.evolution, result.settings)
