@@ -88,7 +88,7 @@ def test_a_full_disk_at_a_checkpoint_says_how_to_go_on(tmp_path: Path, monkeypat
     def full(*_: object) -> Path:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr("wirewear.simulation.checkpoint.write_bytes", full)
+    monkeypatch.setattr("wirewear.simulation.folder.write_bytes", full)
     with pytest.raises(ResultError) as refused:
         run_study(coarse(), fidelity="quick", output=tmp_path)
     assert str(refused.value) == (

@@ -15,8 +15,7 @@ from wirewear.planar import run_planar_study
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.supports import write_planar_meshes
 from wirewear.simulation import write_meshes
-from wirewear.simulation.budget import require_affordable
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.plan import RunPlan, require_affordable
 
 STUDIES = Path(__file__).parent.parent / "studies"
 STUDY = load_study(STUDIES / "steel_wires" / "study.toml").variant("rigid")

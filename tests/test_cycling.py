@@ -18,9 +18,9 @@ from solvers import (
 )
 from wirewear.base.identity import Identity
 from wirewear.simulation import NoObserver
-from wirewear.simulation.checkpoint import Checkpoint, MeshHistory
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
+from wirewear.simulation.folder import Checkpoint, MeshHistory
 from wirewear.simulation.tally import Tally
 
 

@@ -12,7 +12,7 @@ import pytest
 from tests import synthetic_results
 from wirewear import ResultError, RunResult, read_result, write_result
 from wirewear.base.hdf5 import hdf5_image, opened_hdf5, sealed
-from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
+from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
 
 FLIPS = 300
 

@@ -14,7 +14,7 @@ from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import NoObserver
-from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
+from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"

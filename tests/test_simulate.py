@@ -12,7 +12,7 @@ from tests.studies import steel_wires
 from wirewear import RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import NoObserver, run_study
-from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME
+from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
 

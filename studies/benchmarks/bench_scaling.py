@@ -45,8 +45,8 @@ PARTS = {
     "wear": (("solvers/wear.py", "deposited"),),
     "output": (
         ("wirewear/results/hdf5.py", "write_result"),
-        ("wirewear/simulation/checkpoint.py", "write_checkpoint"),
-        ("wirewear/simulation/measure.py", "scars_of"),
+        ("wirewear/simulation/folder.py", "write_checkpoint"),
+        ("wirewear/simulation/recorded.py", "scars_of"),
     ),
 }
 WEAR_mm3_per_J = 3e-5

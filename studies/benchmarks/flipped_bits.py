@@ -38,7 +38,7 @@ from wirewear.kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.results import read_results as read_runs
 from wirewear.simulation import Moment, NoObserver
-from wirewear.simulation.checkpoint import read_checkpoint
+from wirewear.simulation.folder import read_checkpoint
 from wirewear.simulation.problem import _load
 from wirewear.sweeps.running import JOURNAL, Journal
 from wirewear.sweeps.sweep import SweepRow

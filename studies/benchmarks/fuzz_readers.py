@@ -17,9 +17,8 @@ from wirewear.diagnosis.model.nominal import nominal_run
 from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
 from wirewear.results import read_results as read_runs
-from wirewear.simulation.budget import require_affordable
-from wirewear.simulation.checkpoint import CHECKPOINT_FILE_NAME, read_checkpoint
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
+from wirewear.simulation.plan import RunPlan, require_affordable
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.running import Journal
 from wirewear.sweeps.sweep import SweepRow

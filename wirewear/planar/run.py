@@ -19,7 +19,6 @@ from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, requ
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, RunResult, Scar
 from wirewear.simulation import NoObserver
-from wirewear.simulation.checkpoint import MeshHistory, OneMesh
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.convergence import (
     BASE,
@@ -36,10 +35,9 @@ from wirewear.simulation.convergence import (
 )
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory
-from wirewear.simulation.measure import worn_bodies
+from wirewear.simulation.folder import InMemory, MeshHistory, OneMesh
 from wirewear.simulation.observers import Observer
-from wirewear.simulation.recorded import Recorded
+from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.simulation.runs import run_planned
 from wirewear.simulation.together import ObserverFor
 

@@ -4,7 +4,6 @@ A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jum
 `folder` where. `workbench` has the parts for scripts that press and move bodies themselves.
 """
 
-from wirewear.simulation.budget import require_affordable_wires
 from wirewear.simulation.contact_forces import mean_pressures
 from wirewear.simulation.convergence import (
     Converged,
@@ -16,6 +15,7 @@ from wirewear.simulation.convergence import (
 )
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
+from wirewear.simulation.plan import require_affordable_wires
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
 from wirewear.simulation.workbench import write_meshes

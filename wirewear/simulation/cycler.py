@@ -26,7 +26,7 @@ from solvers import (
     symmetry_of,
 )
 from wirewear.effects import Age
-from wirewear.simulation.checkpoint import Meshes
+from wirewear.simulation.folder import Meshes
 from wirewear.simulation.tally import Tally
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.

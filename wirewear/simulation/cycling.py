@@ -23,9 +23,8 @@ from solvers import (
 )
 from wirewear.base.quantity import counted
 from wirewear.results import RunResult
-from wirewear.simulation.checkpoint import Checkpoint, MeshHistory
 from wirewear.simulation.cycler import Cycler, FrettingTest
-from wirewear.simulation.folder import RunStore
+from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.recorded import Recorded
 

@@ -1,4 +1,7 @@
-"""What a run records of its closed loops, and the result that they make, whatever the kind of contact."""
+"""What is measured on a simulated cycle, what a run records of it, and the result that this makes.
+
+Loop, scars, a row of the evolution, how well energies and volumes close; whatever the kind of contact.
+"""
 
 from __future__ import annotations
 
@@ -8,12 +11,213 @@ from functools import cache
 from importlib.metadata import version
 from typing import Any
 
-from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.results import ContactForces, Evolution, Loop, RunResult, Scar
-from wirewear.simulation.checkpoint import MeshHistory
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
+from wirewear.loops.signals import enclosed_area
+from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import pressure_figures
-from wirewear.simulation.measure import evolution_row, loop_of, rows_until, travels, volume_mismatch
-from wirewear.simulation.tally import Tally, judge
+from wirewear.simulation.folder import MeshHistory
+from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
+from wirewear.study import Study
+from wirewear.study.bodies import Body
+
+Array = NDArray[np.float64]
+
+Worn = tuple[PlacedBody, Array, Array, Array, Array]
+
+#: What names of a holder's measured elements begin with.
+MEASURED = "measured_"
+
+
+def dissipated_energy_mJ(trace: CycleTrace) -> float:
+    """The area of a closed loop; without friction what is left of it is round-off to either side of 0."""
+    return max(enclosed_area(trace.drive, trace.tangential_force), 0.0)
+
+
+def slip_amplitude_mm(trace: CycleTrace) -> float:
+    """Half the width of a closed loop at its mean force, from 0 to half the stroke, mm.
+
+    A branch meets that force before all nodes slide, or else it does so by the slope of a worn scar, which may carry
+    more than friction: then it is where all of them come to slide.
+    """
+    if not any(distance.any() for distance in trace.slid):
+        # Where all floats in free play the force that the loop would be judged by is round-off.
+        return 0.0
+    force, drive = trace.tangential_force, trace.drive
+    step = np.abs(np.diff(drive, prepend=drive[-1]))
+    mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
+    falling = trace.phase <= 0.5
+    met = [_travel(trace, np.flatnonzero(own), sign, mean) for own, sign in ((falling, -1.0), (~falling, 1.0))]
+    return max(0.5 * float(np.ptp(drive)) - 0.5 * sum(met), 0.0)
+
+
+def _travel(trace: CycleTrace, stroke: NDArray[np.intp], sign: float, mean: float) -> float:
+    """Travel along a stroke, the increments of one direction, until it meets the mean force or all nodes slide."""
+    points = np.append(stroke[0] - 1, stroke)
+    travel = np.abs(trace.drive[points] - trace.drive[points[0]])
+    below = sign * (mean - trace.tangential_force[points])
+    slides = np.flatnonzero(_sticking(trace)[stroke] == 0)
+    met = float(travel[slides[0] + 1]) if slides.size else float(travel[-1])
+    passed = np.flatnonzero(below <= 0.0)
+    if passed.size and (after := int(passed[0])):
+        share = below[after - 1] / (below[after - 1] - below[after])
+        return min(met, float(travel[after - 1] + share * (travel[after] - travel[after - 1])))
+    return 0.0 if passed.size else met
+
+
+def _sticking(trace: CycleTrace) -> NDArray[np.int64]:
+    """Number of sticking nodes at the end of each increment (n,), which may have been taken in pieces."""
+    reports = iter(trace.reports)
+    return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
+
+
+def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float, motion: str = "sinusoidal") -> Loop:
+    """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
+    rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
+    turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
+    # The drive is a cosine; the loop begins where it passes mid-stroke, three quarters of a cycle after +amplitude.
+    phase = np.roll((trace.phase - 0.75) % 1.0, turn)
+    if motion == "triangular":
+        # The increments are those of a sine; Coulomb friction and wear know no rate, only the time differs.
+        drive = np.roll(trace.drive, turn)
+        phase = _triangular_phase(drive / np.abs(drive).max(), phase)
+    return Loop(
+        cycle=cycle,
+        time_s=phase / frequency_Hz,
+        displacement_um=1e3 * np.roll(trace.drive, turn),
+        relative_displacement_um=1e3 * np.roll(trace.drive - trace.holder_x, turn),
+        tangential_force_N=np.roll(trace.tangential_force, turn),
+        normal_force_N=np.roll(trace.normal_force, turn),
+        friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
+        tilt_deg=np.roll(np.degrees([state.holder_tilt for state in trace.states]), turn),
+    )
+
+
+def _triangular_phase(x: Array, sine_phase: Array) -> Array:
+    """Share of the cycle passed when a triangular motion of amplitude 1 is where the sine is at that phase."""
+    rise, fall = 0.25 * x, 0.5 - 0.25 * x
+    return np.where(sine_phase <= 0.25, rise, np.where(sine_phase < 0.75, fall, 1.0 + rise))
+
+
+def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
+    """Both bodies' scars at mid-stroke of a simulated cycle: (driven, held)."""
+    driven, other = worn_bodies(problem, trace)
+    return _scar(*driven, cycle, study.bodies[0]), _scar(*other, cycle, study.bodies[1])
+
+
+def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
+    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle."""
+    state = trace.middle
+    wear, (primary_slid, secondary_slid) = state.wear, trace.slid
+    primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid
+    secondary = wear.secondary_depth, wear.secondary_energy, state.secondary_force, secondary_slid
+    lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
+    return (problem.lower, *lower), (problem.upper, *upper)
+
+
+def _scar(
+    body: PlacedBody,
+    depth: Array,
+    energy: Array,
+    force: Array,
+    slid: Array,
+    cycle: int,
+    described: Body,
+) -> Scar:
+    patch = body.patch
+    # An upper body's transverse axis runs backwards in the common frame.
+    order = slice(None, None, body.facing)
+    slope = body.sample(body.node_positions, depth).slope
+    size = np.sqrt(1.0 + (slope**2).sum(axis=1))
+    normal_force = (force[:, 2] - (force[:, :2] * slope).sum(axis=1)) / size
+    pressure = (normal_force / size / patch.node_areas()).reshape(patch.shape)
+    return Scar(
+        cycle=cycle,
+        body=described.name,
+        diameter_mm=described.diameters_mm[1],
+        diameter_along_mm=described.diameters_mm[0],
+        axis_angle_deg=float(np.degrees(body.axis_angle_rad)),
+        axial_um=1e3 * patch.axial_mm,
+        transverse_um=np.sort(1e3 * patch.transverse_mm * body.facing),
+        depth_um=1e3 * depth[:, order],
+        energy_density_mJ_per_mm2=energy[:, order],
+        pressure_MPa=np.maximum(pressure, 0.0)[:, order],
+        slip_distance_um=1e3 * slid.reshape(patch.shape)[:, order],
+    )
+
+
+def rows_until(evolution: Mapping[str, Array], done: float) -> list[dict[str, float]]:
+    """The rows of an evolution up to a cycle."""
+    count = int((evolution["cycle"] <= done).sum())
+    return [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
+
+
+def evolution_row(
+    problem: ContactProblem,
+    state: ContactState,
+    trace: CycleTrace,
+    scars: tuple[Scar, Scar],
+    pressures: Mapping[str, float],
+    done: float,
+    jump: float,
+) -> dict[str, float]:
+    """One row of the evolution from a closed loop with the wear frozen; scars are of the driven body and the other.
+
+    pressures: the loop's, see `pressure_figures`.
+    """
+    return {
+        "cycle": done,
+        "displacement_amplitude_um": 1e3 * 0.5 * float(np.ptp(trace.drive)),
+        "slip_amplitude_um": 1e3 * slip_amplitude_mm(trace),
+        "max_tangential_force_N": float(np.abs(trace.tangential_force).max()),
+        "dissipated_energy_mJ": dissipated_energy_mJ(trace),
+        "normal_force_N": float(trace.normal_force.mean()),
+        "accumulated_energy_J": 1e-3 * state.wear.energy_mJ,
+        **{f"worn_volume_{scar.body}_mm3": scar.volume_mm3 for scar in scars},
+        **{f"max_depth_{scar.body}_um": scar.max_depth_um for scar in scars},
+        "contact_half_width_um": 1e3 * max(report.half_width_x for report in trace.reports),
+        **pressures,
+        "mirror_error": mirrored_mismatch(problem, trace),
+        "jump_cycles": jump,
+    }
+
+
+def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
+    """What a closed loop shows of the holder's elements; nothing where it has no forces in both directions."""
+    try:
+        found = measured_holder(problem, trace.states)
+    except SolverError:
+        return {}
+    stiffnesses = {
+        "measured_tangential_stiffness_N_per_mm": found.tangential_stiffness_N_per_mm,
+        "measured_rotational_stiffness_N_mm_per_rad": found.rotational_stiffness_N_mm_per_rad,
+        "measured_stiffness_at_contact_N_per_mm": found.contact_stiffness_N_per_mm,
+    }
+    named: dict[str, float | str] = {key: "rigid" if np.isinf(k) else k for key, k in stiffnesses.items()}
+    return {**named, "measured_free_play_um": 1e3 * found.play_mm}
+
+
+def travels(problem: ContactProblem) -> dict[str, float]:
+    """How far friction carries the rig to either side before the bodies slide: by its springs, and by its free play."""
+    holder = problem.holder
+    by_springs = problem.friction * holder.normal_load_N * holder.compliance_at_contact_mm_per_N
+    return {SPRING_TRAVEL: 1e3 * by_springs, PLAY_TRAVEL: 500.0 * holder.play_mm}
+
+
+def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[Scar, Scar]) -> float:
+    """Largest relative difference of a body's worn volume and what the wear law has taken from it.
+
+    By the energy law with a constant coefficient that is its share of the coefficient times the friction energy.
+    """
+    driven, other = scars
+    wear = state.wear
+    volumes = (wear.primary_volume_mm3, wear.secondary_volume_mm3)
+    upper, lower = volumes if problem.primary_is_upper else volumes[::-1]
+    expected = ((driven, lower), (other, upper))
+    return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)
+
 
 #: Packages whose versions a result records.
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")

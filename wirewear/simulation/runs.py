@@ -19,16 +19,13 @@ from wirewear.results import (
     Scar,
 )
 from wirewear.results.flat import TIME_SERIES_FILES
-from wirewear.simulation.budget import affordable_jobs, require_affordable
-from wirewear.simulation.checkpoint import MeshHistory
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory, RunFolder
-from wirewear.simulation.measure import MEASURED, holder_settings, scars_of
+from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
 from wirewear.simulation.observers import NoObserver, Observer
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.plan import RunPlan, affordable_jobs, require_affordable
 from wirewear.simulation.problem import condense_bodies
-from wirewear.simulation.recorded import Recorded
+from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
 from wirewear.simulation.tally import bends
 from wirewear.simulation.together import Task, run_together
 from wirewear.study import Study

@@ -22,9 +22,8 @@ from solvers.substructuring import schur_complement, schur_complements
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
-from wirewear.simulation.budget import require_affordable
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.plan import RunPlan, require_affordable
 from wirewear.simulation.problem import contact_problem
 from wirewear.study import Study
 
