@@ -26,7 +26,7 @@ from wirewear.verification.wires import (
 
 Array = NDArray[np.float64]
 
-_FRICTION = 0.6
+FRICTION = 0.6
 _SHARES = (0.5, 0.9)
 _INITIAL_SHARE = 0.01
 _COMPLIANCE_TOLERANCE = 0.04
@@ -36,19 +36,32 @@ def partial_slip_rows(level: Level) -> tuple[Row, ...]:
     """Initial compliance; stick radius, displacement and energy of a closed cycle at two tangential forces."""
     load, radius = LOAD_N * level.enlarged**3, CONTACT_RADIUS_mm * level.enlarged
     modulus = reference.tangential_contact_modulus(STEEL, STEEL)
-    exact = reference.partial_slip_point(load, _FRICTION, radius, modulus)
+    exact = reference.partial_slip_point(load, FRICTION, radius, modulus)
     body = condensed(wire_geometry(level.hertz_resolutions[-1]))
     bulk = crossed_bulk_compliance(body, normal=False, contact_radius_mm=radius)
-    problem = crossed(body, body, Holder(load), friction=_FRICTION)
+    problem = crossed(body, body, Holder(load), friction=FRICTION)
+    return sliding_rows(problem, exact, bulk, body, level)
+
+
+def sliding_rows(
+    problem: ContactProblem,
+    exact: reference.PartialSlipPoint,
+    bulk: float,
+    body: CondensedBody,
+    level: Level,
+    shares: tuple[float, ...] = _SHARES,
+    of: str = "Mindlin",
+) -> tuple[Row, ...]:
+    """Bodies in partial slip beside the closed form; `bulk` is what is not the contact's in their compliance."""
     pressed, _ = press(problem, unloaded_state(problem))
-    rows = [_initial_compliance(problem, pressed, exact, bulk)]
-    for share in _SHARES:
-        rows += _at_share(problem, pressed, exact, bulk, share, body, level)
+    rows = [_initial_compliance(problem, pressed, exact, bulk, of)]
+    for share in shares:
+        rows += _at_share(problem, pressed, exact, bulk, share, body, level, of)
     return tuple(rows)
 
 
 def _initial_compliance(
-    problem: ContactProblem, pressed: ContactState, exact: reference.PartialSlipPoint, bulk: float
+    problem: ContactProblem, pressed: ContactState, exact: reference.PartialSlipPoint, bulk: float, of: str
 ) -> Row:
     force = _INITIAL_SHARE * exact.limit_N
     drive = float(reference.loading_displacement(exact, force)) + bulk * force
@@ -56,7 +69,7 @@ def _initial_compliance(
     computed = _tangential(state)
     truth = float(reference.loading_displacement(exact, computed)) / computed
     raw = drive / computed
-    name = f"Mindlin, Q = {computed / exact.limit_N:.3f} µP"
+    name = f"{of}, Q = {computed / exact.limit_N:.3f} µP"
     return compared(name, "compliance u/Q [mm/N]", raw - bulk, truth, _COMPLIANCE_TOLERANCE, raw=raw)
 
 
@@ -68,13 +81,14 @@ def _at_share(
     share: float,
     body: CondensedBody,
     level: Level,
+    of: str,
 ) -> list[Row]:
     target = share * exact.limit_N
     amplitude = float(reference.loading_displacement(exact, target)) + bulk * target
     path = amplitude * np.arange(1, level.slip_increments + 1) / level.slip_increments
     loaded, _ = _along(problem, pressed, path)
     force = _tangential(loaded)
-    name = f"Mindlin, Q = {force / exact.limit_N:.3f} µP"
+    name = f"{of}, Q = {force / exact.limit_N:.3f} µP"
     radius = float(reference.stick_radius(exact, force))
     raw = amplitude / force
     # From the end of the stroke and back, in increments of twice the size as the branch is twice as long.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from wirewear.verification.blocks import block_rows
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
@@ -22,6 +23,7 @@ Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
 FAMILIES: tuple[Family, ...] = (
     ("Hertz contact on three meshes", hertz_rows),
     ("elliptic contact", ellipse_rows),
+    ("ball and barrel on flat", block_rows),
     ("line contact in plane strain", line_contact_rows),
     ("stuck line contact in plane strain", stuck_line_rows),
     ("stresses inside the bodies", interior_rows),
