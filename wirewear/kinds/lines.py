@@ -81,7 +81,7 @@ class LineContacts:
 
     def checked_model(self, record: LineRecord, study: PlanarStudy) -> PlanarStudy:
         """One of the same face, load and amplitude."""
-        from wirewear.diagnosis.model.line_nominal import checked_line_model
+        from wirewear.diagnosis.model.nominal import checked_line_model
 
         return checked_line_model(record, study)
 
@@ -89,8 +89,8 @@ class LineContacts:
         self, study: PlanarStudy, tables: LineRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Those of the whole contact, of the nominal run."""
-        from wirewear.diagnosis.model.line_nominal import nominal_line_run
         from wirewear.diagnosis.model.line_states import LineStates
+        from wirewear.diagnosis.model.nominal import nominal_line_run
 
         return LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, tables.length_mm), ()
 

@@ -2,20 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
-from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.believed import believed_study
 
 if TYPE_CHECKING:
-    from wirewear.records import AnyRecord, ExperimentRecord
+    from wirewear.planar.tables import PlanarStudy
+    from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
     from wirewear.results import RunResult
     from wirewear.simulation import Observer
     from wirewear.study import Study
@@ -42,6 +43,12 @@ INCREMENTS_PER_CYCLE = _KNOWN.count("increments_per_cycle")
 
 #: Late loops change most: shares of the cycles at which one more is logged; and how many a run that fails must have.
 _LATE_LOOPS, _FEWEST_LOOPS = _KNOWN.numbers("late_loops"), _KNOWN.count("fewest_loops")
+
+_OF_LINE_NOMINAL = constants("model.line_nominal")
+
+#: The run wears so many times as fast as stated, so that other wear only re-labels its cycles; and how coarsely it
+#: jumps, which moves depths by a thousandth.
+WEAR_MARGIN, JUMP_TOLERANCE = _OF_LINE_NOMINAL.each("wear_margin", "jump_tolerance")
 
 
 def kept_or_made(
@@ -93,13 +100,18 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
         "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
         "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
     }
+    _require_the_same(record, study, pairs)
+    return study
+
+
+def _require_the_same(record: AnyRecord, study: Study | PlanarStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
+    """Refuse a model of another test: `pairs` are numbers of model and record by their keys."""
     for key, (own, recorded) in pairs.items():
-        if abs(own / recorded - 1.0) > SAME:
+        if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(
                 f"{key} is {own:g} in the model {study.name!r} but {recorded:g} in the record {record.name!r}: they "
                 "must describe the same test."
             )
-    return study
 
 
 def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResult:
@@ -214,3 +226,68 @@ def _identity(study: Study) -> Identity:
     plan: dict[str, Any] = {name: constant.value for name, constant in _KNOWN.known.items()}
     plan["added"] = added_code((study.contact.friction_law,))
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
+
+
+def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
+    """A study that is to be diagnosed against a line contact's record.
+
+    Raises:
+        RecordError: it has variants, or is of another face, load or amplitude than the record's test.
+    """
+    if study.variant_names:
+        names = ", ".join(study.variant_names)
+        raise RecordError(f"the model {study.name!r} has variants ({names}): give a study of one of them.")
+    believed, asked, length = study.conditions, record.tables.conditions, record.tables.contact.length_mm
+    pairs = {
+        "the normal load per mm": (believed.normal_load_N_per_mm, asked.normal_load_N / length),
+        "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
+        "cycles": (believed.cycles, asked.cycles),
+    }
+    for key in ("radius_mm", "face_half_width_mm", "edge_radius_mm"):
+        own, recorded = getattr(study.pad, key), getattr(record.tables.pad, key, None)
+        if own is not None or recorded is not None:
+            pairs[key] = (own or 0.0, recorded or 0.0)
+    _require_the_same(record, study, pairs)
+    return study
+
+
+def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) -> RunResult:
+    """The quick run of a study, from the cache or made now; it wears faster than stated by a margin.
+
+    Raises:
+        StudyError: the study cannot be meshed.
+        SolverError: the contact did not converge.
+    """
+    from wirewear.planar.run import run_planar_variants
+    from wirewear.results import read_result
+
+    # Effects of the model enter the fast model; the wear states are those without.
+    study = _faster_line(study.model_copy(update={"effects": ()}))
+
+    def made(folder: Path) -> tuple[RunResult, Path]:
+        result = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
+        return result, folder / "result.h5"
+
+    return kept_or_made(f"nominal-line-{_identity_of_line(study).name}.h5", read_result, made)[0]
+
+
+def _faster_line(study: PlanarStudy) -> PlanarStudy:
+    cycles = study.conditions.cycles
+    wear = {name: WEAR_MARGIN * value for name, value in study.wear.model_dump().items()}
+    tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
+    return study.model_copy(
+        update={
+            "wear": study.wear.model_copy(update=wear),
+            "log": study.log.model_copy(update={"loop_cycles": tuple(sorted({*half_decades(cycles), cycles}))}),
+            "mesh": study.mesh.model_copy(update={"jump_tolerance": tolerance}),
+        }
+    )
+
+
+def _identity_of_line(study: PlanarStudy) -> Identity:
+    stated: dict[str, Any] = study.model_dump(mode="json", exclude_none=True)
+    asked = {key: value for key, value in stated.items() if key not in ("name", "effects")}
+    # Without inertia loops are the same at any frequency; times are not read.
+    asked["conditions"] = {**stated["conditions"], "frequency_Hz": 1.0, "motion": "sinusoidal"}
+    plan: dict[str, Any] = {"added": added_code((study.contact.friction_law,))}
+    return identity_of(asked, (*PLANAR_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
