@@ -34,7 +34,7 @@ KNOWN: dict[tuple[str, ...], float] = {
 
 
 def remainder(p_value: float, blocks: int = 1) -> Remainder:
-    return Remainder(0.5, "stick", p_value, 1.0, blocks)
+    return Remainder(0.5, p_value, blocks)
 
 
 def weighed(log_surprise: float) -> Weighed:

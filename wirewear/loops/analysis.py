@@ -298,7 +298,8 @@ def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None
 
 
 def _displacement_amplitude(loop: CleanLoop, courses: Courses) -> Measured:
-    length_um = float(np.ptp(loop.as_read.displacement_um)) if loop.lean_um_per_N else courses.length_um
+    as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
+    length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else courses.length_um
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
     return Measured.from_deviation(0.5 * length_um, deviation)
 

@@ -96,17 +96,6 @@ class CleanLoop:
         return self.displacement_noise_um if self.smoothed else 0.0
 
     @property
-    def as_read(self) -> "CleanLoop":
-        """The loop without the lean that was added."""
-        added = self.lean_um_per_N * self.force_N
-        return replace(
-            self,
-            displacement_um=self.displacement_um - added,
-            raw_displacement_um=self.raw_displacement_um - added,
-            lean_um_per_N=0.0,
-        )
-
-    @property
     def without_drift(self) -> "CleanLoop":
         """The loop without the drift that it may have."""
         moved = self.may_drift_by * (self.time - float(self.time.mean()))

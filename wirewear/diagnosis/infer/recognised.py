@@ -15,6 +15,7 @@ from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.infer.weighing import SEPARABLE, Weighed
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe.layout import Part
 
 #: Chi squares per number of records without a gap, sorted.
 LEFT = np.sort(constants("infer.without_gap").numbers("left"))
@@ -121,9 +122,7 @@ class Remainder:
     """What an explanation leaves over: chi² per observable, and the least likely of all `blocks` of observables."""
 
     misfit: float
-    worst_block: str
     block_p_value: float
-    block_misfit: float
     blocks: int
 
     @property
@@ -139,18 +138,16 @@ class Remainder:
 
 def remainder_of(problem: Problem, one: Fit) -> Remainder:
     """Judge the whitened residuals of a fit, as a whole and by observable."""
-    whitened = problem.whitened(one.setup)
-    misfit = float(whitened @ whitened) / max(whitened.size - one.coordinates.size, 1)
     residual = problem.mean - problem.predicted(one.setup)
-    worst = ("none", 1.0, 0.0)
+    whitened = problem.whitening @ residual
+    misfit = float(whitened @ whitened) / max(whitened.size - one.coordinates.size, 1)
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)
-    for part in problem.layout:
+
+    def p_value(part: Part) -> float:
         block, rest = covariance[part.rows, part.rows], residual[part.rows]
-        squares = float(rest @ np.linalg.solve(block, rest))
-        p_value = chance(squares, rest.size)
-        if p_value < worst[1]:
-            worst = part.observable.name, p_value, squares / rest.size
-    return Remainder(misfit, *worst, len(problem.layout.parts))
+        return chance(float(rest @ np.linalg.solve(block, rest)), rest.size)
+
+    return Remainder(misfit, min(map(p_value, problem.layout), default=1.0), len(problem.layout.parts))
 
 
 def chance(squares: float, count: int, scale: float = SCALE) -> float:

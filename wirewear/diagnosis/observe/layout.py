@@ -122,11 +122,6 @@ class Layout:
         return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.cycle for part in self)])
 
     @cached_property
-    def branch(self) -> NDArray[np.int64]:
-        """On which it is read (n,): +1, −1, or 0 for the whole loop."""
-        return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.branch for part in self)])
-
-    @cached_property
     def cycles(self) -> Array:
         """Cycles at which loops are needed, increasing."""
         return np.unique(self.cycle).astype(float)
