@@ -308,11 +308,8 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     """E_d/(4Pδ0); None where nothing is dissipated."""
     if loop.normal_force_N is None or not energy.value or not slip.value:
         return None
-    load = float(np.mean(loop.normal_force_N))
-    value = 1e3 * energy.value / (4.0 * load * slip.value)
-    shares = energy.deviation / energy.value, slip.deviation / slip.value, loop.normal_noise_N / load
-    deviation = abs(value) * float(np.linalg.norm(shares))
-    return Measured.from_deviation(value, deviation)
+    load = Measured.from_deviation(float(np.mean(loop.normal_force_N)), loop.normal_noise_N)
+    return energy.over(slip, load, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 
 
 def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:

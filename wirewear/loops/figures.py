@@ -1,6 +1,7 @@
 """What a loop analysis returns: figures with their uncertainty."""
 
 from dataclasses import dataclass
+from math import prod
 from typing import Literal
 
 import numpy as np
@@ -36,6 +37,12 @@ class Measured:
     def reaching(self, other: float) -> "Measured":
         """The same value with an interval that holds another estimate of it with the same doubt, too."""
         return Measured.from_deviation(self.value, self.deviation + abs(other - self.value) / 1.96)
+
+    def over(self, *divisors: "Measured", times: float = 1.0) -> "Measured":
+        """So many times this value over others that were measured apart."""
+        share = times / prod(one.value for one in divisors)
+        parts = [share * self.deviation, *(share * self.value * one.deviation / one.value for one in divisors)]
+        return Measured.from_deviation(share * self.value, float(np.linalg.norm(parts)))
 
 
 def mean_of(one: Measured, other: Measured) -> Measured:

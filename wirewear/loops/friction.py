@@ -193,13 +193,7 @@ def sliding_figures(
         # What does not resist the motion on both ways has no plateaus to compare.
         return SlidingFigures()
     slopes = [middle_slope(part) for part in plateaus]
-    hooks = [
-        Measured.from_deviation(
-            top.value / centre.value,
-            float(np.hypot(top.deviation, top.value / centre.value * centre.deviation)) / centre.value,
-        )
-        for top, centre in zip(tops, centres, strict=True)
-    ]
+    hooks = [top.over(centre) for top, centre in zip(tops, centres, strict=True)]
     load = 1.0 if loop.normal_force_N is None else float(np.mean(loop.normal_force_N))
     friction = _geometry_independent(loop, plateaus, middle, half_range, stiffness_N_per_um)
     doubt = load * mean_of(*centres).deviation

@@ -146,9 +146,7 @@ def by_energy(energy: Measured, height_N: Measured) -> Measured:
     That of a parallelogram, whatever curve its middle follows: a scar's walls raise one direction's force by what they
     take from the other's.
     """
-    um_per_mJ = 1.0 / (4.0 * MICROJOULE_IN_MILLIJOULE * height_N.value)
-    parts = um_per_mJ * energy.deviation, um_per_mJ * energy.value * height_N.deviation / height_N.value
-    return Measured.from_deviation(um_per_mJ * energy.value, float(np.hypot(*parts)))
+    return energy.over(height_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 
 
 def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
@@ -169,13 +167,6 @@ def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measure
 
 def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured) -> Measured | None:
     """E_d/(4 δ Q*): A with the displacement amplitude for δ, B with the slip amplitude; None where the box is empty."""
-    box = 4e-3 * amplitude_um.value * force_N.value
-    if box <= 0.0:
+    if amplitude_um.value * force_N.value <= 0.0:
         return None
-    ratio = energy_mJ.value / box
-    parts = (
-        energy_mJ.deviation / box,
-        ratio * amplitude_um.deviation / amplitude_um.value,
-        ratio * force_N.deviation / force_N.value,
-    )
-    return Measured.from_deviation(ratio, float(np.linalg.norm(parts)))
+    return energy_mJ.over(amplitude_um, force_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
