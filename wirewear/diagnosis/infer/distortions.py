@@ -120,9 +120,8 @@ def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
     """What each family that counts adds to the log evidence of each explanation beside which it was tried, by names."""
     gains: dict[tuple[str, ...], list[float]] = {}
     for one in found:
-        if not one.family.counts:
-            continue
-        gains.setdefault(one.beside.names, []).append(one.gain)
+        if one.family.counts:
+            gains.setdefault(one.beside.names, []).append(one.gain)
     return gains
 
 

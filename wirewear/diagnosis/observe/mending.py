@@ -137,8 +137,10 @@ def corners_of(loops: Sequence[MeasuredLoop], frequency_Hz: float) -> int | None
     if not loops or loops[0].time_s.size < FEWEST_CORNERS * SAMPLES_A_LINE:
         return None
     shares = _shares(loops[0], frequency_Hz)
+    # Means in which neighbours stand in for outliers.
     channels = [
-        _mean([getattr(loop, name) for loop in loops], shares) for name in ("displacement_um", "tangential_force_N")
+        np.mean([_healed(getattr(loop, name), shares) for loop in loops], axis=0)
+        for name in ("displacement_um", "tangential_force_N")
     ]
     noise = [max(sample_noise(mean, shares), LEAST_NOISE * float(np.ptp(mean))) for mean in channels]
     if min(noise) == 0.0:
@@ -170,11 +172,6 @@ def _bends_throughout(lines: _Lines, values: Array) -> bool:
     corners = lines.at_corners(values)
     bends = np.abs(np.roll(corners, 1) - 2.0 * corners + np.roll(corners, -1))
     return bool(np.median(bends) > LEAST_BEND * bends.max())
-
-
-def _mean(channels: Sequence[Array], shares: Array) -> Array:
-    """Mean of channels (n,) in which neighbours stand in for outliers."""
-    return np.asarray(np.mean([_healed(values, shares) for values in channels], axis=0))
 
 
 def _healed(values: Array, shares: Array) -> Array:
