@@ -199,7 +199,7 @@ def _assessing(
     bodies = _asked(result, body)
     for cycle in cycles:
         _tell_taken(cycle, result, bodies)
-    chosen = {one: _each_once(kind.assessable(result, one, cycle, asked) for cycle in every) for one in bodies}
+    chosen = {one: [*dict.fromkeys(kind.assessable(result, one, cycle, asked) for cycle in every)] for one in bodies}
     return chosen, lambda one, cycle: kind.strength(result, one, cycle, asked)
 
 
@@ -217,7 +217,3 @@ def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
 def _recorded(forces: Iterable[ContactForces]) -> list[int]:
     """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
     return sorted({one.cycle for one in forces}) or [1]
-
-
-def _each_once(cycles: Iterable[int]) -> list[int]:
-    return list(dict.fromkeys(cycles))

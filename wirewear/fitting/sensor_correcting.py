@@ -42,23 +42,21 @@ def calibration_json(study: str, calibration: Calibration, correction: Correctio
             }
             for motion in calibration.motions
         ],
-        "record": None if correction is None else _correction_json(correction),
+        "record": None
+        if correction is None
+        else {
+            "name": correction.record.name,
+            "largest_correction_um": correction.largest_um,
+            "largest_force_N": correction.largest_force_N,
+            "error_um": correction.error_um,
+            "added_noise_um": correction.noise_um,
+            "notes": list(correction.notes),
+        },
     }
 
 
 def _measured_json(measured: Measured) -> dict[str, Any]:
     return {"value": measured.value, "interval95": list(measured.interval95)}
-
-
-def _correction_json(correction: Correction) -> dict[str, Any]:
-    return {
-        "name": correction.record.name,
-        "largest_correction_um": correction.largest_um,
-        "largest_force_N": correction.largest_force_N,
-        "error_um": correction.error_um,
-        "added_noise_um": correction.noise_um,
-        "notes": list(correction.notes),
-    }
 
 
 def slope(motion: LoadedMotion) -> float:

@@ -149,7 +149,10 @@ def record_of_result(
     scars: list[Any] = []
     last = max((scar.cycle for scar in whole.scars), default=0)
     for repeat in range(1, repeats + 1):
-        read = [_read(loop, repeat, own, period, random) for loop, own in zip(true_loops, sensors, strict=True)]
+        read = [
+            replace(loop.read_as(own.read(loop.signals(period), random)), repeat=repeat)
+            for loop, own in zip(true_loops, sensors, strict=True)
+        ]
         loops += read
         if whole.evolution["cycle"].size:
             evolution.append(_evolution(whole, repeat, true_loops, read))
@@ -221,12 +224,6 @@ def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> 
         x, q, p = (np.interp(even, time, channel, period=period_s) for channel in (x, q, p))
         time = even
     return MeasuredLoop(0, loop.cycle, time, x, q, None if np.isnan(p).any() else p)
-
-
-def _read(
-    loop: MeasuredLoop, repeat: int, sensor: Sensor, period_s: float, random: np.random.Generator
-) -> MeasuredLoop:
-    return replace(loop.read_as(sensor.read(loop.signals(period_s), random)), repeat=repeat)
 
 
 def _evolution(

@@ -156,7 +156,8 @@ def _described(result: RunResult) -> dict[str, str]:
 
 def _evolution(result: RunResult) -> Any:
     columns = {name: ("cycle", np.array(values), _attributes(name)) for name, values in result.evolution.items()}
-    return _xarray().Dataset(_without(columns, "cycle"), coords={"cycle": columns["cycle"]})
+    cycles = columns.pop("cycle")
+    return _xarray().Dataset(columns, coords={"cycle": cycles})
 
 
 def _loops(loops: Iterable[Loop]) -> Any:
@@ -191,10 +192,6 @@ def _scar(scar: Scar) -> Any:
 
 def _attributes(name: str) -> dict[str, str]:
     return {"units": unit_of(name), "long_name": words_of(name)}
-
-
-def _without(columns: Mapping[str, Any], name: str) -> dict[str, Any]:
-    return {key: value for key, value in columns.items() if key != name}
 
 
 #: A body's column, the body last; per mm it stands first.

@@ -116,7 +116,8 @@ def sentence_of(
         return f"{_may_explain(causes[0], words, others)}{place}"
     if not shrink.shows_gap:
         unseen = "The cycles left out of the fit show no gap by which to check it."
-        return f"The gap is explained by {words}.{_seen(where)} {unseen}"
+        seen = f" It shows in the {where[0].place}." if where else ""
+        return f"The gap is explained by {words}.{seen} {unseen}"
     left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
         f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
@@ -146,22 +147,14 @@ def _may_explain(likeliest: Cause, words: str, others: str) -> str:
     return f"There is a gap; {words} may explain it, but so may {others}."
 
 
-def _seen(where: Sequence[GapFinding]) -> str:
-    """In what a gap shows, and where."""
-    return f" It shows in the {where[0].place}." if where else ""
-
-
 def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
     words = " together with ".join(_one(cause, equivalent) for cause in partial.causes)
-    text = f"{words[0].upper()}{words[1:]}, removes {_percent(partial.misfit_removed)} of the misfit"
+    # Never a hundred of what something remains of.
+    removed = min(100.0 * partial.misfit_removed, 99.0)
+    text = f"{words[0].upper()}{words[1:]}, removes {removed:.0f} % of the misfit"
     if not partial.remains:
         return f"{text}; what remains stands out nowhere by itself, but no known effect explains it."
     return f"{text}; what remains is in the {partial.remains[0].text}, which no known effect explains."
-
-
-def _percent(share: float) -> str:
-    """Never a hundred of what something remains of."""
-    return f"{min(100.0 * share, 99.0):.0f} %"
 
 
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:

@@ -126,11 +126,11 @@ def read_loops(
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")
     require_no_other(path, RecordError, Held.NUMBERS, Held.RECORD, Held.RUN)
-    if _is_record(path):
+    if path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file():
         _no_columns(path, spelling, displacement, force, normal_load)
         _no_variant(path, variant)
         loops = _record_loops(path)
-    elif path.is_file() and _is_binary(path):
+    elif path.is_file() and kind_of(path) != TextReader.kind:
         _no_variant(path, variant)
         _no_spelling(path, spelling)
         loops = logged_loops(path, displacement, force, normal_load)
@@ -150,15 +150,6 @@ def read_loops(
         known = ", ".join(str(number) for number in sorted({loop.cycle for loop in loops})) or "none"
         raise RecordError(f"{path} has no loop of cycle {cycle}; there are: {known}.")
     return chosen
-
-
-def _is_record(path: Path) -> bool:
-    return path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
-
-
-def _is_binary(path: Path) -> bool:
-    """Whether a file is of a logger's kind that is no text."""
-    return kind_of(path) != TextReader.kind
 
 
 def _is_unusual(path: Path) -> bool:

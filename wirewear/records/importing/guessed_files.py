@@ -267,7 +267,7 @@ def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int
         if not found:
             continue
         place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
-        if key in ("time_s", "normal_force_N", "cycle", "repeat") and not _holds_numbers(file, place):
+        if key in ("time_s", "normal_force_N", "cycle", "repeat") and not np.isfinite(_values(file, place)).any():
             continue
         free.remove(place)
         columns[key] = (file.references[place], _unit(file, place, channel))
@@ -301,10 +301,6 @@ def _alternates(file: GuessedFile, column: tuple[str | int, str]) -> bool:
     values = file.read({"any": {"column": column[0]}})["any"]
     values = values[np.isfinite(values)]
     return bool(values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0)
-
-
-def _holds_numbers(file: GuessedFile, place: int) -> bool:
-    return bool(np.isfinite(_values(file, place)).any())
 
 
 def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:

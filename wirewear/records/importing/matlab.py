@@ -233,17 +233,14 @@ def _variable(path: Path, contents: Any, name: str) -> Array:
     try:
         return np.atleast_2d(array)[:, int(part[2]) - 1] if part[2] else np.atleast_2d(array)[int(part[3]) - 1]
     except IndexError:
-        raise RecordError(f"{path}: {name!r} lies outside of the variable, which is {_size(array)}.") from None
+        size = " × ".join(map(str, array.shape))
+        raise RecordError(f"{path}: {name!r} lies outside of the variable, which is {size}.") from None
 
 
 def _whole(name: str | int) -> str:
     """The variable of which a column or row is named."""
     part = _PART.fullmatch(str(name))
     return part[1] if part else str(name)
-
-
-def _size(array: Array) -> str:
-    return " × ".join(map(str, array.shape))
 
 
 def _numeric(path: Path, name: str, value: object) -> Array:
