@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUNS_ON
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
-from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, step_of
+from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, coarse_step_of
 from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import CheckedRecord, Remark, plural, where
 
@@ -202,7 +202,7 @@ def resolution(checked: CheckedRecord) -> Iterator[Remark]:
         ("displacement", "µm", s.displacement_amplitude_um, [loop.displacement_um for loop in loops]),
         ("tangential force", "N", s.force_amplitude_N, [loop.tangential_force_N for loop in loops]),
     ):
-        steps = np.array([step_of(channel) for channel in channels])
+        steps = np.array([coarse_step_of(channel) for channel in channels])
         coarse = steps > COARSE * amplitude
         if coarse.any():
             share = 100.0 * float(np.median((steps / amplitude)[coarse]))

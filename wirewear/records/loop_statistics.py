@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.loops.clipping import clipped
+from wirewear.loops.clipping import clipped, step_of
 from wirewear.loops.drive import uneven
 from wirewear.loops.noise import noises, outside_neighbours, sample_noise
 from wirewear.loops.signals import enclosed_areas
@@ -24,9 +24,6 @@ OUTLIER_NOISES = 8.0
 #: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
 #: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
 COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
-
-#: How far levels may lie off a grid of steps in which a channel is read.
-OFF_GRID = 0.02
 
 #: A force that keeps its sign falls below zero by noise alone, a share of its largest.
 ONE_SIGN = 0.1
@@ -196,15 +193,10 @@ def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
     return np.array([float(one is not None and clipped(one, beside=other) is not None) for one, other in pairs])
 
 
-def step_of(values: Array) -> float:
-    """The step in which a channel (n,) is read; 0 if its values lie on no grid, or a third of them differ."""
-    levels = np.unique(values[np.isfinite(values)])
-    apart = np.diff(levels)
-    if levels.size < 3 or 3 * levels.size > values.size:
-        return 0.0
-    step = float(apart.min())
-    off = np.abs(apart / step - np.round(apart / step))
-    return step if off.max() < OFF_GRID else 0.0
+def coarse_step_of(values: Array) -> float:
+    """The step in which a channel (n,) is read; 0 where a third of its samples differ, as those of an even drive do."""
+    known = values[np.isfinite(values)]
+    return step_of(known) if 3 <= np.unique(known).size <= known.size / 3 else 0.0
 
 
 def _folded(x: Array, q: Array) -> bool:

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, transformed, worn_line
+from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
 from wirewear.diagnosis.model.loop_states import (
     EVEN_POWERS,
     ODD_POWERS,
@@ -204,11 +204,7 @@ class LineStates(WearStates):
         half = 1e3 * before.half_width_at(1e-6 * area_um2)
         at = np.log(max(area_um2, 1e-9))
         known = np.log(np.maximum(own.area_um2, 1e-9))
-        row = int(np.clip(np.searchsorted(known, at), 1, known.size - 1)) if known.size > 1 else 0
-        shape = own.shape[0]
-        if known.size > 1:
-            share = float(np.clip((at - known[row - 1]) / (known[row] - known[row - 1]), 0.0, 1.3))
-            shape = own.shape[row - 1] + share * (own.shape[row] - own.shape[row - 1])
+        shape = between(known, own.shape, float(at), 1.3) if known.size > 1 else own.shape[0]
         # The end of a scar moves with the slip as it lies beyond the common half-width.
         wider = 1.0 + own.beyond * (slip_um - own.slip_um) / half
         x = half * wider * own.place

@@ -81,7 +81,7 @@ class WornLine:
 
     def depth_at(self, area_mm2: float) -> Array:
         """Depths (m,) once so much is worn."""
-        return _between(self.area_mm2, self.depth_mm, area_mm2)
+        return between(self.area_mm2, self.depth_mm, area_mm2, 1.5)
 
     def half_width_at(self, area_mm2: float) -> float:
         """Half-width of the scar once so much is worn."""
@@ -199,11 +199,11 @@ def _half_width(x: Array, values: Array) -> float:
     return max(crossings(x, values, EDGE * float(values.max()))[1], float(x[1]))
 
 
-def _between(known: Array, rows: Array, at: float) -> Array:
-    """Rows (k, m) at a value of their clock (k,), between neighbours in proportion."""
+def between(known: Array, rows: Array, at: float, most: float) -> Array:
+    """Rows (k, m) at a value of their clock (k,), between neighbours in proportion, or so many steps on at most."""
     after = int(np.clip(np.searchsorted(known, at), 1, known.size - 1))
     share = (at - known[after - 1]) / (known[after] - known[after - 1])
-    return np.asarray(rows[after - 1] + np.clip(share, 0.0, 1.5) * (rows[after] - rows[after - 1]))
+    return np.asarray(rows[after - 1] + np.clip(share, 0.0, most) * (rows[after] - rows[after - 1]))
 
 
 def transformed(x_um: Array, depth_um: Array, before: WornLine, after: WornLine, area_mm2: float) -> Array:
