@@ -80,13 +80,9 @@ class HeldOutScores:
             squares[repeat] += np.where(alone, 1.0, solver)
         return squares
 
-    def mean(self, squares: Array) -> float:
-        """Mean over all that was measured."""
-        return float(np.nanmean(squares))
-
     def size(self, squares: Array) -> float:
-        """Root of that mean."""
-        return float(np.sqrt(self.mean(squares)))
+        """Root of the mean over all that was measured."""
+        return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
         """95 % interval of the shrink by drawing repeats and cycles anew, as whole loops."""
@@ -305,8 +301,8 @@ def _telling_split(
     for split in splits(problem.layout):
         scores = HeldOutScores.of(observed, covariance, split.test)
         squares = {"before": scores.squares(base), "floor": scores.floor()}
-        before, floor = (scores.mean(squares[name]) for name in ("before", "floor"))
-        if before > max(CLEAR_GAP**2 * floor, CLEAR_SCAR**2 if split.scar else 0.0):
+        before, floor = (scores.size(squares[name]) for name in ("before", "floor"))
+        if before > max(CLEAR_GAP * floor, CLEAR_SCAR if split.scar else 0.0):
             return split, scores, squares
         first = first or (split, scores, squares)
     if first is None:

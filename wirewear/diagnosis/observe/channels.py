@@ -16,7 +16,7 @@ from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import SLIDING
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.observable import OfLoops, OfWholeLoops, Zone
+from wirewear.diagnosis.observe.observable import OfLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
 
@@ -45,7 +45,7 @@ _OF_AMPLITUDE = constants("observe.amplitude")
 SHARE = _OF_AMPLITUDE.number("share")
 
 
-class _OfNormalForce(OfLoops, OfWholeLoops):
+class _OfNormalForce(OfLoops):
     """Read where the normal force was measured."""
 
     simulated = True
@@ -106,7 +106,7 @@ class NormalForceByDirection(_OfNormalForce):
         return SolverSize(np.full(len(sites), DIRECTION_SHARE * loops.setup.load_N))
 
 
-class _AlongStroke(OfLoops, OfWholeLoops):
+class _AlongStroke(OfLoops):
     """Mean load of one part of the stroke less that of another, over both branches."""
 
     unit = "N"
@@ -195,7 +195,7 @@ class NormalForceBySides(_AlongStroke):
         return place > MIDDLE, place < -MIDDLE
 
 
-class Amplitude(OfLoops, OfWholeLoops):
+class Amplitude(OfLoops):
     """Half of a loop's extent."""
 
     name = "amplitude"

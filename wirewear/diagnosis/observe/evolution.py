@@ -11,7 +11,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
-from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
+from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
 from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
 from wirewear.loops.signals import enclosed_areas
@@ -41,7 +41,7 @@ FORCE_ERROR = _KNOWN.number("shelf_error")
 FEWEST, LEAST, OWN_SHARE = _KNOWN.count("fewest"), _KNOWN.number("least_noise"), _KNOWN.number("own_share")
 
 
-class EvolutionFigure(OfWholeLoops):
+class EvolutionFigure(Observable):
     """One column of an evolution, which tells its own noise.
 
     `error`, relative, is by how much the program that read all of it may define the figure otherwise.

@@ -74,9 +74,10 @@ class Observable(ABC):
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """How far solvers differ in it on a test whose computed loops are these."""
 
-    @abstractmethod
-    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
-        """Name (n,) of one of `zones` each."""
+    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
+        """Name (n,) of one of `zones` each: the only one unless a subclass says more."""
+        (only,) = self.zones
+        return np.full(len(sites), only.name)
 
     def whole(self, setup: Setup, predicted: Array) -> Array:
         """What a difference (n,) is relative to, in the observable's unit, at predicted values (n,)."""
@@ -107,15 +108,6 @@ class Observable(ABC):
     def common_error(self, reading: Reading, sites: Sites) -> Array:  # noqa: ARG002
         """Unknown (n,) that all repeats share by the way that they were read; none unless a subclass says so."""
         return np.zeros(len(sites))
-
-
-class OfWholeLoops(Observable):
-    """One number a loop, in one zone of its own."""
-
-    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
-        """Its only one."""
-        (only,) = self.zones
-        return np.full(len(sites), only.name)
 
 
 class OfLoops(Observable):

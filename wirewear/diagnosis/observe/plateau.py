@@ -16,7 +16,7 @@ from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, OfWholeLoops, Zone
+from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import (
     ROUGH,
@@ -116,7 +116,7 @@ class PlateauForce(ByLocalLines):
         return replace(Smoothness.of_whole_loops(len(sites)), along=lengths, rough=rough)
 
 
-class KneePeak(OfLoops, OfWholeLoops):
+class KneePeak(OfLoops):
     """One a branch, positive along +x."""
 
     name = "knee"

@@ -11,7 +11,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, WIRES, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.observable import OfWholeLoops, Zone
+from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 from wirewear.records import MeasuredScar
@@ -36,7 +36,7 @@ FEWEST_POINTS = _KNOWN.count("fewest_points")
 FREE_FIGURE, FREE_SKEW = _KNOWN.each("free_figure", "free_skew")
 
 
-class _OfScars(OfWholeLoops):
+class _OfScars(Observable):
     """One number a wire, after the last cycle."""
 
     of_scars = True

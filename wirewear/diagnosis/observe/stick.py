@@ -5,14 +5,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, OfWholeLoops, Zone
+from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import (
     ModelLoops,
@@ -109,10 +108,6 @@ class Stick(ByLocalLines):
             wall=-sites.branch.astype(float),
         )
 
-    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
-        """One."""
-        return np.full(len(sites), "stick")
-
     def along(self, sites: Sites) -> Array:
         """Force in the branch's direction."""
         return sites.level
@@ -150,7 +145,7 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
     return sorted(float(at) for at in levels if abs(at) > SHELF_SHARE * force_N)
 
 
-class ShelfTravel(OfLoops, OfWholeLoops):
+class ShelfTravel(OfLoops):
     """One a branch. Levels are the largest forces in N that count as none."""
 
     name = "shelf"
