@@ -21,7 +21,6 @@ from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, RunResult, Sc
 from wirewear.simulation import NoObserver
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.convergence import (
-    BASE,
     JUMPS,
     MESH,
     POSITIONS,
@@ -239,8 +238,7 @@ def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
             JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
         }[resolution]
 
-    settings: dict[str, dict[str, float]] = {BASE: {}}
-    settings |= each_refined(resolutions_of(study), finer)
+    settings = each_refined(resolutions_of(study), finer)
     refined = {name: study.model_copy(update={"mesh": mesh.model_copy(update=own)}) for name, own in settings.items()}
     return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
 

@@ -21,7 +21,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, writing
 from wirewear.results import RunResult
 from wirewear.results.scar import called
-from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
 from wirewear.study import Study
@@ -31,7 +31,6 @@ _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
 # Changes below this share of the value are round-off.
 _ROUND_OFF = 1e-9
 
-Given = TypeVar("Given")
 Kind = TypeVar("Kind")
 Kind_contra = TypeVar("Kind_contra", contravariant=True)
 BASE = "base"
@@ -108,32 +107,9 @@ POSITIONS = Resolution("positions", (1.5, 2.0))
 JUMPS = Resolution("jumps", (1.4, 2.0))
 
 
-def _finer_mesh(study: Study, fidelity: str, _plan: Discretisation, factor: float) -> dict[str, float]:
-    chosen = study.fidelity(fidelity)
-    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
-    finer = {name: size / factor for name, size in given.items() if size is not None}
-    return {"mesh_refinement": factor * chosen.mesh_refinement} | finer
-
-
-def _more_positions(_study: Study, _fidelity: str, plan: Discretisation, factor: float) -> dict[str, float]:
-    return {"increments_per_wear_cycle": 4 * ceil(factor * plan.increments_per_wear_cycle / 4)}
-
-
-def _shorter_jumps(_study: Study, _fidelity: str, plan: Discretisation, factor: float) -> dict[str, float]:
-    return {"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)}
-
-
 def finer_tolerance(tolerance: float, factor: float) -> float:
     """The tolerance of jumps that are shorter by a factor: it is that of the square of a jump's change."""
     return tolerance / factor**2
-
-
-#: What a study's level of fidelity says where a resolution is refined.
-_SETTINGS: Mapping[Resolution, Callable[[Study, str, Discretisation, float], dict[str, float]]] = {
-    MESH: _finer_mesh,
-    POSITIONS: _more_positions,
-    JUMPS: _shorter_jumps,
-}
 
 
 @dataclass(frozen=True)
@@ -239,10 +215,12 @@ def resolutions_of(study: Study) -> tuple[Resolution, ...]:
     return (MESH, POSITIONS) if study.wear.explicit_jump_cycles is not None else (MESH, POSITIONS, JUMPS)
 
 
-def each_refined(resolutions: Sequence[Resolution], given: Callable[[Resolution, float], Given]) -> dict[str, Given]:
-    """What each refined run of these resolutions is given, by the run's name."""
-    return {
-        run: given(resolution, factor)
+def each_refined(
+    resolutions: Sequence[Resolution], finer: Callable[[Resolution, float], dict[str, float]]
+) -> dict[str, dict[str, float]]:
+    """What each run of a study of convergence is given, by its name: nothing, or what makes a resolution finer."""
+    return {BASE: {}} | {
+        run: finer(resolution, factor)
         for resolution in resolutions
         for run, factor in zip(resolution.runs, resolution.factors, strict=True)
     }
@@ -255,11 +233,20 @@ def refined_study(study: Study, fidelity: str) -> Study:
         StudyError: the study has variants of its own; choose one of them.
     """
     study = study.alone()
-    plan = discretise(study, fidelity)
-    settings: dict[str, dict[str, float]] = {BASE: {}}
-    settings |= each_refined(
-        resolutions_of(study), lambda resolution, factor: _SETTINGS[resolution](study, fidelity, plan, factor)
-    )
+    plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
+    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
+    sizes = {name: size for name, size in given.items() if size is not None}
+
+    def finer(resolution: Resolution, factor: float) -> dict[str, float]:
+        smaller = {name: size / factor for name, size in sizes.items()}
+        known: dict[Resolution, dict[str, float]] = {
+            MESH: {"mesh_refinement": factor * chosen.mesh_refinement, **smaller},
+            POSITIONS: {"increments_per_wear_cycle": 4 * ceil(factor * plan.increments_per_wear_cycle / 4)},
+            JUMPS: {"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)},
+        }
+        return known[resolution]
+
+    settings = each_refined(resolutions_of(study), finer)
     variants = ((name, study.changed({"fidelity": {fidelity: chosen}})) for name, chosen in settings.items())
     return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
 
