@@ -68,7 +68,7 @@ class LineContacts:
 
     def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
         """Pad and specimen, and what holds them."""
-        from wirewear.planar.supports import write_planar_meshes
+        from wirewear.planar.pictures import write_planar_meshes
 
         return write_planar_meshes(study, fidelity, folder)
 

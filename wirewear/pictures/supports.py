@@ -1,17 +1,147 @@
-"""How the bodies of a contact at a point are held and moved: their sections with grips, load, stroke and springs."""
+"""How two bodies in contact are held and moved, drawn on their sections: grips, load, stroke, springs."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from geometry import BodyMesh
-from wirewear.pictures.boundary_conditions import HeldBody, Supports, draw_boundary_conditions
+from wirewear.pictures.colours import GREY, INK
 from wirewear.pictures.mesh import round_facets, upper_position
+from wirewear.pictures.style import new_figure, panel_letters
 from wirewear.study import Study
+
+HELD_COLOUR, ELASTIC_COLOUR, LOAD_COLOUR, MOTION_COLOUR = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
+_ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 12, "shrinkA": 0, "shrinkB": 0}
+#: At most so many lines are drawn from a reference node to what it holds.
+_MOST_LINES = 15
+
+
+@dataclass(frozen=True, eq=False)
+class HeldBody:
+    """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm.
+
+    elastic: whether the grip gives way.
+    """
+
+    edge: Array
+    grip: Array
+    elastic: bool = False
+
+
+@dataclass(frozen=True)
+class Supports:
+    """What acts on both: texts for load, stroke of the lower body, and springs of the holder, "" for a rigid one.
+
+    pivot_height: of the point about which the holder rotates, in mm above the contact; None where it does not.
+    """
+
+    load: str
+    stroke: str
+    tangential: str = ""
+    normal: str = ""
+    rotational: str = ""
+    pivot_height: float | None = None
+
+
+def draw_boundary_conditions(
+    views: Sequence[tuple[str, HeldBody, HeldBody]], supports: Supports, *, along_motion: Sequence[bool]
+) -> Figure:
+    """One panel for each view: its title, the upper and the lower body. Motion is drawn where it lies in the view."""
+    figure = new_figure(3.9)
+    panels = figure.subplots(1, len(views), squeeze=False)[0]
+    for axes, (title, upper, lower), moves in zip(panels, views, along_motion, strict=True):
+        _draw_view(axes, upper, lower, supports, moves=moves)
+        axes.set_title(title)
+    panel_letters(list(panels))
+    handles = [
+        axes.plot([], [], color=HELD_COLOUR, linewidth=3.0, label="held rigidly")[0],
+        axes.plot([], [], color=ELASTIC_COLOUR, linewidth=3.0, linestyle=":", label="held elastically")[0],
+        axes.plot([], [], color=GREY, linewidth=0.6, label="coupled to the reference node")[0],
+    ]
+    elastic = any(body.elastic for _, *bodies in views for body in bodies)
+    shown = handles if elastic else [handles[0], handles[2]]
+    figure.legend(handles=shown, loc="outside lower center", ncols=len(shown))
+    return figure
+
+
+def _draw_view(axes: Axes, upper: HeldBody, lower: HeldBody, supports: Supports, *, moves: bool) -> None:
+    points = np.concatenate([upper.edge.reshape(-1, 2), lower.edge.reshape(-1, 2)])
+    low, high = points.min(axis=0), points.max(axis=0)
+    size = float(high[1] - low[1])
+    for body in (upper, lower):
+        _draw_lines(axes, body.edge, color=INK, linewidth=0.8)
+        style = {"color": ELASTIC_COLOUR, "linestyle": ":"} if body.elastic else {"color": HELD_COLOUR}
+        _draw_lines(axes, body.grip, linewidth=3.0, **style)
+    node = np.array([0.0, high[1] + 0.16 * size])
+    for place in _spread(upper.grip.mean(axis=1)):
+        axes.plot(*np.column_stack([node, place]), color=GREY, linewidth=0.6)
+    axes.plot(*node, marker="o", color=INK, markersize=4)
+    _arrow(axes, node + [0.0, 0.24 * size], node + [0.0, 0.03 * size], LOAD_COLOUR)
+    load = supports.load if not supports.normal else f"{supports.load}, spring {supports.normal}"
+    axes.text(node[0] + 0.03 * size, node[1] + 0.2 * size, load, color=LOAD_COLOUR, va="center", fontsize=7.5)
+    wide = float(np.abs(points[:, 0]).max())
+    if moves:
+        _draw_holder(axes, node, wide, size, supports)
+        below = low[1] - 0.1 * size
+        half = 0.22 * size
+        _arrow(axes, np.array([-half, below]), np.array([half, below]), MOTION_COLOUR, "<|-|>")
+        axes.text(0.0, below - 0.04 * size, supports.stroke, color=MOTION_COLOUR, ha="center", va="top", fontsize=7.5)
+    axes.set_aspect("equal")
+    axes.set_xlim(-max(1.15 * wide, 0.75 * size), max(1.15 * wide, 0.75 * size))
+    axes.set_ylim(low[1] - 0.28 * size, node[1] + 0.3 * size)
+    axes.set_axis_off()
+
+
+def _spread(places: Array) -> Array:
+    """At most _MOST_LINES of the places (k, 2), spread evenly to both sides."""
+    if not len(places):
+        return places
+    reach = float(np.abs(places[:, 0]).max())
+    wanted = np.linspace(-reach, reach, _MOST_LINES)
+    nearest = np.unique(np.abs(places[:, 0] - wanted[:, None]).argmin(axis=1))
+    return np.asarray(places[nearest])
+
+
+def _draw_holder(axes: Axes, node: Array, wide: float, size: float, supports: Supports) -> None:
+    """The holder's spring from its reference node to ground, or a guide where it is rigid, and its rotation."""
+    wall = max(0.95 * wide, 0.6 * size)
+    if supports.tangential:
+        t = np.linspace(0.15, 0.85, 15)
+        sides = np.where(np.arange(15) % 2 == 0, 0.03, -0.03) * size
+        sides[[0, -1]] = 0.0
+        x = np.concatenate([[node[0]], node[0] + t * (wall - node[0]), [wall]])
+        axes.plot(x, node[1] + np.concatenate([[0.0], sides, [0.0]]), color=MOTION_COLOUR, linewidth=1.2)
+    else:
+        axes.plot([node[0], wall], [node[1], node[1]], color=MOTION_COLOUR, linewidth=2.0)
+    for k in range(6):
+        y = node[1] + (k / 5.0 - 0.5) * 0.16 * size
+        axes.plot([wall, wall + 0.04 * size], [y, y + 0.03 * size], color=INK, linewidth=0.6)
+    axes.plot([wall, wall], [node[1] - 0.09 * size, node[1] + 0.09 * size], color=INK, linewidth=1.2)
+    text = supports.tangential or "rigid"
+    axes.text(
+        0.5 * (node[0] + wall), node[1] + 0.05 * size, text, color=MOTION_COLOUR, ha="center", va="bottom", fontsize=7.5
+    )
+    if supports.pivot_height is not None:
+        pivot = np.array([0.0, min(supports.pivot_height, float(node[1]))])
+        axes.plot(*pivot, marker="o", markerfacecolor="none", color=MOTION_COLOUR, markersize=8)
+        axes.text(pivot[0] - 0.05 * size, pivot[1], supports.rotational, color=MOTION_COLOUR, ha="right", fontsize=7.5)
+
+
+def _arrow(axes: Axes, start: Array, end: Array, colour: str, style: str = "-|>") -> None:
+    axes.annotate("", xy=tuple(end), xytext=tuple(start), arrowprops=_ARROW | {"color": colour, "arrowstyle": style})
+
+
+def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
+    gaps = np.full((len(lines), 1), np.nan)
+    x, z = (np.hstack([lines[:, :, k], gaps]).ravel() for k in (0, 1))
+    axes.plot(x, z, solid_capstyle="round", **style)  # type: ignore[arg-type]
+
 
 Array = NDArray[np.float64]
 

@@ -1,4 +1,4 @@
-"""Pictures of a planar run: worn profiles of both bodies, pressure, loops, and growth of the scars."""
+"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars; how their bodies are meshed and held."""
 
 from __future__ import annotations
 
@@ -6,16 +6,65 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import cycle as endless
+from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from geometry import PlanarMesh, build_planar
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
 from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
 from wirewear.pictures.loops import loops_by_run
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
+from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
+from wirewear.planar.model import plan, require_affordable_meshes
+from wirewear.planar.tables import PlanarStudy
 from wirewear.results import BODIES, RunResult, Scar, read_loops
+
+
+def write_planar_meshes(study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
+    """Mesh both bodies; leave pad.vtu, specimen.vtu and boundary_conditions.png in a folder.
+
+    Raises:
+        StudyError: the study cannot be meshed, or asks for more memory than there is.
+        GeometryError: the mesh is distorted.  ResultError: the files cannot be written.
+    """
+    meshes = plan(study, fidelity)
+    require_affordable_meshes(study.name, meshes)
+    bodies = {"pad": build_planar(meshes.pad), "specimen": build_planar(meshes.specimen)}
+    with writing(ResultError, f"cannot write meshes to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, body in bodies.items():
+            with in_one_step(folder / f"{name}.vtu") as partial:
+                body.mesh.write(partial)
+    picture = save(
+        lambda: planar_supports(study, bodies["pad"], bodies["specimen"]), folder / "boundary_conditions.png"
+    )
+    return [*(folder / f"{name}.vtu" for name in bodies), picture]
+
+
+def planar_supports(study: PlanarStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:
+    """Both bodies with what holds and moves them, per mm of thickness."""
+    conditions, holder = study.conditions, study.holder
+    tangential, rotational = holder.tangential_stiffness_N_per_mm2, holder.rotational_stiffness_N_per_rad
+    supports = Supports(
+        load=f"{conditions.normal_load_N_per_mm:g} N/mm",
+        stroke=f"±{conditions.displacement_amplitude_um:g} µm",
+        tangential="" if tangential == "rigid" else f"{tangential:g} N/mm²",
+        rotational="" if rotational == "rigid" else f"{rotational:g} N/rad",
+        pivot_height=None if rotational == "rigid" else holder.pivot_height_mm,
+    )
+    view = ("pad on specimen, plane strain", _held(pad, upper=True), _held(specimen, upper=False))
+    return draw_boundary_conditions([view], supports, along_motion=[True])
+
+
+def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
+    points = body.mesh.points * np.array([1.0, -1.0 if upper else 1.0])
+    edges = points[body.mesh.boundary_edges()]
+    return HeldBody(edges, points[body.mesh.surfaces["grip"]], body.bedding is not None)
 
 
 def planar_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
