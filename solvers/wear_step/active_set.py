@@ -140,7 +140,7 @@ class CycleEquations:
             known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
         if constant.any():
             for face, own in zip(self.facing, self._parts(), strict=True):
-                known[own] += face.by_friction @ constant[own]
+                known[own] += face.by_friction @ constant[own][face.on]
         matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
         worn = work_slope * self.slip * self.wearing * self.cycles
         _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, opened, worn)
@@ -149,13 +149,12 @@ class CycleEquations:
         begin = np.searchsorted(on, self.first)
         for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
             mine = slice(begin[k], begin[k + 1])
-            local = on[mine] - self.first[k]
-            _add_elastic(matrix.T[mine, mine], local, face.by_pressure, face.by_friction, slope[own])
-            matrix[mine, size + k] = face.upward[local]
+            _add_elastic(matrix.T[mine, mine], face.on, face.by_pressure, face.by_friction, slope[own])
+            matrix[mine, size + k] = face.upward[face.on]
             if holder.approach_mm is not None:
                 matrix[size + k, size + k], rhs[size + k] = 1.0, -holder.approach_mm
                 continue
-            matrix[size + k, mine] = (face.lift[0] + slope[own] * face.lift[1])[local]
+            matrix[size + k, mine] = (face.lift[0] + slope[own] * face.lift[1])[face.on]
             matrix[size + k, size + k] = -holder.normal_stiffness_N_per_mm
             rhs[size + k] = holder.load_N(0.0, self.pressed_z) - face.stuck_lift - face.lift[1] @ constant[own]
         unknowns = np.concatenate([on, len(active) + np.arange(count)])
@@ -164,9 +163,8 @@ class CycleEquations:
         new[on], height = solution[:size], solution[size:]
         gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
         gap += opened * (self.opening @ (worn * new))
-        for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
-            local = on[begin[k] : begin[k + 1]] - self.first[k]
-            _add_moved(gap[own], local, face.by_pressure, face.by_friction, slope[own], new[own])
+        for face, own in zip(self.facing, self._parts(), strict=True):
+            _add_moved(gap[own], face.on, face.by_pressure, face.by_friction, slope[own], new[own])
         linear = self.layers is None and not constant.any() and not work_constant.any()
         return new, height, gap, linear
 
@@ -199,7 +197,7 @@ def _add_elastic(transposed: Array, on: IntArray, by_pressure: Array, by_frictio
     """
     for j in range(len(on)):
         for i in range(len(on)):
-            transposed[j, i] += by_pressure[on[i], on[j]] + by_friction[on[i], on[j]] * slope[on[j]]
+            transposed[j, i] += by_pressure[on[i], j] + by_friction[on[i], j] * slope[on[j]]
 
 
 @compiled
@@ -207,8 +205,8 @@ def _add_moved(gap: Array, on: IntArray, by_pressure: Array, by_friction: Array,
     """Add to gaps (u,) what pressures on unknowns `on` do with that friction."""
     for i in range(len(gap)):
         moved = 0.0
-        for j in on:
-            moved += (by_pressure[i, j] + by_friction[i, j] * slope[j]) * pressure[j]
+        for j in range(len(on)):
+            moved += (by_pressure[i, j] + by_friction[i, j] * slope[on[j]]) * pressure[on[j]]
         gap[i] += moved
 
 

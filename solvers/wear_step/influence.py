@@ -23,31 +23,56 @@ def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:
     return moved.reshape(len(forces), -1, 3)
 
 
-def influence(primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray) -> Array:
-    """Relative displacement of paired nodes by unit tractions on the same nodes and their images, (r, 3, r, 3), mm/MPa.
+class Influence:
+    """Relative displacement of r paired nodes by unit tractions on the same nodes and their images, which is worked out
+    for tractions on nodes that come into contact.
 
-    rows: (r,) of the pairing's nodes.  images: (r,) their mirror images across the motion, which carry mirrored
-    tractions; a node that is its own image has none besides.
-    The second axis is the displacement's, the last the traction's component, in world axes.
+    matrix: (r, 3, r, 3), mm/MPa, zero for others. The second axis is the displacement's, the last the traction's
+    component, in world axes.
     """
-    transfer = pairing.opposite
-    faced, place = _numbered(transfer.columns, transfer.size)
-    # The mirror images are loaded, but what they do is asked for at the rows alone.
-    asked, asked_place = _numbered(transfer.faced_by(rows), transfer.size)
-    needed, column = _numbered(np.concatenate([rows, images]), len(pairing.nodes))
-    return _influence(
-        primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
-        secondary.folded.between(asked, faced),
-        pairing.areas,
-        rows,
-        images,
-        column,
-        _ACROSS,
-        transfer.first,
-        asked_place[transfer.columns],
-        place[transfer.columns],
-        transfer.weights,
-    )
+
+    def __init__(
+        self, primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray
+    ) -> None:
+        """Nothing is known yet.
+
+        rows: (r,) of the pairing's nodes.  images: (r,) their mirror images across the motion, which carry mirrored
+        tractions; a node that is its own image has none besides.
+        """
+        self._bodies, self._pairing, self._rows, self._images = (primary, secondary), pairing, rows, images
+        # The mirror images are loaded, but what they do is asked for at the rows alone.
+        self._asked, self._asked_place = _numbered(pairing.opposite.faced_by(rows), pairing.opposite.size)
+        self._known = np.zeros(len(rows), dtype=bool)
+        self.matrix = np.zeros((len(rows), 3, len(rows), 3))
+
+    def of(self, on: IntArray) -> Array:
+        """The matrix, with what tractions on some of the rows (a,) do."""
+        missing = on[~self._known[on]]
+        if len(missing):
+            self._known[missing] = True
+            self._add(missing)
+        return self.matrix
+
+    def _add(self, missing: IntArray) -> None:
+        pairing, transfer = self._pairing, self._pairing.opposite
+        (primary, secondary), loaded = self._bodies, np.stack([self._rows[missing], self._images[missing]], axis=1)
+        needed, column = _numbered(loaded.ravel(), len(pairing.nodes))
+        faced, place = _numbered(transfer.faced_by(needed), transfer.size)
+        _add_influence(
+            self.matrix,
+            missing,
+            primary.folded.between(pairing.nodes[self._rows], pairing.nodes[needed]),
+            secondary.folded.between(self._asked, faced),
+            pairing.areas,
+            self._rows,
+            loaded,
+            column,
+            _ACROSS,
+            transfer.first,
+            self._asked_place[transfer.columns],
+            place[transfer.columns],
+            transfer.weights,
+        )
 
 
 def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
@@ -58,26 +83,27 @@ def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
 
 
 @compiled
-def _influence(
+def _add_influence(
+    matrix: Array,
+    missing: IntArray,
     own: Array,
     other: Array,
     areas: Array,
     rows: IntArray,
-    images: IntArray,
+    loaded: IntArray,
     column: IntArray,
     signs: Array,
     first: IntArray,
     asked: IntArray,
     columns: IntArray,
     weights: Array,
-) -> Array:
+) -> None:
     """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c.  other: (3 e, 3 f) of the
     secondary's nodes that the rows face, to which `asked` refers, and of all that are faced, to which columns refer.
+    loaded: (m, 2) the nodes of the missing rows (m,), and their images.
     """
-    count = len(rows)
-    result = np.zeros((count, 3, count, 3))
     moved = np.empty(other.shape[1])
-    for i in range(count):
+    for i in range(len(rows)):
         row = rows[i]
         for a in range(3):
             # Displacement of the row's node, averaged over the secondary nodes that it faces, by forces on all faced.
@@ -86,11 +112,12 @@ def _influence(
                 source, weight = other[3 * asked[entry] + a], weights[entry] / areas[row]
                 for c in range(len(moved)):
                     moved[c] += weight * source[c]
-            target, direct = result[i, a], own[3 * i + a]
-            for j in range(count):
+            direct = own[3 * i + a]
+            for j in range(len(missing)):
+                target = matrix[i, a, missing[j]]
                 for side in range(2):
-                    node = rows[j] if side == 0 else images[j]
-                    if side == 1 and node == rows[j]:
+                    node = loaded[j, side]
+                    if side == 1 and node == loaded[j, 0]:
                         continue
                     k = 3 * column[node]
                     # Three sums at once, which stay in registers: this is a run's innermost loop.
@@ -102,7 +129,6 @@ def _influence(
                         z += weight * moved[k + 2]
                     if side == 1:
                         x, y, z = signs[0] * x, signs[1] * y, signs[2] * z
-                    target[j, 0] += x
-                    target[j, 1] += y
-                    target[j, 2] += z
-    return result
+                    target[0] += x
+                    target[1] += y
+                    target[2] += z

@@ -64,7 +64,7 @@ def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Arr
     law = problem.law
     change = (now - before)[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
     held = np.flatnonzero((before > 0.0) & ~frictions.any(axis=1))
-    influence, weights = cycle.influences[end], orbits.areas[own] * orbits.twice[own]
+    influence, weights = cycle.influences[end].matrix, orbits.areas[own] * orbits.twice[own]
     moved = np.einsum("iajb,jb->ia", influence, change)
     sheared = _shear_compliance(problem.layers, cycle, worn, now, own)
     if len(sheared):

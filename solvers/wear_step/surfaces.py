@@ -15,6 +15,7 @@ from solvers.contact_layer import ContactLayer, open_share
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
+from solvers.wear_step.influence import Influence
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
@@ -32,15 +33,16 @@ Depths = tuple[Array, Array]
 class Facing(NamedTuple):
     """One position on surfaces of given depth, with its u unknowns; tractions in MPa, lengths in mm.
 
-    upward: (u,) z component of the normals.  by_pressure, by_friction: (u, u) normal displacement by unit pressure and
-    by unit friction in its direction, of unknowns in contact; zero of others.  by_stuck: (u,) that by the tractions of
-    sticking nodes.
+    upward: (u,) z component of the normals.  on: (a,) unknowns in contact.  by_pressure, by_friction: (u, a) normal
+    displacement by unit pressure and by unit friction in its direction on these.  by_stuck: (u,) that by the tractions
+    of sticking nodes.
     lift, pull: (2, u) load along z and x by unit pressure and by unit friction at each unknown and its image, mm².
     stuck_lift, stuck_pull: what sticking nodes add, N.
     normals, frictions, stuck: (k, 3) unit normal, direction of friction and stuck traction of all nodes.
     """
 
     upward: Array
+    on: IntArray
     by_pressure: Array
     by_friction: Array
     by_stuck: Array
@@ -57,7 +59,7 @@ class Facing(NamedTuple):
 class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
-    influences: for each position (u, 3, u, 3), see `influence`.  half_cycle: the mirror whose image of the positions is
+    influences: for each position, of its u unknowns.  half_cycle: the mirror whose image of the positions is
     the other half of the cycle, where they are half of one.  wearing: (N,) factor on the wear coefficients.
     layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
     pressures.
@@ -65,7 +67,7 @@ class Cycle:
 
     positions: tuple[Position, ...]
     orbits: Orbits
-    influences: tuple[Array, ...]
+    influences: tuple[Influence, ...]
     depths: Depths
     half_cycle: Mirror | None
     wearing: Array
@@ -107,6 +109,7 @@ class Cycle:
         weights = self.orbits.areas * self.orbits.twice
         for k, (position, rows) in enumerate(zip(self.positions, self.orbits.rows, strict=True)):
             pairing, own = position.pairing, slice(start[k], start[k + 1])
+            on, loaded = np.flatnonzero(active[own]), active[own] | position.stuck[rows].any(axis=1)
             faced = _faced(
                 averaging.first,
                 averaging.columns,
@@ -122,9 +125,9 @@ class Cycle:
                 position.state.core,
                 position.direction,
                 position.stuck,
-                self.influences[k],
+                self.influences[k].of(np.flatnonzero(loaded)),
                 rows,
-                active[own],
+                on,
                 weights[own],
             )
             found.append(Facing(*faced))
@@ -158,13 +161,14 @@ def _faced(
     stuck: Array,
     influence: Array,
     rows: IntArray,
-    active: BoolArray,
+    on: IntArray,
     weights: Array,
-) -> tuple[Array, Array, Array, Array, Array, Array, float, float, Array, Array, Array]:
+) -> tuple[Array, IntArray, Array, Array, Array, Array, Array, float, float, Array, Array, Array]:
     """The entries of `Facing` of one position.
 
     primary, secondary: (n, 2) by how much slopes turn at the nodes of either patch, which the averaging of the one and
-    the transfer to the other take to k paired nodes.  core: (n,).  rows, weights, active: (u,) of the unknowns.
+    the transfer to the other take to k paired nodes.  core: (n,).  rows, weights: (u,) of the
+    unknowns, `on` (a,) in contact.
     """
     own = weighted_sums(first, columns, shares, primary, nodes)
     other = weighted_sums(other_first, other_columns, other_shares, secondary, np.arange(len(nodes)))
@@ -184,16 +188,20 @@ def _faced(
             held[k, c] = stuck[k, 0] * frame[1, c] + stuck[k, 1] * frame[2, c]
         stuck_lift += areas[k] * held[k, 2]
         stuck_pull += areas[k] * held[k, 0]
-    count, sticks = len(rows), False
+    count, held_rows, sticking = len(rows), np.empty(len(rows), np.int64), 0
     upward, lift, pull = np.empty(count), np.empty((2, count)), np.empty((2, count))
     for i in range(count):
         node = rows[i]
         upward[i] = normals[node, 2]
         lift[0, i], lift[1, i] = weights[i] * normals[node, 2], weights[i] * frictions[node, 2]
         pull[0, i], pull[1, i] = weights[i] * normals[node, 0], weights[i] * frictions[node, 0]
-        sticks |= held[node, 0] != 0.0 or held[node, 1] != 0.0 or held[node, 2] != 0.0
-    by_pressure, by_friction, by_stuck = _along_normals(influence, normals, frictions, held, rows, active, sticks)
-    return upward, by_pressure, by_friction, by_stuck, lift, pull, stuck_lift, stuck_pull, normals, frictions, held
+        if held[node, 0] != 0.0 or held[node, 1] != 0.0 or held[node, 2] != 0.0:
+            held_rows[sticking] = i
+            sticking += 1
+    by_pressure, by_friction, by_stuck = _along_normals(
+        influence, normals, frictions, held, rows, on, held_rows[:sticking]
+    )
+    return upward, on, by_pressure, by_friction, by_stuck, lift, pull, stuck_lift, stuck_pull, normals, frictions, held
 
 
 @inlined
@@ -203,25 +211,28 @@ def _along_normals(
     frictions: Array,
     stuck: Array,
     rows: IntArray,
-    active: BoolArray,
-    sticks: bool,
+    on: IntArray,
+    sticking: IntArray,
 ) -> tuple[Array, Array, Array]:
-    """Normal displacement (u, u) by unit pressures and by unit friction on active ones of the rows (u,), and (u,) by
-    stuck tractions, if any sticks; all vectors are (k, 3).
+    """Normal displacement at the rows (u,) by unit pressures and by unit friction on some of them, (u, a), and (u,) by
+    stuck tractions on others; all vectors are (k, 3).
     """
     count = len(rows)
-    by_pressure, by_friction, by_stuck = np.zeros((count, count)), np.zeros((count, count)), np.zeros(count)
-    # Component by component of displacement and then of traction: the first loop runs through memory in one go.
-    by_row, lifted = influence.reshape(count, 3, 3 * count), np.empty(3 * count)
+    by_pressure, by_friction, by_stuck = np.empty((count, len(on))), np.empty((count, len(on))), np.zeros(count)
     for i in range(count):
-        n0, n1, n2 = normals[rows[i], 0], normals[rows[i], 1], normals[rows[i], 2]
-        for c in range(3 * count):
-            lifted[c] = n0 * by_row[i, 0, c] + n1 * by_row[i, 1, c] + n2 * by_row[i, 2, c]
-        for j in range(count):
-            x, y, z, node = lifted[3 * j], lifted[3 * j + 1], lifted[3 * j + 2], rows[j]
-            if active[j]:
-                by_pressure[i, j] = x * normals[node, 0] + y * normals[node, 1] + z * normals[node, 2]
-                by_friction[i, j] = x * frictions[node, 0] + y * frictions[node, 1] + z * frictions[node, 2]
-            if sticks:
-                by_stuck[i] += x * stuck[node, 0] + y * stuck[node, 1] + z * stuck[node, 2]
+        own, target = influence[i], normals[rows[i]]
+        for a in range(len(on)):
+            j, along = on[a], normals[rows[on[a]]]
+            side = frictions[rows[j]]
+            pressed = rubbed = 0.0
+            for c in range(3):
+                moved = target[0] * own[0, j, c] + target[1] * own[1, j, c] + target[2] * own[2, j, c]
+                pressed += moved * along[c]
+                rubbed += moved * side[c]
+            by_pressure[i, a], by_friction[i, a] = pressed, rubbed
+        for j in sticking:
+            held = stuck[rows[j]]
+            for c in range(3):
+                moved = target[0] * own[0, j, c] + target[1] * own[1, j, c] + target[2] * own[2, j, c]
+                by_stuck[i] += moved * held[c]
     return by_pressure, by_friction, by_stuck
