@@ -3,19 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
+from math import nan
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from solvers.compiled import compiled
+from solvers.compiled import compiled, inlined
 from solvers.contact import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
-from solvers.wear_step.similar_equations import SimilarEquations
-from solvers.wear_step.surfaces import Cycle, Depths, Facing
+from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
 
 Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -46,15 +46,13 @@ class CycleEquations:
 
     base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along z
     opened by wear work per area, of which layers fill a part.  open_share: the rest.  slip: (N,) mm.  wearing: (N,)
-    factor on the wear coefficients.  cycles: (N,) for which each unknown wears.  first: (positions + 1,) where
-    positions begin.
-    pressed_z: height to which the loading spring refers, mm.  similar: what is known of such equations so far.
+    factor on the wear coefficients.  cycles: (N,) for which each unknown wears.
+    pressed_z: height to which the loading spring refers, mm.
     """
 
     problem: ContactProblem
-    facing: tuple[Facing, ...]
-    first: IntArray
-    upward: Array
+    cycle: Cycle
+    facing: Facing
     base: Array
     opening: csr_matrix
     open_share: float
@@ -63,14 +61,13 @@ class CycleEquations:
     cycles: Array
     layers: LayersAtNodes | None
     pressed_z: float
-    similar: SimilarEquations
 
     @classmethod
     def of(
         cls,
         problem: ContactProblem,
         cycle: Cycle,
-        facing: tuple[Facing, ...],
+        facing: Facing,
         gaps: Array,
         opening: csr_matrix,
         slip: Array,
@@ -80,7 +77,6 @@ class CycleEquations:
     ) -> CycleEquations:
         """Those of a stage on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
         orbits = cycle.orbits
-        upward = np.concatenate([face.upward for face in facing])
         layers = None
         if problem.layers:
             # In sliding layers are sheared steadily: only their closure matters.
@@ -88,10 +84,9 @@ class CycleEquations:
             layers = layers_at_nodes(problem.layers, orbits.opening(*worn), none, none)
         return cls(
             problem=problem,
+            cycle=cycle,
             facing=facing,
-            first=orbits.start,
-            upward=upward,
-            base=upward * gaps + np.concatenate([face.by_stuck for face in facing]),
+            base=facing.upward * gaps + facing.by_stuck,
             opening=opening,
             open_share=open_share(problem.layers),
             slip=slip,
@@ -99,7 +94,6 @@ class CycleEquations:
             cycles=cycles,
             layers=layers,
             pressed_z=cycle.positions[0].state.pressed_z,
-            similar=cycle.similar,
         )
 
     @property
@@ -127,50 +121,43 @@ class CycleEquations:
         """One step of Newton's method from pressures (N,): new ones, heights (positions,), all gaps (N,), and whether
         no further step is needed on this active set.
         """
-        holder, count = self.problem.holder, len(self.facing)
-        on = np.flatnonzero(active)
-        size = len(on)
+        cycle, holder, on = self.cycle, self.problem.holder, np.flatnonzero(active)
         closure, softness = self._closure(about)
         slope, constant = self.problem.law.tangent(about)
         work_slope, work_constant = self._wear_work.tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
-        opened = self.open_share * self.upward
+        opened = self.open_share * self.facing.upward
         known = self.base + closure - softness * about
         if work_constant.any():
             known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
-        if constant.any():
-            for face, own in zip(self.facing, self._parts(), strict=True):
-                known[own] += face.by_friction @ constant[own][face.on]
-        matrix, rhs = np.zeros((size + count, size + count), order="F"), np.zeros(size + count)
-        worn = work_slope * self.slip * self.wearing * self.cycles
-        _fill(matrix.T, self.opening.indptr, self.opening.indices, self.opening.data, on, opened, worn)
-        matrix[np.arange(size), np.arange(size)] += softness[on]
-        rhs[:size] = -known[on]
-        begin = np.searchsorted(on, self.first)
-        for k, (face, own) in enumerate(zip(self.facing, self._parts(), strict=True)):
-            mine = slice(begin[k], begin[k + 1])
-            _add_elastic(matrix.T[mine, mine], face.on, face.by_pressure, face.by_friction, slope[own])
-            matrix[mine, size + k] = face.upward[face.on]
-            if holder.approach_mm is not None:
-                matrix[size + k, size + k], rhs[size + k] = 1.0, -holder.approach_mm
-                continue
-            matrix[size + k, mine] = (face.lift[0] + slope[own] * face.lift[1])[face.on]
-            matrix[size + k, size + k] = -holder.normal_stiffness_N_per_mm
-            rhs[size + k] = holder.load_N(0.0, self.pressed_z) - face.stuck_lift - face.lift[1] @ constant[own]
-        unknowns = np.concatenate([on, len(active) + np.arange(count)])
-        solution = _scaled_solution(matrix, rhs, unknowns, size, self.similar)
-        new = np.zeros(len(active))
-        new[on], height = solution[:size], solution[size:]
-        gap = known + softness * new + self.upward * np.repeat(height, np.diff(self.first))
-        gap += opened * (self.opening @ (worn * new))
-        for face, own in zip(self.facing, self._parts(), strict=True):
-            _add_moved(gap[own], face.on, face.by_pressure, face.by_friction, slope[own], new[own])
+        terms = _Terms(
+            start=cycle.orbits.start,
+            rows=cycle.nodes.rows,
+            on=on,
+            store=cycle.influences.store,
+            at=cycle.influences.at,
+            first=self.opening.indptr,
+            columns=self.opening.indices,
+            opening=self.opening.data,
+            opened=opened,
+            worn=work_slope * self.slip * self.wearing * self.cycles,
+            softness=softness,
+            slope=slope,
+            constant=constant,
+            known=known,
+            load_N=nan if holder.approach_mm is not None else holder.load_N(0.0, self.pressed_z),
+            approach_mm=holder.approach_mm or 0.0,
+            spring_N_per_mm=holder.normal_stiffness_N_per_mm,
+        )
+        transposed, rhs, row, column, moved = _equations(terms, self.facing)
+        unknowns = np.concatenate([on, len(active) + np.arange(len(cycle.positions))])
+        scaled = cycle.similar.solution(unknowns, transposed.T, rhs, row, column)
+        if scaled is None or not np.all(np.isfinite(scaled)):
+            raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
+        solution = scaled * column
+        new, gap = _solved(terms, self.facing.upward, solution, moved)
         linear = self.layers is None and not constant.any() and not work_constant.any()
-        return new, height, gap, linear
-
-    def _parts(self) -> list[slice]:
-        """Where each position's unknowns stand."""
-        return [slice(a, b) for a, b in pairwise(self.first)]
+        return new, solution[len(on) :], gap, linear
 
     def _closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (N,) of what lies between the surfaces, and its derivative by the pressure."""
@@ -181,33 +168,121 @@ class CycleEquations:
         return closure + penalty * pressure, softness + penalty
 
 
-def _scaled_solution(matrix: Array, rhs: Array, unknowns: IntArray, pressures: int, similar: SimilarEquations) -> Array:
-    """Solution of equations whose first rows are gaps of nodes and last ones loads, scaled to be of order one."""
-    row, column = _scaled(matrix.T, pressures)
-    solution = similar.solution(unknowns, matrix, row * rhs, row, column)
-    if solution is None or not np.all(np.isfinite(solution)):
-        raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
-    return np.asarray(solution * column)
+class _Terms(NamedTuple):
+    """What the equations of N unknowns are made of: arrays over the unknowns, and plain numbers.
 
-
-@compiled
-def _add_elastic(transposed: Array, on: IntArray, by_pressure: Array, by_friction: Array, slope: Array) -> None:
-    """Add what unit pressure does among unknowns `on` with the friction that follows it, `slope` (u,) times as large,
-    to a transposed matrix of these.
+    start: (positions + 1,) where positions begin.  rows: see `Nodes`.  on: (a,) unknowns in contact.  store, at: see
+    `Influences`.  first, columns, opening: the sparse matrix of what opens; its rows count `opened` times, its columns
+    `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which gets
+    what constant friction does.  load_N: at height 0, NaN under a held approach.
     """
-    for j in range(len(on)):
-        for i in range(len(on)):
-            transposed[j, i] += by_pressure[on[i], j] + by_friction[on[i], j] * slope[on[j]]
+
+    start: IntArray
+    rows: IntArray
+    on: IntArray
+    store: Array
+    at: IntArray
+    first: IntArray
+    columns: IntArray
+    opening: Array
+    opened: Array
+    worn: Array
+    softness: Array
+    slope: Array
+    constant: Array
+    known: Array
+    load_N: float
+    approach_mm: float
+    spring_N_per_mm: float
 
 
 @compiled
-def _add_moved(gap: Array, on: IntArray, by_pressure: Array, by_friction: Array, slope: Array, pressure: Array) -> None:
-    """Add to gaps (u,) what pressures on unknowns `on` do with that friction."""
-    for i in range(len(gap)):
-        moved = 0.0
-        for j in range(len(on)):
-            moved += (by_pressure[i, j] + by_friction[i, j] * slope[on[j]]) * pressure[on[j]]
-        gap[i] += moved
+def _equations(terms: _Terms, facing: Facing) -> tuple[Array, Array, Array, Array, Array]:
+    """The transposed matrix and the right-hand side, scaled to be of order one, and the factors of rows and columns;
+    normal displacement at all unknowns of a position by unit pressure on each in contact, with the friction that
+    follows it, one after another.
+    """
+    start, on = terms.start, terms.on
+    size, count = len(on), len(start) - 1
+    transposed, rhs = np.zeros((size + count, size + count)), np.zeros(size + count)
+    place, position = np.full(len(terms.known), -1), np.empty(size, np.int64)
+    k = 0
+    for a in range(size):
+        while on[a] >= start[k + 1]:
+            k += 1
+        place[on[a]], position[a] = a, k
+    moved = _elastic(terms, facing, position, place, transposed)
+    held = np.isnan(terms.load_N)
+    for k in range(count):
+        transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
+        rhs[size + k] = -terms.approach_mm if held else terms.load_N - facing.stuck_lift[k]
+    for a in range(size):
+        i, z = on[a], size + position[a]
+        for entry in range(terms.first[i], terms.first[i + 1]):
+            j = place[terms.columns[entry]]
+            if j >= 0:
+                transposed[j, a] += terms.opened[i] * terms.opening[entry] * terms.worn[terms.columns[entry]]
+        transposed[a, a] += terms.softness[i]
+        rhs[a] = -terms.known[i]
+        transposed[z, a] = facing.upward[i]
+        if not held:
+            transposed[a, z] = facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]
+            rhs[z] -= facing.lift[1, i] * terms.constant[i]
+    row, column = _scaled(transposed, size)
+    for i in range(len(rhs)):
+        rhs[i] *= row[i]
+    return transposed, rhs, row, column, moved
+
+
+@inlined
+def _elastic(terms: _Terms, facing: Facing, position: IntArray, place: IntArray, transposed: Array) -> Array:
+    """Normal displacements as `_equations` returns them, put into its matrix; what constant friction does, into gaps.
+
+    position: (a,) of unknowns in contact.  place: (N,) of unknowns among these, or -1.
+    """
+    entries = 0
+    for k in position:
+        entries += terms.start[k + 1] - terms.start[k]
+    moved, entry = np.empty(entries), 0
+    for a in range(len(position)):
+        j = terms.on[a]
+        begin, end, slope = terms.start[position[a]], terms.start[position[a] + 1], terms.slope[j]
+        normal, friction = facing.normals[terms.rows[j]], facing.frictions[terms.rows[j]]
+        x, y, z = normal[0] + slope * friction[0], normal[1] + slope * friction[1], normal[2] + slope * friction[2]
+        for i in range(begin, end):
+            block, along = terms.at[j] + 9 * (i - begin), facing.normals[terms.rows[i]]
+            moved[entry] = moved_along(terms.store, block, along, x, y, z)
+            if place[i] >= 0:
+                transposed[a, place[i]] = moved[entry]
+            if terms.constant[j] != 0.0:
+                rubbed = moved_along(terms.store, block, along, friction[0], friction[1], friction[2])
+                terms.known[i] += terms.constant[j] * rubbed
+            entry += 1
+    return moved
+
+
+@compiled
+def _solved(terms: _Terms, upward: Array, solution: Array, moved: Array) -> tuple[Array, Array]:
+    """Pressures and gaps (N,) of a solution, of which `moved` is as in `_equations`."""
+    start, on = terms.start, terms.on
+    new, gap = np.zeros(len(upward)), np.empty(len(upward))
+    for a in range(len(on)):
+        new[on[a]] = solution[a]
+    for k in range(len(start) - 1):
+        for i in range(start[k], start[k + 1]):
+            worn = 0.0
+            for entry in range(terms.first[i], terms.first[i + 1]):
+                worn += terms.opening[entry] * terms.worn[terms.columns[entry]] * new[terms.columns[entry]]
+            gap[i] = terms.known[i] + terms.softness[i] * new[i] + upward[i] * solution[len(on) + k]
+            gap[i] += terms.opened[i] * worn
+    k, entry = 0, 0
+    for a in range(len(on)):
+        while on[a] >= start[k + 1]:
+            k += 1
+        for i in range(start[k], start[k + 1]):
+            gap[i] += moved[entry] * new[on[a]]
+            entry += 1
+    return new, gap
 
 
 @compiled
@@ -235,19 +310,3 @@ def _scaled(transposed: Array, pressures: int) -> tuple[Array, Array]:
         for i in range(size):
             transposed[j, i] = transposed[j, i] * factor * row[i]
     return row, column
-
-
-@compiled
-def _fill(
-    transposed: Array, first: IntArray, columns: IntArray, data: Array, on: IntArray, rows: Array, factors: Array
-) -> None:
-    """Write a sparse matrix' part between unknowns `on`, its rows and columns times factors, into a dense transpose."""
-    place = np.full(len(rows), -1)
-    for i in range(len(on)):
-        place[on[i]] = i
-    for i in range(len(on)):
-        row = on[i]
-        for entry in range(first[row], first[row + 1]):
-            j = place[columns[entry]]
-            if j >= 0:
-                transposed[j, i] += rows[row] * data[entry] * factors[columns[entry]]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from solvers.placement import PlacedBody
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
 
 # What a mirror across the motion leaves of a vector's components in world axes.
 _ACROSS = np.array([1.0, -1.0, 1.0])
@@ -23,53 +26,69 @@ def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:
     return moved.reshape(len(forces), -1, 3)
 
 
-class Influence:
-    """Relative displacement of r paired nodes by unit tractions on the same nodes and their images, which is worked out
-    for tractions on nodes that come into contact.
+class Influences:
+    """Relative displacement of the nodes of each position of a cycle by unit tractions on one of them and its image,
+    worked out when it is first asked for; N unknowns of all positions one after another.
 
-    matrix: (r, 3, r, 3), mm/MPa, zero for others. The second axis is the displacement's, the last the traction's
-    component, in world axes.
+    store: those known, one block after another: (u, 3, 3) mm/MPa of the u unknowns at the loaded one's position, by
+    component of displacement and traction in world axes.  at: (N,) where the block of each begins, or -1.
     """
 
     def __init__(
-        self, primary: PlacedBody, secondary: PlacedBody, pairing: Pairing, rows: IntArray, images: IntArray
+        self,
+        bodies: tuple[PlacedBody, PlacedBody],
+        pairings: Sequence[Pairing],
+        nodes: Sequence[tuple[IntArray, IntArray]],
     ) -> None:
         """Nothing is known yet.
 
-        rows: (r,) of the pairing's nodes.  images: (r,) their mirror images across the motion, which carry mirrored
-        tractions; a node that is its own image has none besides.
+        bodies: primary and secondary.  nodes: for each position, (u,) its unknowns among the pairing's nodes, and their
+        mirror images across the motion, which carry mirrored tractions; a node that is its own image has none besides.
         """
-        self._bodies, self._pairing, self._rows, self._images = (primary, secondary), pairing, rows, images
+        self._bodies, self._pairings, self._nodes = bodies, pairings, nodes
+        self._start = np.concatenate([[0], np.cumsum([len(rows) for rows, _ in nodes])])
+        self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
+
+    def know(self, loaded: BoolArray) -> None:
+        """Work out what tractions on loaded ones of the unknowns (N,) do."""
+        missing = np.flatnonzero(loaded & (self.at < 0))
+        for k in np.unique(np.searchsorted(self._start, missing, side="right") - 1):
+            begin, end = self._start[k], self._start[k + 1]
+            self._add(k, missing[(missing >= begin) & (missing < end)] - begin)
+
+    def dense(self, k: int) -> Array:
+        """Those at one position, (u, 3, u, 3) with the traction's unknown and component last, zero where not known."""
+        begin, end = self._start[k], self._start[k + 1]
+        matrix, known = np.zeros((end - begin, 3, end - begin, 3)), begin + np.flatnonzero(self.at[begin:end] >= 0)
+        for j in known:
+            block = self.store[self.at[j] : self.at[j] + 9 * (end - begin)]
+            matrix[:, :, j - begin] = block.reshape(-1, 3, 3)
+        return matrix
+
+    def _add(self, k: int, missing: IntArray) -> None:
+        pairing, (rows, images) = self._pairings[k], self._nodes[k]
+        transfer, (primary, secondary) = pairing.opposite, self._bodies
+        begin, size = self._used, 9 * len(rows)
+        self._used += len(missing) * size
+        if self._used > len(self.store):
+            self.store = np.concatenate([self.store[:begin], np.empty(max(self._used - begin, begin))])
+        self.at[self._start[k] + missing] = begin + size * np.arange(len(missing))
         # The mirror images are loaded, but what they do is asked for at the rows alone.
-        self._asked, self._asked_place = _numbered(pairing.opposite.faced_by(rows), pairing.opposite.size)
-        self._known = np.zeros(len(rows), dtype=bool)
-        self.matrix = np.zeros((len(rows), 3, len(rows), 3))
-
-    def of(self, on: IntArray) -> Array:
-        """The matrix, with what tractions on some of the rows (a,) do."""
-        missing = on[~self._known[on]]
-        if len(missing):
-            self._known[missing] = True
-            self._add(missing)
-        return self.matrix
-
-    def _add(self, missing: IntArray) -> None:
-        pairing, transfer = self._pairing, self._pairing.opposite
-        (primary, secondary), loaded = self._bodies, np.stack([self._rows[missing], self._images[missing]], axis=1)
+        loaded = np.stack([rows[missing], images[missing]], axis=1)
         needed, column = _numbered(loaded.ravel(), len(pairing.nodes))
+        asked, asked_place = _numbered(transfer.faced_by(rows), transfer.size)
         faced, place = _numbered(transfer.faced_by(needed), transfer.size)
-        _add_influence(
-            self.matrix,
-            missing,
-            primary.folded.between(pairing.nodes[self._rows], pairing.nodes[needed]),
-            secondary.folded.between(self._asked, faced),
+        _influence(
+            self.store[begin : self._used].reshape(len(missing), len(rows), 3, 3),
+            primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
+            secondary.folded.between(asked, faced),
             pairing.areas,
-            self._rows,
+            rows,
             loaded,
             column,
             _ACROSS,
             transfer.first,
-            self._asked_place[transfer.columns],
+            asked_place[transfer.columns],
             place[transfer.columns],
             transfer.weights,
         )
@@ -83,9 +102,8 @@ def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
 
 
 @compiled
-def _add_influence(
-    matrix: Array,
-    missing: IntArray,
+def _influence(
+    blocks: Array,
     own: Array,
     other: Array,
     areas: Array,
@@ -100,7 +118,7 @@ def _add_influence(
 ) -> None:
     """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c.  other: (3 e, 3 f) of the
     secondary's nodes that the rows face, to which `asked` refers, and of all that are faced, to which columns refer.
-    loaded: (m, 2) the nodes of the missing rows (m,), and their images.
+    blocks: (m, r, 3, 3) to be written.  loaded: (m, 2) the loaded nodes and their images.
     """
     moved = np.empty(other.shape[1])
     for i in range(len(rows)):
@@ -113,12 +131,10 @@ def _add_influence(
                 for c in range(len(moved)):
                     moved[c] += weight * source[c]
             direct = own[3 * i + a]
-            for j in range(len(missing)):
-                target = matrix[i, a, missing[j]]
-                for side in range(2):
+            for j in range(len(loaded)):
+                target = blocks[j, i, a]
+                for side in range(1 if loaded[j, 1] == loaded[j, 0] else 2):
                     node = loaded[j, side]
-                    if side == 1 and node == loaded[j, 0]:
-                        continue
                     k = 3 * column[node]
                     # Three sums at once, which stay in registers: this is a run's innermost loop.
                     x, y, z = direct[k] * areas[node], direct[k + 1] * areas[node], direct[k + 2] * areas[node]
@@ -127,8 +143,9 @@ def _add_influence(
                         x += weight * moved[k]
                         y += weight * moved[k + 1]
                         z += weight * moved[k + 2]
-                    if side == 1:
-                        x, y, z = signs[0] * x, signs[1] * y, signs[2] * z
-                    target[0] += x
-                    target[1] += y
-                    target[2] += z
+                    if side == 0:
+                        target[0], target[1], target[2] = x, y, z
+                    else:
+                        target[0] += signs[0] * x
+                        target[1] += signs[1] * y
+                        target[2] += signs[2] * z

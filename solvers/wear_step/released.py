@@ -10,8 +10,6 @@ they bear less, or wear in.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -29,18 +27,18 @@ _LEAST_SLIP = 0.02
 
 
 def released_slip(
-    problem: ContactProblem, cycle: Cycle, facing: Sequence[Facing], pressure: Array, worn: Depths
+    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths
 ) -> tuple[Array, Array]:
     """Factors (N,) on the slip before and after each position of a strained cycle, under pressures (N,).
 
     worn: depths of the surfaces that carry them.
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
-    moved = [_released(problem, cycle, facing[end], pressure, worn, end) for end in ends]
+    moved = [_released(problem, cycle, facing, pressure, worn, end) for end in ends]
     starts = [half_cycle.image(moved[0], half_cycle.primary)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
     for end, there, here in zip(ends, starts, moved, strict=True):
-        fields.append(_longer(cycle, range(begin, end + 1), end, facing[end], here - there))
+        fields.append(_longer(cycle, range(begin, end + 1), end, facing, here - there))
         begin = end + 1
     stroke = np.searchsorted(ends, np.arange(len(cycle.positions)))
     following = np.append(stroke[1:], 0)
@@ -58,13 +56,13 @@ def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Arr
     position, orbits = cycle.positions[end], cycle.orbits
     own, rows = slice(orbits.start[end], orbits.start[end + 1]), orbits.rows[end]
     traction = position.state.traction[position.nodes[rows]]
-    normals, frictions = face.normals[rows], face.frictions[rows]
+    normals, frictions = face.normals[cycle.at(end)][rows], face.frictions[cycle.at(end)][rows]
     before = np.maximum(np.einsum("ij,ij->i", traction, position.pairing.frames[rows, 0, :]), 0.0)
     now = np.maximum(pressure[own], 0.0)
     law = problem.law
     change = (now - before)[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
     held = np.flatnonzero((before > 0.0) & ~frictions.any(axis=1))
-    influence, weights = cycle.influences[end].matrix, orbits.areas[own] * orbits.twice[own]
+    influence, weights = cycle.influences.dense(end), orbits.areas[own] * orbits.twice[own]
     moved = np.einsum("iajb,jb->ia", influence, change)
     sheared = _shear_compliance(problem.layers, cycle, worn, now, own)
     if len(sheared):
@@ -111,7 +109,7 @@ def _longer(cycle: Cycle, stroke: range, end: int, face: Facing, released: Array
         position = cycle.positions[k]
         slip[position.nodes] += position.before
     nodes = cycle.positions[end].nodes
-    more = -np.einsum("ij,ij->i", released[nodes], face.frictions)
+    more = -np.einsum("ij,ij->i", released[nodes], face.frictions[cycle.at(end)])
     factors = np.ones(len(released))
     slides = slip[nodes] > _LEAST_SLIP * float(slip.max())
     chosen = nodes[slides]

@@ -50,7 +50,7 @@ class StageSolution:
 
     pressure: Array
     height: Array
-    facing: tuple[Facing, ...]
+    facing: Facing
     friction_work: Array
     wear_work: Array
     cycles: Array
@@ -74,7 +74,8 @@ def solve_stage(
     stretch = every, every
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
-        facing = cycle.facing(problem, worn, active)
+        cycle.influences.know(active | cycle.sticks)
+        facing = cycle.facing(problem, worn)
         slip = _slip_lengths(cycle, stretch)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
@@ -115,7 +116,7 @@ def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
 
 
 def _stretch(
-    problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array, worn: Depths
+    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths
 ) -> tuple[Array, Array]:
     """By how much (N,) slips before and after each position are longer than traced."""
     if cycle.strained:
@@ -125,19 +126,17 @@ def _stretch(
     return before[position], after[position]
 
 
-def _carried(problem: ContactProblem, cycle: Cycle, facing: tuple[Facing, ...], pressure: Array) -> tuple[Array, Array]:
+def _carried(problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array) -> tuple[Array, Array]:
     """By how much (positions,) slips before and after each are longer because another friction force carries the
     holder to another place.
     """
     compliance, count = problem.holder.compliance_at_contact_mm_per_N, len(cycle.positions)
     if compliance == 0.0:
         return np.ones(count), np.ones(count)
-    start = cycle.orbits.start
-    shift = np.empty(count)
-    for k, (position, face) in enumerate(zip(cycle.positions, facing, strict=True)):
-        own = pressure[start[k] : start[k + 1]]
-        force = float(face.pull[0] @ own + face.pull[1] @ problem.law.limit(own)) + face.stuck_pull
-        shift[k] = compliance * (force - float(position.state.primary_force[:, 0].sum()))
+    forces = facing.pull[0] * pressure + facing.pull[1] * problem.law.limit(pressure)
+    traced = [float(position.state.primary_force[:, 0].sum()) for position in cycle.positions]
+    force = np.bincount(cycle.orbits.position, forces, count) + facing.stuck_pull
+    shift = np.asarray(compliance * (force - traced))
     sign = -1.0 if cycle.half else 1.0
     moved = np.array([position.moved for position in cycle.positions])
     moves = np.array([position.moves for position in cycle.positions])

@@ -153,7 +153,7 @@ def _traced_pressures(cycle: Cycle) -> Array:
 def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
     """The state at a position of the worn cycle, in equilibrium on the new surfaces where the bodies slide."""
     problem, orbits, position = stages.problem, cycle.orbits, cycle.positions[index]
-    face, pairing, nodes = stages.last.facing[index], position.pairing, position.nodes
+    face, at, pairing, nodes = stages.last.facing, cycle.at(index), position.pairing, position.nodes
     rows, images = orbits.rows[index], orbits.images[index]
     own = stages.last.pressure[orbits.start[index] : orbits.start[index + 1]]
     pressure = np.zeros(len(nodes))
@@ -161,7 +161,7 @@ def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:
     friction = problem.law.limit(pressure)
     traction = np.where(
         (pressure > 0.0)[:, None],
-        pressure[:, None] * face.normals + friction[:, None] * face.frictions + face.stuck,
+        pressure[:, None] * face.normals[at] + friction[:, None] * face.frictions[at] + face.stuck[at],
         0.0,
     )
     whole = np.zeros_like(position.state.traction)

@@ -16,7 +16,7 @@ from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
 from solvers.guide import Guide, guide_from
 from solvers.oxygen import edge_distances
-from solvers.wear_step.influence import Influence
+from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, orbits_of
 from solvers.wear_step.positions import Position, facing_nodes, positions_of
 from solvers.wear_step.stage import StageSolution
@@ -70,10 +70,9 @@ def jump_cycles(
     problem = problem_at(done, start.wear.energy_mJ)
     states, across = trace.states, symmetry.across
     nodes = [_with_images(facing_nodes(problem, state, _MARGIN), across) for state in states]
-    known: dict[int, Influence] = {}
     work = symmetry.strokes * trace.friction_work
     for _ in range(_MOST_SEARCHES):
-        kept, cycle = _cycle(problem, start, states, nodes, symmetry, known, work)
+        kept, cycle = _cycle(problem, start, states, nodes, symmetry, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
         missing = [_missing(stages, cycle, index) for index in range(len(cycle.positions))]
         if not any(len(found) for found in missing):
@@ -82,7 +81,6 @@ def jump_cycles(
         for k, more in zip(kept, missing, strict=True):
             if len(more):
                 nodes[k] = _with_images(np.union1d(nodes[k], more), across)
-                known.pop(k, None)
     raise NotConvergedError("the nodes that come to touch as the surfaces wear were not found")
 
 
@@ -92,10 +90,9 @@ def _cycle(
     states: tuple[ContactState, ...],
     nodes: list[IntArray],
     symmetry: Symmetry,
-    known: dict[int, Influence],
     work_mJ: float,
 ) -> tuple[list[int], Cycle]:
-    """The positions of the traced cycle that slide, and the last one, by their numbers; known: influences so far.
+    """The positions of the traced cycle that slide, and the last one, by their numbers.
 
     work_mJ: friction work of the whole cycle.
     """
@@ -103,11 +100,12 @@ def _cycle(
     kept = [k for k, position in enumerate(every) if position.slides or k == len(every) - 1]
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
-    for k, position, rows, images in zip(kept, positions, orbits.rows, orbits.images, strict=True):
-        if k not in known:
-            known[k] = Influence(problem.primary, problem.secondary, position.pairing, rows, images)
+    influences = Influences(
+        (problem.primary, problem.secondary),
+        [position.pairing for position in positions],
+        list(zip(orbits.rows, orbits.images, strict=True)),
+    )
     depths = start.wear.primary_depth, start.wear.secondary_depth
-    influences = tuple(known[k] for k in kept)
     half, wearing = symmetry.half_cycle, _wearing(problem, positions, orbits, work_mJ)
     return kept, Cycle(positions, orbits, influences, depths, half, wearing, problem.layers)
 

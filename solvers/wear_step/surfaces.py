@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from solvers.contact_layer import ContactLayer, open_share
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
-from solvers.wear_step.influence import Influence
+from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
@@ -31,35 +32,69 @@ Depths = tuple[Array, Array]
 
 
 class Facing(NamedTuple):
-    """One position on surfaces of given depth, with its u unknowns; tractions in MPa, lengths in mm.
+    """All positions on surfaces of given depth, N unknowns and K nodes one position after another; MPa, mm.
 
-    upward: (u,) z component of the normals.  on: (a,) unknowns in contact.  by_pressure, by_friction: (u, a) normal
-    displacement by unit pressure and by unit friction in its direction on these.  by_stuck: (u,) that by the tractions
-    of sticking nodes.
-    lift, pull: (2, u) load along z and x by unit pressure and by unit friction at each unknown and its image, mm².
-    stuck_lift, stuck_pull: what sticking nodes add, N.
-    normals, frictions, stuck: (k, 3) unit normal, direction of friction and stuck traction of all nodes.
+    upward: (N,) z component of the unknowns' normals.  by_stuck: (N,) normal displacement by tractions of sticking
+    nodes.  lift, pull: (2, N) load along z and x by unit pressure and by unit friction at each unknown and its image,
+    mm².  stuck_lift, stuck_pull: (positions,) what sticking nodes add, N.
+    normals, frictions, stuck: (K, 3) unit normal, direction of friction and stuck traction of all nodes.
     """
 
     upward: Array
-    on: IntArray
-    by_pressure: Array
-    by_friction: Array
     by_stuck: Array
     lift: Array
     pull: Array
-    stuck_lift: float
-    stuck_pull: float
+    stuck_lift: Array
+    stuck_pull: Array
     normals: Array
     frictions: Array
     stuck: Array
+
+
+class Nodes(NamedTuple):
+    """The K nodes of all positions of a cycle, one position after another, as they were traced; see `Position`.
+
+    start: (positions + 1,) where each position's nodes begin.  rows: (N,) which of the K the unknowns are.
+    """
+
+    start: IntArray
+    rows: IntArray
+    nodes: IntArray
+    areas: Array
+    frames: Array
+    core: BoolArray
+    direction: Array
+    stuck: Array
+    first: IntArray
+    columns: IntArray
+    weights: Array
+
+    @classmethod
+    def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> Nodes:
+        """Those of positions, of whose nodes some `rows` are unknowns."""
+        start = np.concatenate([[0], np.cumsum([len(position.nodes) for position in positions])])
+        transfers = [position.pairing.opposite for position in positions]
+        counts = np.concatenate([np.diff(transfer.first) for transfer in transfers])
+        return cls(
+            start=start,
+            rows=np.concatenate([begin + own for begin, own in zip(start[:-1], rows, strict=True)]),
+            nodes=np.concatenate([position.nodes for position in positions]),
+            areas=np.concatenate([position.pairing.areas for position in positions]),
+            frames=np.concatenate([position.pairing.frames for position in positions]),
+            core=np.concatenate([position.state.core[position.nodes] for position in positions]),
+            direction=np.concatenate([position.direction for position in positions]),
+            stuck=np.concatenate([position.stuck for position in positions]),
+            first=np.concatenate([[0], np.cumsum(counts)]),
+            columns=np.concatenate([transfer.columns for transfer in transfers]),
+            weights=np.concatenate([transfer.weights for transfer in transfers]),
+        )
 
 
 @dataclass(frozen=True)
 class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
-    influences: for each position, of its u unknowns.  half_cycle: the mirror whose image of the positions is
+    half_cycle: the mirror whose image of the positions is
     the other half of the cycle, where they are half of one.  wearing: (N,) factor on the wear coefficients.
     layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
     pressures.
@@ -67,7 +102,7 @@ class Cycle:
 
     positions: tuple[Position, ...]
     orbits: Orbits
-    influences: tuple[Influence, ...]
+    influences: Influences
     depths: Depths
     half_cycle: Mirror | None
     wearing: Array
@@ -78,6 +113,16 @@ class Cycle:
     def half(self) -> bool:
         """Whether the positions are those of half a cycle."""
         return self.half_cycle is not None
+
+    @cached_property
+    def nodes(self) -> Nodes:
+        """The nodes of all positions."""
+        return Nodes.of(self.positions, self.orbits.rows)
+
+    @cached_property
+    def sticks(self) -> BoolArray:
+        """Which unknowns (N,) carry tractions of sticking nodes."""
+        return np.asarray(self.nodes.stuck[self.nodes.rows].any(axis=1))
 
     @cached_property
     def traced_slips(self) -> tuple[Array, Array]:
@@ -98,40 +143,21 @@ class Cycle:
         """Whether slip depends on the bodies' strain, or is what rig and strain leave over; see `slip_is_left_over`."""
         return self.strained or slip_is_left_over(self.positions, self.half_cycle)
 
-    def facing(self, problem: ContactProblem, depths: Depths, active: BoolArray) -> tuple[Facing, ...]:
-        """All positions on surfaces worn to other depths, where only the normals turn; active: (N,) in contact."""
-        share, averaging = open_share(problem.layers), problem.surface.averaging
+    def facing(self, problem: ContactProblem, depths: Depths) -> Facing:
+        """All positions on surfaces worn to other depths, where only the normals turn."""
+        share, averaging, nodes = open_share(problem.layers), problem.surface.averaging, self.nodes
         primary, secondary = (
             -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
             for body, new, old in zip((problem.primary, problem.secondary), depths, self.depths, strict=True)
         )
-        found, start = [], self.orbits.start
+        own = averaging.averaged(primary, nodes.nodes)
         weights = self.orbits.areas * self.orbits.twice
-        for k, (position, rows) in enumerate(zip(self.positions, self.orbits.rows, strict=True)):
-            pairing, own = position.pairing, slice(start[k], start[k + 1])
-            on, loaded = np.flatnonzero(active[own]), active[own] | position.stuck[rows].any(axis=1)
-            faced = _faced(
-                averaging.first,
-                averaging.columns,
-                averaging.weights,
-                primary,
-                pairing.opposite.first,
-                pairing.opposite.columns,
-                pairing.opposite.weights,
-                secondary,
-                pairing.nodes,
-                pairing.areas,
-                pairing.frames,
-                position.state.core,
-                position.direction,
-                position.stuck,
-                self.influences[k].of(np.flatnonzero(loaded)),
-                rows,
-                on,
-                weights[own],
-            )
-            found.append(Facing(*faced))
-        return tuple(found)
+        influences = self.influences
+        return Facing(*_faced(nodes, own, secondary, self.orbits.start, weights, influences.store, influences.at))
+
+    def at(self, index: int) -> slice:
+        """Where the nodes of a position stand."""
+        return slice(*self.nodes.start[index : index + 2])
 
     def gaps(self, problem: ContactProblem, depths: Depths) -> Array:
         """Gap (N,) along z of the undeformed surfaces worn to these depths, with the holder at height 0, mm."""
@@ -145,94 +171,52 @@ class Cycle:
 
 @compiled
 def _faced(
-    first: IntArray,
-    columns: IntArray,
-    shares: Array,
-    primary: Array,
-    other_first: IntArray,
-    other_columns: IntArray,
-    other_shares: Array,
-    secondary: Array,
-    nodes: IntArray,
-    areas: Array,
-    frames: Array,
-    core: BoolArray,
-    direction: Array,
-    stuck: Array,
-    influence: Array,
-    rows: IntArray,
-    on: IntArray,
-    weights: Array,
-) -> tuple[Array, IntArray, Array, Array, Array, Array, Array, float, float, Array, Array, Array]:
-    """The entries of `Facing` of one position.
+    nodes: Nodes, own: Array, secondary: Array, start: IntArray, weights: Array, store: Array, at: IntArray
+) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]:
+    """The entries of `Facing`.
 
-    primary, secondary: (n, 2) by how much slopes turn at the nodes of either patch, which the averaging of the one and
-    the transfer to the other take to k paired nodes.  core: (n,).  rows, weights: (u,) of the
-    unknowns, `on` (a,) in contact.
+    own: (K, 2) by how much the primary's slopes turn about each node, times its area.  secondary: (n, 2) the other's
+    at the nodes of its patch.  start: (positions + 1,) where unknowns begin.  weights: (N,) mm².  store, at: see
+    `Influences`.
     """
-    own = weighted_sums(first, columns, shares, primary, nodes)
-    other = weighted_sums(other_first, other_columns, other_shares, secondary, np.arange(len(nodes)))
-    slope = np.empty((len(nodes), 2))
-    for k in range(len(nodes)):
+    count = len(nodes.areas)
+    other = weighted_sums(nodes.first, nodes.columns, nodes.weights, secondary, np.arange(count))
+    slope = np.empty((count, 2))
+    for k in range(count):
         for c in range(2):
-            turned = 0.0 if core[nodes[k]] else 0.5 * (own[k, c] + other[k, c]) / areas[k]
-            slope[k, c] = turned - frames[k, 0, c] / frames[k, 0, 2]
-    turned_frames = frames_on(slope)
-    normals, frictions, held = np.empty((len(nodes), 3)), np.empty((len(nodes), 3)), np.empty((len(nodes), 3))
-    stuck_lift = stuck_pull = 0.0
-    for k in range(len(nodes)):
-        frame = turned_frames[k]
+            turned = 0.0 if nodes.core[k] else 0.5 * (own[k, c] + other[k, c]) / nodes.areas[k]
+            slope[k, c] = turned - nodes.frames[k, 0, c] / nodes.frames[k, 0, 2]
+    frames = frames_on(slope)
+    normals, frictions, held = np.empty((count, 3)), np.empty((count, 3)), np.empty((count, 3))
+    for k in range(count):
         for c in range(3):
-            normals[k, c] = frame[0, c]
-            frictions[k, c] = direction[k, 0] * frame[1, c] + direction[k, 1] * frame[2, c]
-            held[k, c] = stuck[k, 0] * frame[1, c] + stuck[k, 1] * frame[2, c]
-        stuck_lift += areas[k] * held[k, 2]
-        stuck_pull += areas[k] * held[k, 0]
-    count, held_rows, sticking = len(rows), np.empty(len(rows), np.int64), 0
-    upward, lift, pull = np.empty(count), np.empty((2, count)), np.empty((2, count))
-    for i in range(count):
-        node = rows[i]
-        upward[i] = normals[node, 2]
-        lift[0, i], lift[1, i] = weights[i] * normals[node, 2], weights[i] * frictions[node, 2]
-        pull[0, i], pull[1, i] = weights[i] * normals[node, 0], weights[i] * frictions[node, 0]
-        if held[node, 0] != 0.0 or held[node, 1] != 0.0 or held[node, 2] != 0.0:
-            held_rows[sticking] = i
-            sticking += 1
-    by_pressure, by_friction, by_stuck = _along_normals(
-        influence, normals, frictions, held, rows, on, held_rows[:sticking]
-    )
-    return upward, on, by_pressure, by_friction, by_stuck, lift, pull, stuck_lift, stuck_pull, normals, frictions, held
+            normals[k, c] = frames[k, 0, c]
+            frictions[k, c] = nodes.direction[k, 0] * frames[k, 1, c] + nodes.direction[k, 1] * frames[k, 2, c]
+            held[k, c] = nodes.stuck[k, 0] * frames[k, 1, c] + nodes.stuck[k, 1] * frames[k, 2, c]
+    size, positions = len(nodes.rows), len(start) - 1
+    upward, by_stuck, lift, pull = np.empty(size), np.zeros(size), np.empty((2, size)), np.empty((2, size))
+    stuck_lift, stuck_pull = np.zeros(positions), np.zeros(positions)
+    for position in range(positions):
+        for k in range(nodes.start[position], nodes.start[position + 1]):
+            stuck_lift[position] += nodes.areas[k] * held[k, 2]
+            stuck_pull[position] += nodes.areas[k] * held[k, 0]
+        begin, end = start[position], start[position + 1]
+        for j in range(begin, end):
+            node, weight = nodes.rows[j], weights[j]
+            upward[j] = normals[node, 2]
+            lift[0, j], lift[1, j] = weight * normals[node, 2], weight * frictions[node, 2]
+            pull[0, j], pull[1, j] = weight * normals[node, 0], weight * frictions[node, 0]
+            x, y, z = held[node, 0], held[node, 1], held[node, 2]
+            if x != 0.0 or y != 0.0 or z != 0.0:
+                for i in range(begin, end):
+                    by_stuck[i] += moved_along(store, at[j] + 9 * (i - begin), normals[nodes.rows[i]], x, y, z)
+    return upward, by_stuck, lift, pull, stuck_lift, stuck_pull, normals, frictions, held
 
 
 @inlined
-def _along_normals(
-    influence: Array,
-    normals: Array,
-    frictions: Array,
-    stuck: Array,
-    rows: IntArray,
-    on: IntArray,
-    sticking: IntArray,
-) -> tuple[Array, Array, Array]:
-    """Normal displacement at the rows (u,) by unit pressures and by unit friction on some of them, (u, a), and (u,) by
-    stuck tractions on others; all vectors are (k, 3).
-    """
-    count = len(rows)
-    by_pressure, by_friction, by_stuck = np.empty((count, len(on))), np.empty((count, len(on))), np.zeros(count)
-    for i in range(count):
-        own, target = influence[i], normals[rows[i]]
-        for a in range(len(on)):
-            j, along = on[a], normals[rows[on[a]]]
-            side = frictions[rows[j]]
-            pressed = rubbed = 0.0
-            for c in range(3):
-                moved = target[0] * own[0, j, c] + target[1] * own[1, j, c] + target[2] * own[2, j, c]
-                pressed += moved * along[c]
-                rubbed += moved * side[c]
-            by_pressure[i, a], by_friction[i, a] = pressed, rubbed
-        for j in sticking:
-            held = stuck[rows[j]]
-            for c in range(3):
-                moved = target[0] * own[0, j, c] + target[1] * own[1, j, c] + target[2] * own[2, j, c]
-                by_stuck[i] += moved * held[c]
-    return by_pressure, by_friction, by_stuck
+def moved_along(store: Array, block: int, normal: Array, x: float, y: float, z: float) -> float:
+    """Displacement along a normal by a traction, through the (3, 3) block of a store that begins there."""
+    moved: float = normal[0] * (x * store[block] + y * store[block + 1] + z * store[block + 2])
+    moved += normal[1] * (x * store[block + 3] + y * store[block + 4] + z * store[block + 5])
+    moved += normal[2] * (x * store[block + 6] + y * store[block + 7] + z * store[block + 8])
+    return moved
