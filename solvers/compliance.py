@@ -32,6 +32,7 @@ class Block:
         self._row = np.full(body.patch.size, -1)
         self._rows = np.empty((0, 3 * len(nodes)))
         self._known = 0
+        self._displaced: list[tuple[Array, Array]] = []
 
     def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
         """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
@@ -48,12 +49,19 @@ class Block:
         return self._rows[: 3 * self._known], self._row[loaded]
 
     def displaced(self, force: Array) -> Array:
-        """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes."""
+        """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes; kept, for an increment ends with the
+        forces with which the next one starts.
+        """
+        for known, moved in self._displaced:
+            if known is force:
+                return moved
         loaded = loaded_nodes(force)
         rows, place = self.rows(loaded)
         all_forces = np.zeros((len(rows) // 3, 3))
         all_forces[place] = force[loaded]
-        return np.asarray((all_forces.ravel() @ rows).reshape(-1, 3))
+        moved = np.asarray((all_forces.ravel() @ rows).reshape(-1, 3))
+        self._displaced = [*self._displaced[-1:], (force, moved)]
+        return moved
 
 
 def _block_between(body: PlacedBody, nodes: IntArray) -> Block:
@@ -157,14 +165,14 @@ class PairedCompliance:
         moved = (responses.matrix[:, : len(force)] @ force).reshape(-1, 3)
         return moved + self.layer * traction if self.layer else np.asarray(moved)
 
-    def moved(self, traction: Array) -> tuple[Array, Array]:
+    def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:
         """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
         layer apart: of those that face each other at its end at the k nodes, and at its start at the l nodes then
         loaded, (k, 3) and (l, 3) in mm.
+
+        forces: (n, 3) the tractions as nodal forces on each patch.
         """
-        pairing = self.pairing
         end = self.displacement(traction) - self.layer * traction - self.old
-        forces = pairing.own.spread(traction), pairing.opposite.spread(traction)
         fields = [share.block.displaced(force) for share, force in zip(self.shares, forces, strict=True)]
         return end, _mean([share.before for share in self.shares], fields, self.before.areas) - self.old_before
 

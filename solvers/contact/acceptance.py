@@ -72,7 +72,8 @@ def accepted(
     require_inside_patches(problem, pairing, np.flatnonzero(outcome.traction[:, 2] > 0.0), drive)
     traction = np.zeros_like(state.traction)
     traction[pairing.nodes] = outcome.traction
-    parts = slid(problem, state, system, outcome, drive)
+    forces = pairing.own.spread(outcome.traction), pairing.opposite.spread(outcome.traction)
+    parts = slid(problem, state, system, outcome, drive, forces)
     primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
     wear = deposited(state.wear, parts, cycles, problem.wear.split(problem.primary_is_upper), problem.secondary.patch)
     new = replace(
@@ -85,8 +86,8 @@ def accepted(
         holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
         overlap_area=overlap_area,
         traction=traction,
-        primary_force=pairing.own.spread(outcome.traction),
-        secondary_force=pairing.opposite.spread(outcome.traction),
+        primary_force=forces[0],
+        secondary_force=forces[1],
         primary_slid=primary_slid,
         secondary_slid=secondary_slid,
         core=state.core & (traction[:, 2] > 0.0) & (primary_slid == state.primary_slid),

@@ -61,14 +61,14 @@ def solve_increment(
     old_area = float(areas[state.traction[:, 2] > 0.0].sum())
     if expected is not None:
         active = np.flatnonzero(expected.traction[:, 2] > 0.0)
-        nodes = np.union1d(active, _closest(gap, areas, _CANDIDATE_MARGIN * expected.overlap_area))
+        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * expected.overlap_area))
     elif old_area == 0.0:
         nodes = np.flatnonzero(gap + state.holder_z < 0.0)
         active = nodes
     else:
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
         active = np.flatnonzero(state.traction[:, 2] > 0.0)
-        nodes = np.union1d(active, _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area))
+        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area))
     height = state.holder_z
     guess = state.traction if expected is None else expected.traction
     iterations = 0
@@ -101,7 +101,7 @@ def solve_increment(
             overlap = float(areas[gap + height < 0.0].sum())
             return accepted(problem, state, system, outcome, drive, cycles, overlap, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
-        nodes = np.union1d(active, np.flatnonzero(gap + height < 0.02 * abs(height)))
+        nodes = _either(len(gap), active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
 
 
@@ -146,8 +146,15 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
     return float(np.clip(state.holder_x + step, -limit, limit))
 
 
+def _either(size: int, some: IntArray, others: IntArray) -> IntArray:
+    """Nodes, each once and increasing, that are among some of so many or among others."""
+    among = np.zeros(size, dtype=bool)
+    among[some], among[others] = True, True
+    return np.flatnonzero(among)
+
+
 def _closest(gap: Array, areas: Array, area: float) -> IntArray:
-    """The nodes with the smallest gaps that make up an area, at least a dozen."""
+    """The nodes with the smallest gaps that make up an area, at least a dozen, the smallest first."""
     few = _FEW
     while True:
         # Next to all nodes are far from the contact: only the nearest are put in order.
@@ -157,5 +164,5 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
         count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, _LEAST)
         if count <= len(order) or len(order) == len(gap):
             chosen = order[:count]
-            return np.sort(chosen[np.isfinite(gap[chosen])])
+            return chosen[np.isfinite(gap[chosen])]
         few *= 4

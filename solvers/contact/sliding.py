@@ -33,10 +33,14 @@ def slid(
     system: Linearisation,
     outcome: NewtonOutcome,
     drive: float,
+    forces: tuple[Array, Array],
 ) -> tuple[Sliding, Sliding]:
-    """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end."""
+    """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end.
+
+    forces: (n, 3) nodal ones on the primary and the secondary patch at its end.
+    """
     end, start = system.pairing, system.before
-    moved_end, moved_start = system.compliance.moved(outcome.traction)
+    moved_end, moved_start = system.compliance.moved(outcome.traction, forces)
     step_x = outcome.holder_x - state.holder_x - (drive - state.drive)
     step_z, step_tilt = outcome.height - state.holder_z, outcome.tilt - state.holder_tilt
     old_levers = levers(problem, state.drive, state.holder_x)[start.nodes]
