@@ -67,14 +67,12 @@ def closed_adaptive_cycle(
     Bodies of which a part has stuck ever since they were pressed together go both ways: strokes do not wipe out what it
     remembers.
     """
-    if moved is None:
-        moved = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)[1]
-    state, trace = moved.states[-1], moved
+    trace = moved or settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)[1]
+    state = trace.states[-1]
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
-    largest = float(np.abs(trace.tangential_force).max())
+    largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
-    way = float(np.abs(np.diff(trace.drive, prepend=trace.start.drive)).sum())
-    opening = max(trace.friction_work / way, _LEAST_OPENING * largest)
+    opening = max(trace.friction_work / float(way.sum()), _LEAST_OPENING * largest)
     height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
     walk = _Walk(
         problem,

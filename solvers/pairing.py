@@ -146,17 +146,9 @@ def pair(
     areas = surface.areas[nodes]
     own, averaging = body.worn(primary_depth), surface.averaging
     gap, gap_rate, frames = _between(
-        nodes,
-        areas,
-        own.heights,
-        own.gradient,
-        surface.fresh_slope,
-        averaging.first,
-        averaging.columns,
-        averaging.weights,
-        faced.height,
-        faced.slope,
-        faced.moment,
+        *(nodes, areas, own.heights, own.gradient, surface.fresh_slope),
+        *(averaging.first, averaging.columns),
+        *(averaging.weights, faced.height, faced.slope, faced.moment),
         body.facing,
         body.incline,
         np.ascontiguousarray(body.world_to_patch),

@@ -53,26 +53,19 @@ def solve_increment(
         IncrementFailedError: no solution was found; LostContactError where nothing touches.
         PatchLeftError: the contact has reached the edge of either patch.
     """
-    tolerance = _PAIRING_TOLERANCE * problem.smallest_element
-    areas = problem.surface.areas
+    tolerance, areas = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas
     holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
     tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
     gap = vertical_gaps(problem, state, drive, holder_x)
-    old_area = float(areas[state.traction[:, 2] > 0.0].sum())
-    if expected is not None:
-        active = np.flatnonzero(expected.traction[:, 2] > 0.0)
-        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * expected.overlap_area))
-    elif old_area == 0.0:
-        nodes = np.flatnonzero(gap + state.holder_z < 0.0)
-        active = nodes
+    like = state if expected is None else expected
+    guess = like.traction
+    active = np.flatnonzero(guess[:, 2] > 0.0)
+    if expected is None and not len(active):
+        nodes = active = np.flatnonzero(gap + state.holder_z < 0.0)
     else:
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
-        active = np.flatnonzero(state.traction[:, 2] > 0.0)
-        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * state.overlap_area))
-    height = state.holder_z
-    guess = state.traction if expected is None else expected.traction
-    iterations = 0
-    before = paired_before(problem, state)
+        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * like.overlap_area))
+    height, iterations, before = state.holder_z, 0, paired_before(problem, state)
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")

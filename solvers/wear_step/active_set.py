@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import nan
 from typing import NamedTuple
 
@@ -44,57 +45,27 @@ class Improved:
 class CycleEquations:
     """Conditions on N pressures of all positions and their holder heights.
 
-    base: (N,) gap along the normals by what does not depend on the pressures.  opening: (N, N) sparse, gap along z
-    opened by wear work per area, of which layers fill a part.  open_share: the rest.  slip: (N,) mm.  wearing: (N,)
-    factor on the wear coefficients.  cycles: (N,) for which each unknown wears.
-    pressed_z: height to which the loading spring refers, mm.
+    gaps: (N,) along z before the stage.  opening: (N, N) sparse, gap along z opened by wear work per area, of which
+    layers fill a part.  slip: (N,) mm.  cycles: (N,) for which each unknown wears.  worn: depths of surfaces as on
+    which layers are.
     """
 
     problem: ContactProblem
     cycle: Cycle
     facing: Facing
-    base: Array
+    gaps: Array
     opening: csr_matrix
-    open_share: float
     slip: Array
-    wearing: Array
     cycles: Array
-    layers: LayersAtNodes | None
-    pressed_z: float
+    worn: Depths
 
-    @classmethod
-    def of(
-        cls,
-        problem: ContactProblem,
-        cycle: Cycle,
-        facing: Facing,
-        gaps: Array,
-        opening: csr_matrix,
-        slip: Array,
-        wearing: Array,
-        cycles: Array,
-        worn: Depths,
-    ) -> CycleEquations:
-        """Those of a stage on gaps (N,) before it, with normals and layers as on surfaces `worn`."""
-        orbits = cycle.orbits
-        layers = None
-        if problem.layers:
-            # In sliding layers are sheared steadily: only their closure matters.
-            none = np.zeros((orbits.count, 3))
-            layers = layers_at_nodes(problem.layers, orbits.opening(*worn), none, none)
-        return cls(
-            problem=problem,
-            cycle=cycle,
-            facing=facing,
-            base=facing.upward * gaps + facing.by_stuck,
-            opening=opening,
-            open_share=open_share(problem.layers),
-            slip=slip,
-            wearing=wearing,
-            cycles=cycles,
-            layers=layers,
-            pressed_z=cycle.positions[0].state.pressed_z,
-        )
+    @cached_property
+    def _layers(self) -> LayersAtNodes | None:
+        if not self.problem.layers:
+            return None
+        # In sliding layers are sheared steadily: only their closure matters.
+        none = np.zeros((len(self.gaps), 3))
+        return layers_at_nodes(self.problem.layers, self.cycle.orbits.opening(*self.worn), none, none)
 
     @property
     def _wear_work(self) -> Friction:
@@ -104,7 +75,7 @@ class CycleEquations:
     def works(self, pressure: Array) -> tuple[Array, Array]:
         """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
         friction = self.problem.law.limit(pressure)
-        return friction * self.slip, self._wear_work.limit(pressure) * self.slip * self.wearing
+        return friction * self.slip, self._wear_work.limit(pressure) * self.slip * self.cycle.wearing
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
         """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.
@@ -121,60 +92,48 @@ class CycleEquations:
         """One step of Newton's method from pressures (N,): new ones, heights (positions,), all gaps (N,), and whether
         no further step is needed on this active set.
         """
-        cycle, holder, on = self.cycle, self.problem.holder, np.flatnonzero(active)
+        cycle, facing, holder, on = self.cycle, self.facing, self.problem.holder, np.flatnonzero(active)
         closure, softness = self._closure(about)
         slope, constant = self.problem.law.tangent(about)
         work_slope, work_constant = self._wear_work.tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
-        opened = self.open_share * self.facing.upward
-        known = self.base + closure - softness * about
+        opened, wearing = open_share(self.problem.layers) * facing.upward, self.slip * cycle.wearing * self.cycles
+        known = facing.upward * self.gaps + facing.by_stuck + closure - softness * about
         if work_constant.any():
-            known += opened * (self.opening @ (work_constant * self.slip * self.wearing * self.cycles))
+            known += opened * (self.opening @ (work_constant * wearing))
+        held, pressed_z = holder.approach_mm is not None, cycle.positions[0].state.pressed_z
         terms = _Terms(
-            start=cycle.orbits.start,
-            rows=cycle.nodes.rows,
-            on=on,
-            store=cycle.influences.store,
-            at=cycle.influences.at,
-            first=self.opening.indptr,
-            columns=self.opening.indices,
-            opening=self.opening.data,
-            opened=opened,
-            worn=work_slope * self.slip * self.wearing * self.cycles,
-            softness=softness,
-            slope=slope,
-            constant=constant,
-            known=known,
-            load_N=nan if holder.approach_mm is not None else holder.load_N(0.0, self.pressed_z),
-            approach_mm=holder.approach_mm or 0.0,
-            spring_N_per_mm=holder.normal_stiffness_N_per_mm,
+            *(cycle.orbits.start, cycle.nodes.rows, on, cycle.influences.store, cycle.influences.at),
+            *(self.opening.indptr, self.opening.indices, self.opening.data, opened, work_slope * wearing),
+            *(softness, slope, constant, known, nan if held else holder.load_N(0.0, pressed_z)),
+            *(holder.approach_mm or 0.0, holder.normal_stiffness_N_per_mm),
         )
-        transposed, rhs, row, column, moved = _equations(terms, self.facing)
+        transposed, rhs, row, column, moved = _equations(terms, facing)
         unknowns = np.concatenate([on, len(active) + np.arange(len(cycle.positions))])
         scaled = cycle.similar.solution(unknowns, transposed.T, rhs, row, column)
         if scaled is None or not np.all(np.isfinite(scaled)):
             raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
         solution = scaled * column
-        new, gap = _solved(terms, self.facing.upward, solution, moved)
-        linear = self.layers is None and not constant.any() and not work_constant.any()
+        new, gap = _solved(terms, facing.upward, solution, moved)
+        linear = self._layers is None and not constant.any() and not work_constant.any()
         return new, solution[len(on) :], gap, linear
 
     def _closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (N,) of what lies between the surfaces, and its derivative by the pressure."""
         penalty = np.full(len(pressure), self.problem.layer_mm_per_MPa)
-        if self.layers is None:
+        if self._layers is None:
             return penalty * pressure, penalty
-        closure, softness = self.layers.closure(pressure)
+        closure, softness = self._layers.closure(pressure)
         return closure + penalty * pressure, softness + penalty
 
 
 class _Terms(NamedTuple):
     """What the equations of N unknowns are made of: arrays over the unknowns, and plain numbers.
 
-    start: (positions + 1,) where positions begin.  rows: see `Nodes`.  on: (a,) unknowns in contact.  store, at: see
-    `Influences`.  first, columns, opening: the sparse matrix of what opens; its rows count `opened` times, its columns
-    `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which gets
-    what constant friction does.  load_N: at height 0, NaN under a held approach.
+    start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact.  store, at:
+    see `Influences`.  first, columns, opening: the sparse matrix of what opens; its rows count `opened` times, its
+    columns `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which
+    gets what constant friction does.  load_N: at height 0, NaN under a held approach.
     """
 
     start: IntArray

@@ -82,15 +82,8 @@ class Influences:
             self.store[begin : self._used].reshape(len(missing), len(rows), 3, 3),
             primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
             secondary.folded.between(asked, faced),
-            pairing.areas,
-            rows,
-            loaded,
-            column,
-            _ACROSS,
-            transfer.first,
-            asked_place[transfer.columns],
-            place[transfer.columns],
-            transfer.weights,
+            *(pairing.areas, rows, loaded, column, _ACROSS, transfer.first),
+            *(asked_place[transfer.columns], place[transfer.columns], transfer.weights),
         )
 
 

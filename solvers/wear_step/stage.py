@@ -79,7 +79,7 @@ def solve_stage(
         slip = _slip_lengths(cycle, stretch)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        equations = CycleEquations.of(problem, cycle, facing, gaps, opening, slip, cycle.wearing, cycles, worn)
+        equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active

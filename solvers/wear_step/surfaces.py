@@ -51,7 +51,7 @@ class Facing(NamedTuple):
     stuck: Array
 
 
-class Nodes(NamedTuple):
+class CycleNodes(NamedTuple):
     """The K nodes of all positions of a cycle, one position after another, as they were traced; see `Position`.
 
     start: (positions + 1,) where each position's nodes begin.  rows: (N,) which of the K the unknowns are.
@@ -70,32 +70,25 @@ class Nodes(NamedTuple):
     weights: Array
 
     @classmethod
-    def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> Nodes:
+    def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> CycleNodes:
         """Those of positions, of whose nodes some `rows` are unknowns."""
         start = np.concatenate([[0], np.cumsum([len(position.nodes) for position in positions])])
-        transfers = [position.pairing.opposite for position in positions]
-        counts = np.concatenate([np.diff(transfer.first) for transfer in transfers])
-        return cls(
-            start=start,
-            rows=np.concatenate([begin + own for begin, own in zip(start[:-1], rows, strict=True)]),
-            nodes=np.concatenate([position.nodes for position in positions]),
-            areas=np.concatenate([position.pairing.areas for position in positions]),
-            frames=np.concatenate([position.pairing.frames for position in positions]),
-            core=np.concatenate([position.state.core[position.nodes] for position in positions]),
-            direction=np.concatenate([position.direction for position in positions]),
-            stuck=np.concatenate([position.stuck for position in positions]),
-            first=np.concatenate([[0], np.cumsum(counts)]),
-            columns=np.concatenate([transfer.columns for transfer in transfers]),
-            weights=np.concatenate([transfer.weights for transfer in transfers]),
-        )
+        of_each = []
+        for position, begin, own in zip(positions, start, rows, strict=False):
+            pairing, transfer, core = position.pairing, position.pairing.opposite, position.state.core[position.nodes]
+            traced = (pairing.areas, pairing.frames, core, position.direction, position.stuck)
+            faced = (np.diff(transfer.first), transfer.columns, transfer.weights)
+            of_each.append((begin + own, position.nodes, *traced, *faced))
+        *joined, counts, columns, weights = (np.concatenate(parts) for parts in zip(*of_each, strict=True))
+        return cls._make((start, *joined, np.concatenate([[0], np.cumsum(counts)]), columns, weights))
 
 
 @dataclass(frozen=True)
 class Cycle:
     """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
 
-    half_cycle: the mirror whose image of the positions is
-    the other half of the cycle, where they are half of one.  wearing: (N,) factor on the wear coefficients.
+    half_cycle: the mirror whose image of the positions is the other half of the cycle, where they are half of one.
+    wearing: (N,) factor on the wear coefficients.
     layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
     pressures.
     """
@@ -115,9 +108,9 @@ class Cycle:
         return self.half_cycle is not None
 
     @cached_property
-    def nodes(self) -> Nodes:
+    def nodes(self) -> CycleNodes:
         """The nodes of all positions."""
-        return Nodes.of(self.positions, self.orbits.rows)
+        return CycleNodes.of(self.positions, self.orbits.rows)
 
     @cached_property
     def sticks(self) -> BoolArray:
@@ -171,7 +164,7 @@ class Cycle:
 
 @compiled
 def _faced(
-    nodes: Nodes, own: Array, secondary: Array, start: IntArray, weights: Array, store: Array, at: IntArray
+    nodes: CycleNodes, own: Array, secondary: Array, start: IntArray, weights: Array, store: Array, at: IntArray
 ) -> tuple[Array, Array, Array, Array, Array, Array, Array, Array, Array]:
     """The entries of `Facing`.
 
