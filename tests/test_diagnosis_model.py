@@ -1,6 +1,7 @@
 """The fast forward model against closed forms."""
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,13 +9,14 @@ import pytest
 from studies.blind.generators.independent.friction import LAWS
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.test_diagnosis_covariance import layout
+from tests.worked_examples import install_example
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.evolution import loop_area
-from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.reduction import _all_observables, all_observables, reduce
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import RecordTables
@@ -45,6 +47,22 @@ def test_what_is_measured_of_the_models_own_loops_is_what_it_predicts() -> None:
     for part in observed.layout:
         away = (observed.values[0] - predicted)[part.rows] / size[part.rows]
         assert np.sqrt(np.mean(away**2)) < 3.0, part.observable.name
+
+
+def test_the_worked_example_of_the_docs_measures_what_it_predicts(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    example = install_example("An observable", tmp_path, monkeypatch)
+    _all_observables.cache_clear()
+    try:
+        own = [one for one in all_observables() if one.name == example.name]
+    finally:
+        _all_observables.cache_clear()
+    observed = reduce(record(repeats=1, scatter=0.0, samples=400), own)
+    predicted = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
+    assert predicted.size > 3
+    assert np.sqrt(np.mean(((observed.values[0] - predicted) / observed.noise[0]) ** 2)) < 3.0
+    assert set(observed.layout.zones(60.0)) == {example.name}
 
 
 def stating(one: ExperimentRecord, **changes: object) -> ExperimentRecord:
