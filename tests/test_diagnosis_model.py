@@ -16,7 +16,7 @@ from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.evolution import loop_area
-from wirewear.diagnosis.observe.reduction import _all_observables, all_observables, reduce
+from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import RecordTables
@@ -53,11 +53,7 @@ def test_the_worked_example_of_the_docs_measures_what_it_predicts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     example = install_example("An observable", tmp_path, monkeypatch)
-    _all_observables.cache_clear()
-    try:
-        own = [one for one in all_observables() if one.name == example.name]
-    finally:
-        _all_observables.cache_clear()
+    own = [one for one in _all_observables.__wrapped__() if one.name == example.name]
     observed = reduce(record(repeats=1, scatter=0.0, samples=400), own)
     predicted = observed.layout.observed(simulate(states(), nominal("sensor"), observed.layout.cycles))
     assert predicted.size > 3
