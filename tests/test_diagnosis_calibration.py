@@ -21,7 +21,6 @@ ELSEWHERE = {
     "forward.py",
     "readings.py",
     "line_wear.py",
-    "flattened_wires.py",
     "layered_wires.py",
     "worn_wires.py",
     "candidates.py",
@@ -31,7 +30,7 @@ ELSEWHERE = {
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, resolutions of sums, and round-off.
 OF_THE_CODE = {
     "_GENERATION", "_SEED", "FORMAT", "UM3_PER_MJ", "ODD_POWERS", "EVEN_POWERS", "LIFT_POWERS", "FULL_SLIP", "_LEAST_P",
-    "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "_EVEN",
+    "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "stiffening",
 }  # fmt: skip
 
 
