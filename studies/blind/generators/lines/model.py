@@ -83,7 +83,7 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarStud
     tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}
-    study = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
+    study: PlanarStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
     study = study.model_copy(update={"effects": per_mm(effects, nominal.length_mm)})
     quick = plan(study, "quick").pad.along
     mesh = study.mesh.model_copy(
