@@ -15,6 +15,8 @@ _COARSE_PER_DIAMETER = 0.155
 _COARSE_PER_EXTENT = 0.2
 #: Half-width of a block over the radius of its face: its corner, at 0.85 radii, is still meshed soundly.
 _WIDEST = 0.6
+#: The same of a straight one over the other body's radius, or its patch.
+_STRAIGHT = 4.0
 
 
 @dataclass(frozen=True)
@@ -143,7 +145,7 @@ class BlockBody(Body):
         Raises:
             StudyError: it would be too narrow for the patch, or too wide for its radius.
         """
-        widest = _WIDEST / curvature if curvature else max(2.0 * self.size_mm, 4.0 * reach_mm)
+        widest = _WIDEST / curvature if curvature else _STRAIGHT * max(self.size_mm, reach_mm)
         width = self.half_width_mm or widest
         if curvature and width > widest:
             raise StudyError(

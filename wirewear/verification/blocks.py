@@ -30,7 +30,7 @@ _FLAT = (0.0, 0.0)
 
 def _block(curvatures_per_mm: tuple[float, float], resolution: float) -> BlockGeometry:
     wire, flat = wire_geometry(resolution), curvatures_per_mm == _FLAT
-    width, height = (2.0 * RADIUS_mm, 2.0 * RADIUS_mm) if flat else (0.6 * RADIUS_mm, RADIUS_mm)
+    width, height = (4.0 * RADIUS_mm, 4.0 * RADIUS_mm) if flat else (0.6 * RADIUS_mm, RADIUS_mm)
     size, patch = (width, width, height), (wire.axial, wire.transverse)
     return BlockGeometry(*curvatures_per_mm, *size, *patch, 0.2 * width, None, wire.layering)
 
