@@ -13,6 +13,7 @@ from wirewear.results import RunResult, read_result
 from wirewear.simulation import run_study
 from wirewear.simulation.discretisation import discretise
 from wirewear.study import Study, study_from_tables
+from wirewear.sweeps.sweep import figures_of
 
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 RADIUS_mm, LOAD_N, FRICTION = 6.35, 50.0, 0.6
@@ -143,6 +144,14 @@ def test_a_result_of_a_ball_is_kept_with_its_unworn_shape(ball: RunResult) -> No
     assert again.forces(20, "ball").meshed == ball.forces(20, "ball").meshed
     r = 100.0
     assert again.scar(20, "ball").unworn_height_um(0.6 * r, 0.8 * r) == pytest.approx(-0.5 * r**2 / 6350.0, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_sweep_names_depths_by_the_bodies(ball: RunResult) -> None:
+    figures = figures_of(ball)
+    assert figures["max_depth_ball_um"] == ball.evolution["max_depth_ball_um"][-1]
+    assert figures["max_depth_flat_um"] == ball.evolution["max_depth_flat_um"][-1]
+    assert None not in figures.values()
 
 
 @pytest.mark.slow
