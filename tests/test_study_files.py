@@ -11,6 +11,7 @@ from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study, load_study, parse_study, study_from_tables
+from wirewear.study.bodies import Wire
 from wirewear.study.consistency import default_loop_cycles
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
@@ -44,9 +45,11 @@ def test_loops_are_recorded_at_1_2_5_per_decade_and_at_the_end_unless_stated() -
 
 def test_a_wire_of_its_own_overrides_the_common_one_key_by_key() -> None:
     study = parse_study(MINIMAL + "[wires.fixed]\ndiameter_mm = 1.0\nlength_mm = 3\n", "study.toml")
-    assert (study.fixed_wire.diameter_mm, study.fixed_wire.length_mm) == (1.0, 3.0)
-    assert study.fixed_wire.youngs_modulus_MPa == 210_000.0
-    assert (study.moving_wire.diameter_mm, study.moving_wire.length_mm) == (0.45, None)
+    moving, fixed = study.bodies
+    assert isinstance(moving, Wire)
+    assert isinstance(fixed, Wire)
+    assert (fixed.diameter_mm, fixed.length_mm, fixed.youngs_modulus_MPa) == (1.0, 3.0, 210_000.0)
+    assert (moving.diameter_mm, moving.length_mm) == (0.45, None)
 
 
 def test_a_variant_changes_its_own_keys_and_keeps_the_others() -> None:

@@ -91,8 +91,8 @@ def write_deck(
         back=increments[1],
         friction=of.contact.friction,
         rig_stiffness_N_per_mm=of.holder.tangential_stiffness_N_per_mm,
-        youngs_modulus_MPa=of.moving_wire.youngs_modulus_MPa,
-        poissons_ratio=of.moving_wire.poissons_ratio,
+        youngs_modulus_MPa=of.bodies[0].youngs_modulus_MPa,
+        poissons_ratio=of.bodies[0].poissons_ratio,
         method=method,
     )
     text = deck(build_body(meshes.moving), build_body(meshes.fixed), test)

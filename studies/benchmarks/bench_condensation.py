@@ -88,7 +88,7 @@ def solve_one(method: str, contact_mesh_um: float, folder: Path) -> None:
     """Condense the moving wire of the benchmarks; leave schur.npy and result.json in the folder."""
     of = study(contact_mesh_um)
     wire = build_body(discretised(of).moving)
-    steel = Elastic(of.moving_wire.youngs_modulus_MPa, of.moving_wire.poissons_ratio)
+    steel = Elastic(of.bodies[0].youngs_modulus_MPa, of.bodies[0].poissons_ratio)
     gripped = wire.mesh.surface_nodes("grip")
     kept = wire.patch.nodes.ravel()
     eliminated = np.setdiff1d(np.arange(len(wire.mesh.points)), np.union1d(kept, gripped))

@@ -37,7 +37,7 @@ from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
 from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.results import read_results as read_runs
-from wirewear.simulation import Moment, NoObserver
+from wirewear.simulation import Moment, NoObserver, discretise
 from wirewear.simulation.folder import read_checkpoint
 from wirewear.simulation.problem import _load
 from wirewear.sweeps.running import JOURNAL, Journal
@@ -174,11 +174,12 @@ def _kinds(base: Path) -> dict[str, Kind]:
     )
     sealed = ("batch/manifest.json", "batch/key.json.enc", batch_key.name, "batch/case_001/loops.csv",
               "batch/case_001/experiment.toml")  # fmt: skip
+    round_wire = discretise(parse_study(STUDY, "study.toml"), "quick").fixed.profile
     return {
         "result": Kind("result/result.h5", lambda at: read_result(at / "result")),
         "checkpoint": Kind("stopped/checkpoint.h5", lambda at: read_checkpoint(at / "stopped")),
         "planar result": Kind("planar/result.h5", lambda at: read_runs(at / "planar")),
-        "condensed wire": Kind(wire.name, lambda at: _load(at / wire.name, 0.225)),
+        "condensed wire": Kind(wire.name, lambda at: _load(at / wire.name, round_wire)),
         **{f"record: {Path(name).name}": Kind(name, **noted) for name in tables},
         **{f"line record: {Path(name).name}": Kind(name, **line) for name in line_tables},
         "rows of a sweep": Kind(f"sweep/{JOURNAL}", _rows),

@@ -39,9 +39,9 @@ Array = NDArray[np.float64]
 
 def closed_form(study: Study) -> dict[str, float]:
     """Figures of the loop of a fresh contact."""
-    moving, fixed = study.moving_wire, study.fixed_wire
+    moving, fixed = study.bodies
     load, angle = study.conditions.normal_load_N, study.wires.crossing_angle_deg
-    radii = moving.diameter_mm / 2.0, fixed.diameter_mm / 2.0
+    radii = moving.diameters_mm[1] / 2.0, fixed.diameters_mm[1] / 2.0
     hertz = hertz_crossed_cylinders(load, *radii, angle, first=moving.material, second=fixed.material)
     modulus = tangential_contact_modulus(moving.material, fixed.material)
     contact = partial_slip_point(load, study.contact.friction, hertz.contact_radius_mm, modulus)

@@ -117,16 +117,6 @@ class Study:
         return self.tables.bodies_of_test()
 
     @property
-    def moving_wire(self) -> Body:
-        """The driven body."""
-        return self.bodies[0]
-
-    @property
-    def fixed_wire(self) -> Body:
-        """The held body."""
-        return self.bodies[1]
-
-    @property
     def motion_angle_deg(self) -> float:
         """Direction of the motion against the driven body's axis."""
         return -self.bodies[0].axis_angle_deg
