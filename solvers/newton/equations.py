@@ -127,7 +127,7 @@ def _scaled(transposed: Array, rhs: Array, sizes: Sizes) -> Array:
     """Scale equations in place to be of order one; what the unknowns are measured by, (size,)."""
     size = len(rhs)
     row, column = np.full(size, 1.0 / sizes.length), np.full(size, sizes.pressure)
-    column[size - 3 :] = sizes.length
+    column[size - 3] = column[size - 2] = sizes.length
     column[size - 1], row[size - 1] = sizes.length / sizes.reach, sizes.reach / sizes.length
     row[size - 3] = 1.0 / (sizes.length if np.isnan(sizes.load_N) else sizes.load_N)
     for j in range(size):

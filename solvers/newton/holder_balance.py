@@ -65,23 +65,23 @@ def fill_holder_rows(
             moment += nodes.lever[node] * up + holder.pivot_mm * along
     # The load, which acts through the pivot, leans on the contact that rotation has carried sideways.
     transposed[t, t] += holder.normal_load_N * holder.pivot_mm
-    transposed[:, t] *= holder.rotational_rad_per_N_mm
+    floats, prescribed = np.isnan(holder.held_mm), not np.isnan(holder.height_mm)
+    compliance = holder.series_mm_per_N if floats else holder.tangential_mm_per_N
+    for place in range(size):
+        transposed[place, t] *= holder.rotational_rad_per_N_mm
+        transposed[place, x] *= compliance
+        if prescribed:
+            transposed[place, z] = 0.0
     transposed[t, t] -= 1.0
     rhs[t] -= moment * holder.rotational_rad_per_N_mm
-    transposed[z, z] -= holder.normal_N_per_mm
-    rhs[z] = holder.load_N - lift
-    if np.isnan(holder.held_mm):
-        transposed[:, x] *= holder.series_mm_per_N
-        rhs[x] = -pull * holder.series_mm_per_N
-    else:
+    rhs[x] = -pull * compliance
+    if not floats:
         # The contact moves with the holder's translation and with its rotation about the pivot.
-        transposed[:, x] *= holder.tangential_mm_per_N
         transposed[x, x] -= 1.0
         transposed[t, x] += holder.pivot_mm
-        rhs[x] = -holder.held_mm - pull * holder.tangential_mm_per_N
-    if not np.isnan(holder.height_mm):
-        transposed[:, z] = 0.0
-        transposed[z, z], rhs[z] = 1.0, holder.height_mm
+        rhs[x] -= holder.held_mm
+    transposed[z, z] += 1.0 if prescribed else -holder.normal_N_per_mm
+    rhs[z] = holder.height_mm if prescribed else holder.load_N - lift
     if not np.isnan(holder.rigid_x_mm):
         rhs[x] = holder.rigid_x_mm
 

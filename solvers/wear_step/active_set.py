@@ -251,19 +251,18 @@ def _scaled(transposed: Array, pressures: int) -> tuple[Array, Array]:
     Those of its first rows and columns, as many as there are pressures, become of order one, then each row.
     """
     size = len(transposed)
-    by_pressures, by_others = np.full(size, 1e-300), np.full(size, 1e-300)
+    largest, scale = np.zeros((2, size)), 1e-300
     for j in range(size):
-        largest = by_pressures if j < pressures else by_others
         for i in range(size):
-            largest[i] = max(largest[i], abs(transposed[j, i]))
-    column = np.ones(size)
-    largest_by_pressure = 1e-300
+            kind = 0 if j < pressures else 1
+            largest[kind, i] = max(largest[kind, i], abs(transposed[j, i]))
     for i in range(pressures):
-        largest_by_pressure = max(largest_by_pressure, by_pressures[i])
-    column[:pressures] = 1.0 / largest_by_pressure
-    row = np.empty(size)
+        scale = max(scale, largest[0, i])
+    row, column = np.empty(size), np.ones(size)
     for i in range(size):
-        row[i] = 1.0 / max(by_pressures[i] * column[0], by_others[i])
+        row[i] = 1.0 / max(largest[0, i] / scale, largest[1, i], 1e-300)
+        if i < pressures:
+            column[i] = 1.0 / scale
     for j in range(size):
         factor = column[j]
         for i in range(size):
