@@ -197,6 +197,7 @@ if os.environ.get("RECORDED_IN"):  # a plug-in of pytest within `record`
         messages=False,
     )
     _lines.set_option("run:relative_files", True)
+    _lines.set_option("run:disable_warnings", ["no-data-collected"])
     _lines.start()
 
     def pytest_runtest_setup(item: pytest.Item) -> None:
