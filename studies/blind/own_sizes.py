@@ -55,7 +55,7 @@ def own_size(case: Case, problem: Problem, covariance: Covariance) -> dict[str, 
         problem.states,
         problem.setup,
         problem.layout,
-        replace(covariance, mean=truth, total=covariance.total - covariance.numerical),
+        replace(covariance, mean=truth, total=covariance.total - covariance.numerical - covariance.tolerated),
     )
     imitations = [fit(told, [one]).distance2 for one in _allowed(case, problem)]
     least = min([_squared(told.whitened(told.setup)), *imitations])

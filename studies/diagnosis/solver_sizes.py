@@ -48,17 +48,10 @@ LEAST = 1.0
 
 #: Sizes in calibration.toml of what a factor of each component multiplies.
 ENTRIES: Mapping[str, tuple[str, ...]] = {
-    "stick": ("observe.stick.size", "observe.stick.tip_share"),
-    "knee": ("observe.knee_peak.force_share", "observe.knee_peak.peak_share", "observe.knee_peak.wall_share"),
-    "plateau": ("observe.plateau.slope_share", "observe.plateau.force_share"),
-    "amplitude": ("observe.amplitude.share",),
-    "normal": ("observe.normal_force.mean_share",),
-    "normal_direction": ("observe.normal_force.direction_share",),
-    "normal_ends": ("observe.normal_along.ends_share",),
-    "normal_sides": ("observe.normal_along.sides_share",),
-    "energy": ("observe.evolution.share", "observe.evolution.slope_share"),
-    "scar": ("observe.scars.figure_size",),
-    "skew": ("observe.scars.skew_size",),
+    "stick": ("observe.stick.tip_share",),
+    "knee": ("observe.knee_peak.peak_share", "observe.knee_peak.wall_share"),
+    "plateau": ("observe.plateau.slope_share",),
+    "energy": ("observe.evolution.slope_share",),
     "hooks": ("model.numerical.hooks.whole",),
     "sides": ("model.numerical.hooks.side",),
 }

@@ -14,7 +14,13 @@ from numpy.typing import NDArray
 from scipy.stats import chi2
 
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.solver_differences import alike, derivatives, smooth_covariance, solver_covariance
+from wirewear.diagnosis.infer.solver_differences import (
+    alike,
+    derivatives,
+    smooth_covariance,
+    solver_covariance,
+    tolerated,
+)
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -124,6 +130,7 @@ class Covariance:
         total: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
         single: (n,) variance of one repeat against the model, with noise, scatter and solver error.
         numerical: (n, n) covariance of the solver error in it.
+        tolerated: (n, n) covariance of what is within the record's tolerance in it.
         between: (n, n) covariance of one repeat's specimens and zeros.
         nuisance: (n, n) covariance of the mean by specimens and zeros.
         scatter: standard deviations between repeats, by name, as estimated.
@@ -134,6 +141,7 @@ class Covariance:
     total: Array
     single: Array
     numerical: Array
+    tolerated: Array
     between: Array
     nuisance: Array
     scatter: Mapping[str, float]
@@ -148,6 +156,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
     numerical = solver_covariance(states, setup, layout)
+    within = tolerated(states, setup, layout, observed.tolerance)
     wander = wandering(states, setup, layout)
     common = shared @ shared.T + wander
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
@@ -163,7 +172,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         precision[np.ix_(seen, seen)] += inverse
         weighted[seen] += inverse @ values[seen]
     sampling = np.linalg.inv(precision)
-    total = sampling + numerical + common
+    total = sampling + numerical + within + common
     single = known * np.nanmedian(observed.noise**2, axis=0) + np.diag(scattered) + np.diag(numerical)
     names = zip(sizes.items(), factors, strict=True)
     return Covariance(
@@ -171,6 +180,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
         total=0.5 * (total + total.T),
         single=single,
         numerical=numerical,
+        tolerated=within,
         between=scattered + common,
         nuisance=scattered / len(observed.values) + common,
         scatter={name: float(size * factor) for (name, size), factor in names},

@@ -19,8 +19,8 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.layout import Layout, Part
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 
-#: Share of the variance of `NUMERICAL` and of the remainder that is believed: records without a gap show less of it.
-VARIANCE = constants("infer.solver_differences").number("variance")
+#: Standard deviations of what honest models and rigs differ by that a tolerance is: nineteen of twenty stay within it.
+WITHIN = 1.96
 
 _HOOKS, _SMOOTH = constants("model.numerical.hooks"), constants("model.numerical.smooth")
 
@@ -45,8 +45,18 @@ PASSING_TURNED = _SMOOTH.number("passing_turned")
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
     freedoms = derivatives(states, setup, layout, states.freedoms)
-    covariance: Array = VARIANCE * (freedoms @ freedoms.T + remainder(states, setup, layout))
+    covariance: Array = freedoms @ freedoms.T + remainder(states, setup, layout)
     return covariance
+
+
+def tolerated(states: WearStates, setup: Setup, layout: Layout, tolerance: Mapping[str, float]) -> Array:
+    """Covariance (n, n) of differences that are within a record's tolerance, of any smooth shape."""
+    predicted = np.nan_to_num(layout.observed(simulate(states, setup, layout.cycles)))
+    size = np.zeros(len(layout))
+    for part in layout:
+        whole = part.observable.whole(setup, predicted[part.rows])
+        size[part.rows] = tolerance.get(part.observable.tolerance, 0.0) / WITHIN * whole
+    return smooth_covariance(layout, size, Scale(setup.amplitude_um, setup.plateau_force_N))
 
 
 #: Where scatters and freedoms that are relative stand in a setup.

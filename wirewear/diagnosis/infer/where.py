@@ -86,7 +86,8 @@ def _unaccounted(residual: Array, covariance: Covariance) -> Array:
     """
     other = covariance.total - covariance.nuisance
     share = np.linalg.solve(covariance.total, other).T
-    remaining = (share @ residual) ** 2 - np.einsum("ij,ij->i", share, other)
+    noise = other - covariance.tolerated
+    remaining = (share @ residual) ** 2 - np.einsum("ij,ij->i", share, noise)
     return np.asarray(np.maximum(remaining, residual**2 - 1.96**2 * np.diag(covariance.total)))
 
 
@@ -189,7 +190,4 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
 
 
 def _relative_to_tolerance(place: Place, tolerance: Mapping[str, float]) -> float:
-    # A scar that is askew by an angle has its ends off by that share of half its length.
-    of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
-    known = {"rad": "displacement"} if place.observable.of_scars else of_loops
-    return place.relative / max(tolerance[known.get(place.observable.unit, "volume")], 1e-12)
+    return place.relative / max(tolerance[place.observable.tolerance], 1e-12)

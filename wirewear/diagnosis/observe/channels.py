@@ -6,7 +6,6 @@ Whatever guides the load shows in the normal force, and nothing that wears: the 
 from __future__ import annotations
 
 from abc import abstractmethod
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,31 +17,20 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
+from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
 _OF_NORMAL_FORCE = constants("observe.normal_force")
-
-#: Solver differences, relative to the load: of the mean, and of the difference.
-MEAN_SHARE, DIRECTION_SHARE = _OF_NORMAL_FORCE.each("mean_share", "direction_share")
 
 #: A difference of free shape between both branches may be so large a share of the load.
 FREE_SHARE = _OF_NORMAL_FORCE.number("free_share")
 
 _KNOWN = constants("observe.normal_along")
 
-#: Solver differences, relative to the load.
-ENDS_SHARE, SIDES_SHARE = _KNOWN.each("ends_share", "sides_share")
-
 #: The middle of the stroke reaches so far, its ends begin there, as shares of the amplitude.
 MIDDLE, OUTER = _KNOWN.each("middle", "outer")
 
 #: Samples that a part of the stroke has at least.
 FEWEST = _KNOWN.count("fewest")
-
-_OF_AMPLITUDE = constants("observe.amplitude")
-
-#: Solver differences, relative.
-SHARE = _OF_AMPLITUDE.number("share")
 
 
 class _OfNormalForce(OfLoops):
@@ -77,10 +65,6 @@ class NormalForce(_OfNormalForce):
         p = course.normal_force_N
         return np.asarray(p[:, :, SLIDING:].mean(axis=(1, 2)))[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of it."""
-        return SolverSize(MEAN_SHARE * np.abs(self.predict(loops.course, sites)))
-
 
 class NormalForceByDirection(_OfNormalForce):
     """Mean of the branch towards +x less that of the other."""
@@ -101,17 +85,11 @@ class NormalForceByDirection(_OfNormalForce):
         forward, backward = (course.normal_force_N[:, side, SLIDING:].mean(axis=1) for side in (0, 1))
         return np.asarray(forward - backward)[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of the load."""
-        return SolverSize(np.full(len(sites), DIRECTION_SHARE * loops.setup.load_N))
-
 
 class _AlongStroke(OfLoops):
     """Mean load of one part of the stroke less that of another, over both branches."""
 
     unit = "N"
-    #: By which solvers differ, relative to the load.
-    share: ClassVar[float]
 
     @abstractmethod
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
@@ -151,10 +129,6 @@ class _AlongStroke(OfLoops):
         found: Array = 0.5 * np.subtract(one, other, out=np.zeros_like(one), where=both).sum(axis=1)
         return found[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of the load."""
-        return SolverSize(np.full(len(sites), self.share * loops.setup.load_N))
-
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """A share of the load."""
         return np.full(predicted.size, FREE_SHARE * setup.load_N)
@@ -175,7 +149,6 @@ class NormalForceAtEnds(_AlongStroke):
     name = "normal_ends"
     words = "normal force, ends of the stroke less its middle"
     zones = (Zone("normal_ends", "normal force at the ends"),)
-    share = ENDS_SHARE
 
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What lies outside, what lies inside."""
@@ -188,7 +161,6 @@ class NormalForceBySides(_AlongStroke):
     name = "normal_sides"
     words = "normal force, one side of the stroke less the other"
     zones = (Zone("normal_sides", "normal force by side"),)
-    share = SIDES_SHARE
 
     def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
         """What lies to the right, what lies to the left."""
@@ -214,7 +186,3 @@ class Amplitude(OfLoops):
         """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
-
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of it."""
-        return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))

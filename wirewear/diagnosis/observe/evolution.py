@@ -25,8 +25,8 @@ MOST_CYCLES, FAR = _KNOWN.count("most_cycles"), _KNOWN.number("far")
 #: by more than so many of their deviations.
 NEIGHBOURS, JUMP, OUTLYING = _KNOWN.count("neighbours"), _KNOWN.number("jump"), _KNOWN.number("outlying")
 
-#: Solver differences: of each figure, relative, and of the largest force, share of what slopes add.
-SHARE, SLOPE_SHARE = _KNOWN.each("share", "slope_share")
+#: Solver differences of the largest force: share of what slopes add.
+SLOPE_SHARE = _KNOWN.number("slope_share")
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
 #: By so many deviations that changes over a test: on a flat plateau more samples are near the largest than at a wall.
@@ -87,10 +87,6 @@ class EvolutionFigure(Observable):
         """The same of computed loops."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of it."""
-        return SolverSize(SHARE * np.abs(self.predict(loops.course, sites)))
-
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """Its own."""
         return np.abs(predicted)
@@ -130,13 +126,12 @@ class SlipAmplitude(EvolutionFigure):
         return _chord_error_um(reading)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of it, and its crossings of Q = 0, two of which it is half the sum of.
+        """Its crossings of Q = 0, two of which it is half the sum of.
 
         A logger that repeats itself, or an interpolation, finds them at the same place of every shelf.
         """
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
-        size = SHARE * np.abs(self.predict(loops.course, sites))
-        return SolverSize(size, own=crossing / np.sqrt(2.0), common=crossing)
+        return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
 
 
 class LargestForce(EvolutionFigure):
@@ -163,9 +158,8 @@ class LargestForce(EvolutionFigure):
         return values + np.interp(np.log(np.maximum(sites.cycle, 1)), known, off), errors
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of it, and of what slopes add at the end of the stroke."""
-        share = SHARE * np.abs(self.predict(loops.course, sites))
-        return SolverSize(np.hypot(share, SLOPE_SHARE * loops.rise_N(sites)))
+        """A share of what slopes add at the end of the stroke."""
+        return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much noise may lift it, as the largest of many samples."""

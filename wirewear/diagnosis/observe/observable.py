@@ -70,9 +70,9 @@ class Observable(ABC):
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Values (n,) of a computed course that holds all of the sites' cycles."""
 
-    @abstractmethod
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """How far solvers differ in it on a test whose computed loops are these."""
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
+        """How far solvers differ in it, beyond what is tolerated, on a test whose computed loops are these."""
+        return SolverSize(np.zeros(len(sites)))
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
         """Name (n,) of one of `zones` each: the only one unless a subclass says more."""
@@ -96,6 +96,15 @@ class Observable(ABC):
     def free_size(self, setup: Setup, predicted: Array) -> Array:
         """Standard deviation (n,) of a difference of free shape as large as the loop, at predicted values (n,)."""
         return self.free_share * self.whole(setup, predicted)
+
+    @property
+    def tolerance(self) -> str:
+        """By which entry of a record's `[tolerance]` it is judged.
+
+        A scar that is askew by an angle has its ends off by that share of half its length.
+        """
+        of_loops = {"N": "force", "um": "displacement", "mJ": "energy"}
+        return ({"rad": "displacement"} if self.of_scars else of_loops).get(self.unit, "volume")
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """How differences at several sites hang together: over the cycles alone unless a subclass says more."""

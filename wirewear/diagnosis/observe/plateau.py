@@ -40,8 +40,8 @@ PAST_KNEE = _KNOWN.number("past_knee")
 #: The end of a branch begins at this share of the amplitude.
 TIP = _KNOWN.number("tip")
 
-#: Solver differences: shares of the force that slopes add, and of the plateau force.
-SLOPE_SHARE, FORCE_SHARE = _KNOWN.each("slope_share", "force_share")
+#: Solver differences: share of the force that slopes add.
+SLOPE_SHARE = _KNOWN.number("slope_share")
 
 #: They are alike over this share of the amplitude.
 REACH = _KNOWN.number("reach")
@@ -51,8 +51,8 @@ WALL_PLACE, REACH_WALL, ROUGH_WALL = _KNOWN.each("wall_place", "reach_wall", "ro
 
 _OF_KNEE_PEAK = constants("observe.knee_peak")
 
-#: Solver differences: shares of the plateau force, of the peak that slopes make, and of how high walls are there.
-KNEE_SHARE, PEAK_SHARE, WALL_SHARE = _OF_KNEE_PEAK.each("force_share", "peak_share", "wall_share")
+#: Solver differences: shares of the peak that slopes make, and of how high walls are there.
+PEAK_SHARE, WALL_SHARE = _OF_KNEE_PEAK.each("peak_share", "wall_share")
 
 #: Walls are high where slopes raise the force by this share of it.
 WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
@@ -95,9 +95,8 @@ class PlateauForce(ByLocalLines):
         return sites.branch * along_branches(course, sites, lambda x, q, at: np.interp(place[at], still_to_come(x), q))
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """Ripples of the worn surface, and a share of the force."""
-        size = np.hypot(SLOPE_SHARE * loops.rise_N(sites), FORCE_SHARE * loops.scale.force_N)
-        return SolverSize(size, wall=np.sign(sites.level))
+        """Ripples of the worn surface."""
+        return SolverSize(SLOPE_SHARE * loops.rise_N(sites), wall=np.sign(sites.level))
 
     def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
         """The end of the stroke is one of its own."""
@@ -141,9 +140,9 @@ class KneePeak(OfLoops):
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """How steep a wall begins depends on the elements as soon as there is one, and no more once it is high."""
-        force, rise = loops.scale.force_N, loops.rise_N(sites)
-        high = rise / (1.0 + rise / (WALL_HEIGHT * force))
-        size = np.hypot(KNEE_SHARE * force, PEAK_SHARE * np.abs(self.predict(loops.course, sites)))
+        rise = loops.rise_N(sites)
+        high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
+        size = PEAK_SHARE * np.abs(self.predict(loops.course, sites))
         return SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar
 
 import numpy as np
 
@@ -26,9 +25,6 @@ DEPTH_ERROR_um = _KNOWN.number("depth_error")
 FIGURE_ERROR = _KNOWN.number("figure_error")
 SKEW_ERROR, SHALLOW_SKEW = _KNOWN.each("skew_error", "shallow_skew")
 
-#: Solver differences: relative, and in rad.
-FIGURE_SIZE, SKEW_SIZE_rad = _KNOWN.each("figure_size", "skew_size")
-
 #: The least points of a map.
 FEWEST_POINTS = _KNOWN.count("fewest_points")
 
@@ -40,11 +36,10 @@ class _OfScars(Observable):
     """One number a wire, after the last cycle."""
 
     of_scars = True
-    size: ClassVar[float]
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
-        """Its own `size` each, whatever the hooks."""
-        return SolverSize(np.full(len(sites), self.size), hooked=False)
+        """Whatever the hooks."""
+        return SolverSize(np.zeros(len(sites)), hooked=False)
 
     def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
         """No number has anything in common with another."""
@@ -56,7 +51,7 @@ class ScarFigures(_OfScars):
 
     name = "scar"
     words, unit = "scar", "relative"
-    size, free_share = FIGURE_SIZE, FREE_FIGURE
+    free_share = FREE_FIGURE
     zones = (Zone("scar", "scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:
@@ -91,7 +86,7 @@ class ScarSkew(_OfScars):
 
     name = "skew"
     words, unit = "skew of the scar", "rad"
-    size, free_share = SKEW_SIZE_rad, FREE_SKEW
+    free_share = FREE_SKEW
     zones = (Zone("skew", "skew of the scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:

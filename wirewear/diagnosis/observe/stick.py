@@ -34,8 +34,8 @@ FORCES = _KNOWN.numbers("forces")
 #: one sample may catch any place: none is read within this share of the force.
 FEW_SAMPLES, SHELF_SHARE = _KNOWN.count("few_samples"), _KNOWN.number("shelf_share")
 
-#: Solver differences: displacements, and the share of the scar's rise at the tip, where a branch begins.
-SIZE_um, TIP_SHARE = _KNOWN.each("size", "tip_share")
+#: Solver differences: share of the scar's rise at the tip, where a branch begins.
+TIP_SHARE = _KNOWN.number("tip_share")
 
 #: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
 FORCE_ERROR = _KNOWN.number("force_error")
@@ -60,7 +60,7 @@ SHARE = _OF_SHELF.number("share")
 #: Noise of a force lies below that window by this factor, or the window is wider.
 DEVIATIONS = _OF_SHELF.number("deviations")
 
-#: Solver differences: share of the travel, beside those of two displacements.
+#: Solver differences: share of the travel.
 TRAVEL_SHARE = _OF_SHELF.number("travel_share")
 
 
@@ -102,7 +102,7 @@ class Stick(ByLocalLines):
         cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
         return SolverSize(
-            np.hypot(SIZE_um, turned),
+            turned,
             np.hypot(crossing, cornered),
             crossing * sites.branch,
             wall=-sites.branch.astype(float),
@@ -183,9 +183,8 @@ class ShelfTravel(OfLoops):
         return np.full(len(sites), np.sqrt(0.5) * usual)
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
-        """A share of the travel, and errors of two displacements."""
-        travel = self.predict(loops.course, sites)
-        return SolverSize(np.hypot(np.sqrt(2.0) * SIZE_um, TRAVEL_SHARE * travel), hooked=False)
+        """A share of the travel."""
+        return SolverSize(TRAVEL_SHARE * self.predict(loops.course, sites), hooked=False)
 
 
 def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
