@@ -107,6 +107,13 @@ def test_a_gap_that_was_overlooked_is_no_right_answer_however_probable_the_truth
     assert (said.first_right, said.second_right, said.gap_seen) == (False, True, False)
 
 
+def test_the_probability_on_the_truth_is_a_mean_over_gaps_that_are_seen() -> None:
+    seen = judged(single("free_play"), answer("explained", {"free_play": 0.8}))
+    overlooked = judged(single("free_play"), answer("no_gap", {"none": 0.7, "free_play": 0.2}))
+    alarm = judged(a_truth("none"), answer("explained", {"free_play": 0.9}))
+    assert batch_figures([seen, overlooked, alarm], {})["truth_probability_detected"] == pytest.approx(0.8)
+
+
 def test_an_effect_that_was_left_out_is_right_unexplained() -> None:
     truth = Truth("case_1", "left_out", "easy", ("free_play",), {"free_play": {"gap_um": 3.0}}, 9.0)
     assert judged(truth, answer("unexplained", {"outside_library": 0.8})).first_right

@@ -96,6 +96,7 @@ def _probabilities(judgements: Sequence[Judgement]) -> dict[str, Any]:
             kind: _mean([j.truth_probability for j in _of(judgements, kind)])
             for kind in ("none", "single", *OPEN_KINDS)
         },
+        "truth_probability_detected": _mean([j.truth_probability for j in alone if j.truth.kind != "none" and j.gap_seen]),
         "calibration_error": _rounded(calibration_error(bins)),
         "reliability": [
             {"from": b.low, "to": b.high, "probability": round(b.probability, 4), "right": b.right.to_json()}

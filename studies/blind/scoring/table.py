@@ -56,6 +56,7 @@ def aim_rows(report: Mapping[str, Any]) -> list[AimRow]:
         _share("a true effect where one is named, all records", report["true_where_named"]),
         _number("effects in the true class, mean", report["mean_class_size"]),
         _number("probability on the truth, single effects", report["truth_probability"]["single"]),
+        _number("probability on the truth where a gap is seen", report.get("truth_probability_detected")),
         _number("calibration error", report["calibration_error"]),
         _share("90 % class sets that hold the truth", report["set_coverage"], "87 to 95 %", low=0.87, high=0.95),
         _share("95 % parameter intervals that hold the truth", report["parameters"]["coverage"]),

@@ -106,8 +106,9 @@ def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Ar
     hooks, sides = walls.copy(), np.zeros(len(layout))
     for part in layout:
         rows, error = part.rows, part.observable.solver_error(loops, part.sites)
-        smooth = found.setdefault(part.observable.name, np.zeros(shape))
-        smooth[rows, rows] = smooth_block(part, error.size, loops.scale, TURNED)
+        if error.size.any():
+            smooth = found.setdefault(part.observable.name, np.zeros(shape))
+            smooth[rows, rows] = smooth_block(part, error.size, loops.scale, TURNED)
         if error.own is not None:
             found[OWN][rows, rows] += np.diag(error.own**2)
         if error.common is not None:
