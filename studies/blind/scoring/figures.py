@@ -91,12 +91,13 @@ def _probabilities(judgements: Sequence[Judgement]) -> dict[str, Any]:
     answered = [j for j in judgements if j.answer is not None]
     bins = reliability([j.leading_probability for j in answered], [j.leading_right for j in answered])
     alone = [j for j in judgements if j.truth.kind != "pair"]
+    seen = [j.truth_probability for j in alone if j.truth.kind != "none" and j.gap_seen]
     return {
         "truth_probability": {
             kind: _mean([j.truth_probability for j in _of(judgements, kind)])
             for kind in ("none", "single", *OPEN_KINDS)
         },
-        "truth_probability_detected": _mean([j.truth_probability for j in alone if j.truth.kind != "none" and j.gap_seen]),
+        "truth_probability_detected": _mean(seen),
         "calibration_error": _rounded(calibration_error(bins)),
         "reliability": [
             {"from": b.low, "to": b.high, "probability": round(b.probability, 4), "right": b.right.to_json()}
