@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance
+from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance, tolerated
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.channels import (
@@ -30,6 +30,7 @@ from wirewear.diagnosis.observe.reduction import Observations, all_observables, 
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
+from wirewear.records.tables import Tolerance
 
 CYCLES = (1, 300, 10_000, 100_000)
 
@@ -106,7 +107,9 @@ def correlations(covariance: Array) -> Array:
 @pytest.mark.parametrize("cycles", [1.0, 1e3, 1e5])
 def test_every_number_has_an_error_of_the_solvers_and_the_covariance_is_definite(cycles: float) -> None:
     whole = layout()
-    covariance = solver_covariance(states(), replace(nominal(), cycles=cycles), whole)
+    setup = replace(nominal(), cycles=cycles)
+    within = tolerated(states(), setup, whole, Tolerance().model_dump())
+    covariance = solver_covariance(states(), setup, whole) + within
     np.testing.assert_allclose(covariance, covariance.T, rtol=1e-12)
     assert np.diag(covariance).min() > 0.0
     assert np.linalg.eigvalsh(correlations(covariance)).min() > 1e-9

@@ -87,7 +87,7 @@ def _unaccounted(residual: Array, covariance: Covariance) -> Array:
     other = covariance.total - covariance.nuisance
     share = np.linalg.solve(covariance.total, other).T
     noise = other - covariance.tolerated
-    remaining = (share @ residual) ** 2 - np.einsum("ij,ij->i", share, noise)
+    remaining = (share @ residual) ** 2 - np.einsum("ij,jk,ik->i", share, noise, share, optimize=True)
     return np.asarray(np.maximum(remaining, residual**2 - 1.96**2 * np.diag(covariance.total)))
 
 

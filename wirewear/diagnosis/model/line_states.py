@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +88,7 @@ class LineStates(WearStates):
 
     has_layers = False
     #: None: the bodies as a whole give way, whatever the load.
-    stiffening = 0.0
+    stiffening: ClassVar[float] = 0.0
     freedoms = LINE_FREEDOMS
 
     length_um: float = 0.0
