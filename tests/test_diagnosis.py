@@ -36,7 +36,8 @@ def diagnosed(one: ExperimentRecord, *left_out: str) -> Diagnosed:
 
 
 def without_wear(one: ExperimentRecord) -> Study:
-    return nominal_study(one).changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
+    study: Study = nominal_study(one)
+    return study.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
 
 
 def test_a_model_without_wear_has_wear_states() -> None:
