@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, ndtr, ndtri
 
-from wirewear.diagnosis.infer.inference import LENT, Fit, Problem, applied
+from wirewear.diagnosis.infer.inference import ADDED, Fit, Problem, applied
 
 Array = NDArray[np.float64]
 
@@ -34,7 +34,7 @@ def sampled_log_evidence(problem: Problem, one: Fit, live: int, seed: int) -> fl
         if at_sides < _AT_SIDES:
             break
         half = 2.0 * half
-    return found - sum(LENT.get(candidate.name, 0.0) for candidate in one.candidates)
+    return found - sum(ADDED.get(candidate.name, 0.0) for candidate in one.candidates)
 
 
 def _in_box(problem: Problem, one: Fit, low: Array, high: Array, live: int, seed: int) -> tuple[float, float]:

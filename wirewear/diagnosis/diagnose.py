@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, cast
 
 from wirewear.base.errors import StudyError
-from wirewear.diagnosis.beginning import Nominal, beginning_of, require_of_one_rig
+from wirewear.diagnosis.beginning import beginning_of, require_of_one_rig
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
@@ -97,16 +97,29 @@ def diagnose(
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
     require_of_one_rig(record, further)
-    checked, own, study, nominal, observed = _begun(record, model, observer_of, stage)
+    first = _begun(record, model, observer_of, stage)
     others = [_begun(other, None, observer_of, stage) for other in further]
     with stage("searching for causes"):
-        found = search(nominal.states, nominal.setup, observed, left_out)
-        for _, _, _, its, seen in others:
-            found = updated(found, its.states, its.setup, seen)
-        diagnosed = judged(own, study, nominal.states, observed, found, [each[1] for each in others])
-    told = tuple(remark.text for remark in checked if remark.level == "problem")
-    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=checked)
+        found = search(first.states, first.setup, first.observed, left_out)
+        for other in others:
+            found = updated(found, other.states, other.setup, other.observed)
+        read = [other.record for other in others]
+        diagnosed = judged(first.record, first.study, first.states, first.observed, found, read)
+    told = tuple(remark.text for remark in first.checked if remark.level == "problem")
+    answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=first.checked)
     return replace(diagnosed, diagnosis=answer)
+
+
+@dataclass(frozen=True, eq=False)
+class _Begun:
+    """A record as it is read, what its check says, and what is observed of it; its study, on its nominal run."""
+
+    record: AnyRecord
+    checked: tuple[Remark, ...]
+    observed: Observations
+    study: Study | PlanarStudy
+    states: WearStates
+    setup: Setup
 
 
 def _begun(
@@ -114,8 +127,7 @@ def _begun(
     model: Study | PlanarStudy | None,
     observer_of: ObserverOf | None,
     stage: Callable[[str], AbstractContextManager[object]],
-) -> tuple[tuple[Remark, ...], AnyRecord, Study | PlanarStudy, Nominal, Observations]:
-    """What its check says of a record, the record as it is read, its study with its nominal run, and observations."""
+) -> _Begun:
     beginning = beginning_of(record, model)
     with stage("checking the record"):
         checked = remarks_told(record)
@@ -125,7 +137,7 @@ def _begun(
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
     setup = replace(nominal.setup, motion=observed.motion)
-    return checked, record, beginning.study, replace(nominal, setup=setup), observed
+    return _Begun(record, checked, observed, beginning.study, nominal.states, setup)
 
 
 def concluded(

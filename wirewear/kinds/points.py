@@ -120,28 +120,10 @@ class AnyBodies(AtAPoint):
 
         return ANY_BODIES
 
-    def checked_model(self, *_: Any) -> NoReturn:
-        """Not yet."""
-        self._refuse()
-
-    def states(self, *_: Any) -> NoReturn:
-        """Not yet."""
-        self._refuse()
-
-    def setup(self, *_: Any) -> NoReturn:
-        """Not yet."""
-        self._refuse()
-
-    def guessed_mapping(self, *_: Any) -> NoReturn:
-        """Not yet."""
-        self._refuse()
-
-    def surfaces(self, *_: Any) -> NoReturn:
-        """Not yet."""
-        self._refuse()
-
-    def _refuse(self) -> NoReturn:
+    def _not_yet(self, *_: Any) -> NoReturn:
         raise RecordError(f"records of tests of a {self.name.replace('-', ' ')} are not supported yet.")
+
+    checked_model = states = setup = guessed_mapping = surfaces = _not_yet
 
 
 class BallOnFlat(AnyBodies):

@@ -10,12 +10,12 @@ from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, Extent, Pad, PadFace, PlanarStudy, Specimen
 from wirewear.records.metadata import Metadata
+from wirewear.records.of_test import OfRecord
 from wirewear.records.surfaces import PROFILES
 from wirewear.records.tables import (
     DisplacementNoise,
     FileName,
     Noise,
-    OfTest,
     RecordConditions,
     RecordTables,
     StatedFriction,
@@ -145,7 +145,7 @@ class LineFiles(Table):
     profile_specimen: FileName | None = Field(None, description="file of the specimen's worn profile at the end")
 
 
-class LineTest(OfTest):
+class LineTest(OfRecord):
     """What is said of a line contact's test beside its data."""
 
     contact_kind, described_by, bodies = KINDS[0], "contact", BODIES
@@ -164,7 +164,7 @@ class LineTest(OfTest):
     pad: RecordPad = Field(description="the pad")
     specimen: RecordBody = Field(description="the flat")
     conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
-    stated: LineStated = Field(LineStated(), description="what the rig's owner believes")
+    stated: LineStated = Field(LineStated(), description="what the rig's owner states")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")

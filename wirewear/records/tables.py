@@ -8,7 +8,8 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
-from wirewear.records.surfaces import SCARS, MeasuredScar, WornSurfaces
+from wirewear.records.of_test import OfRecord
+from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results.scar import WIRES
 from wirewear.study import Study, study_from_tables
@@ -238,98 +239,7 @@ def known_of(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
-class OfTest(Table):
-    """What the tables of an experiment.toml are asked, of whatever kind of contact.
-
-    Attributes:
-        contact_kind: its name.
-        described_by: the table that only records of the kind have.
-        bodies: their names.
-        worn: how the worn surfaces stand in the record.
-        wear: coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each.
-        needs_loops: whether there is no record without loops.
-    """
-
-    contact_kind: ClassVar[str]
-    described_by: ClassVar[str]
-    bodies: ClassVar[tuple[str, str]]
-    worn: ClassVar[WornSurfaces]
-    wear: ClassVar[Mapping[str, tuple[str, ...]]]
-    needs_loops: ClassVar[bool]
-
-    @property
-    def length_mm(self) -> float | None:
-        """Length of the contact, where it has one."""
-        return None
-
-    @property
-    def depth_noise_um(self) -> float:
-        """Stated error of one depth of a worn surface."""
-        return 0.0
-
-    @classmethod
-    def require_length(cls, length_mm: float | None, label: str) -> None:
-        """See that a length is given of a contact that has one alone; RecordError otherwise."""
-        if length_mm:
-            raise RecordError(f"--length does not apply to {label}, which is a run of crossed wires.")
-
-    @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
-        """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
-
-        Raises:
-            RecordError: a record cannot describe them.
-        """
-        raise NotImplementedError
-
-    @classmethod
-    def stated_by(cls, study: Mapping[str, Any], length_mm: float | None) -> dict[str, Any]:
-        """What such a study says of conditions, friction, wear and rig, of the whole contact, by keys of a record."""
-        del length_mm  # of a line contact alone
-        parts = ("conditions", "contact", "wear", "holder")
-        return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
-
-    @classmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> Any:
-        """A study of the kind from nested tables; StudyError in one sentence that names `where`."""
-        raise NotImplementedError
-
-    @property
-    def of_study(self) -> dict[str, float | None]:
-        """What tells this test from others, by the keys of a study's tables."""
-        raise NotImplementedError
-
-    def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Values by keys of a record as studies of the kind have them."""
-        return dict(values)
-
-    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """Tables of a study with those of the bodies.
-
-        Raises:
-            RecordError: what is stated of bodies and rig does not fit together.
-        """
-        raise NotImplementedError
-
-    @property
-    def contact_stiffness_N_per_um(self) -> float | None:
-        """Stiffness of the unworn contact; None where the bodies give way as well, by what no closed form tells."""
-        return None
-
-    @property
-    def doubts_bodies(self) -> bool:
-        """Whether the compliance between rig and contact is unsure."""
-        return False
-
-    def require_whole(self, where: str) -> None:
-        """See that the tables of a file say all that they must; RecordError where they do not."""
-
-    def placed(self, surface: Any) -> Any:
-        """A surface of a file with x along the motion."""
-        return surface
-
-
-class RecordTables(OfTest):
+class RecordTables(OfRecord):
     """The whole of experiment.toml."""
 
     contact_kind, described_by, bodies = "crossed-wires", "wires", WIRES
@@ -344,7 +254,7 @@ class RecordTables(OfTest):
     )
     wires: RecordWires = Field(description="the two wires")
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
-    stated: Stated = Field(Stated(), description="what the rig's owner believes")
+    stated: Stated = Field(Stated(), description="what the rig's owner states")
     noise: Noise = Field(Noise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")

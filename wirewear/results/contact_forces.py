@@ -76,8 +76,8 @@ def averaging(
 ) -> Iterator[csr_matrix]:
     """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
 
-    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing bears. Rows come
-    in order, those of some lines of nodes at a time.
+    The nodes are those of a patch, or of a rectangle `along` by `across` of it, beside which nothing carries load. Rows
+    come in order, those of some lines of nodes at a time.
     """
     a, t = _near(axial, along, length), _near(transverse, across, length)
     at_once = max(1, _PAIRS_AT_ONCE // max(1, a.count * len(t.about)))

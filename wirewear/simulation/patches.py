@@ -97,7 +97,7 @@ def needed_reach_mm(axis: PatchAxis, contact: Ellipse, scar: Ellipse | None) -> 
 def _scar_element_mm(scar: Ellipse, motion_rad: float, axis_rad: float, level: WireLevel) -> float:
     """Spacing along an axis that resolves a scar; both angles are from the driven body's axis.
 
-    A bilinear interpolant errs by h² times the second derivative along each axis. That of the scar itself goes with
+    A bilinear interpolant is off by h² times the second derivative along each axis. That of the scar itself goes with
     1 / chord²; the band of contact adds one along the motion, of which an oblique axis sees the squared cosine.
     """
     scar_part = level.across_motion / scar.chord(axis_rad)

@@ -1,4 +1,4 @@
-"""A study as a value: what the user believes about bodies, rig, contact and wear, with its variants."""
+"""A study as a value: what the user states of bodies, rig, contact and wear, with its variants."""
 
 from __future__ import annotations
 

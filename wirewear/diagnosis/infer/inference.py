@@ -38,7 +38,7 @@ _COMPARABLE = _KNOWN.number("comparable")
 FREE_SIZES = _KNOWN.numbers("free_sizes")
 
 #: Log evidence that solver differences were seen to add to an effect on gap-free records, by its name.
-LENT: Mapping[str, float] = constants("infer.inference.lent").all()
+ADDED: Mapping[str, float] = constants("infer.inference.added").all()
 
 
 @dataclass(frozen=True, eq=False)
@@ -177,7 +177,7 @@ def fit(
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
     if known is None:
-        evidence -= sum(LENT.get(candidate.name, 0.0) for candidate in candidates)
+        evidence -= sum(ADDED.get(candidate.name, 0.0) for candidate in candidates)
     found = middle + root @ z
     spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)
     return Fit(candidates, found, spread, applied(candidates, problem.setup, found), distance2, evidence)

@@ -37,7 +37,7 @@ _CLEAR, _SMALL = _KNOWN.each("clear", "small")
 _SCREENING, _SECONDS, _LIKELY = _KNOWN.count("screening"), _KNOWN.count("seconds"), _KNOWN.count("likely")
 
 #: Distortions are tried beside so many of the likeliest explanations, and beside none.
-DISTORTED = _KNOWN.count("distorted")
+_DISTORTED = _KNOWN.count("distorted")
 
 #: Scars alone: log evidence that a second effect must gain there, where few effects show; an effect shows whose
 #: coordinates a fit moves by so much.
@@ -118,9 +118,8 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         if not pairs:
             problem, covariance, none, singles = alone
     free = free_log_evidence(problem, covariance.total)
-    ordered = sorted((*singles, *pairs), key=lambda one: -one.merit)
-    chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
-    distorted = distortions(problem, (none, *ordered[:DISTORTED]))
+    chosen, beside = leading(none, (*singles, *pairs))
+    distorted = distortions(problem, beside)
     rival = chosen.log_evidence
     distortion = max((one.log_evidence for one in distorted if one.family.counts), default=-np.inf)
     if chosen.candidates and not pairs and distortion > rival + _CLEAR:
@@ -128,6 +127,12 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
     return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
+
+
+def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
+    """The likeliest explanation, none included, and those beside which distortions are tried."""
+    ordered = sorted(others, key=lambda one: -one.merit)
+    return max((none, *ordered[:1]), key=lambda one: one.merit), (none, *ordered[:_DISTORTED])
 
 
 def problem_around(

@@ -14,7 +14,7 @@ import numpy as np
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_log_evidence
 from wirewear.diagnosis.infer.recognised import remainder_of
-from wirewear.diagnosis.infer.search import DISTORTED, Search, problem_around
+from wirewear.diagnosis.infer.search import Search, leading, problem_around
 from wirewear.diagnosis.infer.weighing import distances
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -60,9 +60,7 @@ def updated(first: Search, states: WearStates, setup: Setup, observed: Observati
         )
 
     none, singles, pairs = both(first.none), tuple(map(both, first.singles)), tuple(map(both, first.pairs))
-    ordered = sorted((*singles, *pairs), key=lambda one: -one.merit)
-    chosen = max((none, *ordered[:1]), key=lambda one: one.merit)
-    beside = (none, *ordered[:DISTORTED])
+    chosen, beside = leading(none, (*singles, *pairs))
     seen = distortions(problem, [_carried(problem, one) for one in beside])
     lefts = remainder_of(first.problem, chosen), remainder_of(problem, _carried(problem, chosen))
     earlier = first if isinstance(first, Updated) else None

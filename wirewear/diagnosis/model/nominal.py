@@ -80,7 +80,7 @@ def kept_or_made(
 
 
 def nominal_study(record: AnyRecord) -> Any:
-    """What the record's owner believes, as a study of its kind of contact; what is not stated is ideal.
+    """What the record's owner states, as a study of its kind of contact; what is not stated is ideal.
 
     Raises:
         RecordError: friction or wear is not stated, or friction twice and differently.

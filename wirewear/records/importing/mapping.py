@@ -14,10 +14,10 @@ from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata
+from wirewear.records.of_test import OfTest
 from wirewear.records.tables import (
     Frame,
     Noise,
-    OfTest,
     RecordConditions,
     RecordTables,
     RecordWires,
@@ -258,7 +258,7 @@ class Mapping(OfTest):
     )
     wires: RecordWires = Field(description="the two wires")
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
-    stated: Stated = Field(Stated(), description="what the rig's owner believes")
+    stated: Stated = Field(Stated(), description="what the rig's owner states")
     noise: Noise = Field(Noise(), description="noise of one sample")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     loops: LoopSource = Field(description="where the loops are")
