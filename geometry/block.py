@@ -1,7 +1,5 @@
 """A block whose face may be curved along and across: a segment of a ball or a barrel, a cylinder's crown, a flat."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 
 import numpy as np

@@ -8,8 +8,6 @@ whole and large ones below take up the strain (Batina, AIAA J. 28 (1990) 1381; F
 Mech. Eng. 163 (1998) 231).
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags

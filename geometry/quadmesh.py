@@ -1,7 +1,5 @@
 """Quadrilateral meshes of planar bodies as values: points, cells, named edges, quality, export."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path

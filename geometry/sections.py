@@ -5,8 +5,6 @@ so a fine contact costs little inside the body, and the topology exists for any 
 columns end in a core, around which the layers continue as rings to its back; a block's go on to its back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import pairwise

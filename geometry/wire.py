@@ -1,7 +1,5 @@
 """A wire: round across, straight along, gripped about its back."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from math import pi
 

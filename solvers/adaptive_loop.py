@@ -6,8 +6,6 @@ long is taken anew. The way back of a symmetric contact is the mirror image of t
 steps, refined where its own force asks for it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import acos, cos, pi, sqrt

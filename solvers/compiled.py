@@ -1,7 +1,5 @@
 """Compilation of the inner loops to machine code."""
 
-from __future__ import annotations
-
 import hashlib
 import inspect
 import re

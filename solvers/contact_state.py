@@ -1,7 +1,5 @@
 """What a contact simulation remembers between increments, and what it reports of each."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two bodies that face each other answer loads on single nodes as half-spaces do."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import log
 

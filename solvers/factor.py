@@ -4,8 +4,6 @@ The elimination is that of `solvers.substructuring`; here every front's factor i
 not do.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

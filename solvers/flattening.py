@@ -4,8 +4,6 @@ A body is flattened wherever the other one presses on it during the stroke. The 
 within the overlap, as after plastic contact without pile-up (Johnson, Contact Mechanics (1985), ch. 6).
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -4,8 +4,6 @@ Cycles start and end at either end of the stroke; the drive is a cosine, so incr
 reversals, where the contact changes from slip to stick and back.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

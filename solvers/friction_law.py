@@ -5,8 +5,6 @@ times the slip. A law stands in a file of its own and is named in `LIBRARY`, or 
 "wirewear.friction_laws" of an installed package; a study chooses it by its name.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
 from typing import ClassVar

@@ -1,7 +1,5 @@
 """All friction laws there are: those of the library and those that installed packages add."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cache

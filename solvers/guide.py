@@ -1,7 +1,5 @@
 """First guesses for the increments of a cycle from a cycle simulated before."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The rig that holds the upper body: what moves it and what resists."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from solvers.errors import SolverError

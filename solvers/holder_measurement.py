@@ -1,7 +1,5 @@
 """What a loop shows of the holder: the stiffness of each of its elements, fitted to simulated states."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

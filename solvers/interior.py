@@ -5,8 +5,6 @@ are taken apart into parts even and odd about each mirror plane. Each has a fact
 the first such force comes and kept for all states to come.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product

@@ -5,8 +5,6 @@ next step. So does the friction work that it foresees at its end, where a cycle 
 Milestones, the cycles to be logged, are hit exactly.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Generic, TypeVar

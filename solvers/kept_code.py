@@ -5,8 +5,6 @@ been given another source; else in the user's own cache folder, apart for each c
 fails for good on a damaged file, and where it finds no place.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 import pickle

@@ -1,7 +1,5 @@
 """A motion line that is not parallel to the plane of contact."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import pi, tan
 

@@ -10,8 +10,6 @@ as long waves are resolved.
 Displacements and forces are (..., 3): x, y, and z outwards.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

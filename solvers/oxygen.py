@@ -6,8 +6,6 @@ and none beyond d = √(2 D h/(κ q)). So q d² is a constant of the pair of mat
 Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ is the finer grid and ten times that when it is half as coarse again as the seco
 Appl. Mech. Eng. 193 (2004) 601; for lumping: Wohlmuth, SIAM J. Numer. Anal. 38 (2000) 989).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -5,8 +5,6 @@ contact. Positions on a surface are plane coordinates (x, y); worn depth is vert
 whether the mesh's nodes have been moved there or not: where they are only matters to the compliance.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import cos, sin

@@ -1,7 +1,5 @@
 """Classes that installed packages add by entry points: friction laws here; effects, observables and readers above."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from importlib.metadata import entry_points
 from inspect import isabstract

@@ -1,7 +1,5 @@
 """Integrals of one surface's fields over the supports of another surface's nodes, at Gauss points of the latter."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

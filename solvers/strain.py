@@ -4,8 +4,6 @@ Stresses are symmetric tensors of six components in VTK's order: xx, yy, zz, xy,
 planar body's derivatives along y are zero: plane strain, and antiplane shear beside it.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -4,8 +4,6 @@ When the motion turns round, no point of the contact slips at first (Mindlin & D
 327). For a small step the contact is then a joint over the width on which it bears load, and the problem is linear.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -10,8 +10,6 @@ what one node does not give, its neighbour does not receive, so the integral sta
 negative is left as it is; that onto the same grid returns the field itself.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

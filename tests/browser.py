@@ -1,7 +1,5 @@
 """A page in Chromium without a window, driven over its own pipe (the DevTools protocol, no other package needed)."""
 
-from __future__ import annotations
-
 import base64
 import contextlib
 import json

@@ -1,7 +1,5 @@
 """What holds the upper wire: rotation, prescribed approach; and the penalty formulation beside the exact one."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import atan, radians, tan
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The loop over cycle jumps without any finite elements: a scripted contact that wears by the number of its cycles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from typing import Any, cast
 

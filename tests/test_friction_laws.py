@@ -1,7 +1,5 @@
 """Friction laws: their slopes, gross slip under a Hertz pressure, the balance of work, and how studies choose them."""
 
-from __future__ import annotations
-
 import re
 import sys
 from dataclasses import replace

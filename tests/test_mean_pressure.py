@@ -1,7 +1,5 @@
 """Pressures averaged over a length are what closed forms say, wherever grid lines lie."""
 
-from __future__ import annotations
-
 from math import acos, pi, sqrt
 from pathlib import Path
 

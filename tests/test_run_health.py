@@ -1,7 +1,5 @@
 """How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from math import log

@@ -3,8 +3,6 @@
 Usage: python tools/compile_ahead.py
 """
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -3,8 +3,6 @@
 Numbers agree where they differ by at most the tolerance times the largest number of their array.
 """
 
-from __future__ import annotations
-
 import csv
 import json
 import tomllib

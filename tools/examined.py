@@ -7,8 +7,6 @@ exam is other than in the state that is noted in tests/examined.txt. Frozen scor
 for `make test-all`, and every session of tests says that they do.
 """
 
-from __future__ import annotations
-
 from hashlib import sha256
 from pathlib import Path
 

@@ -14,8 +14,6 @@ Numbers agree where they differ by at most the tolerance times the largest numbe
 hashes and the salt of a key are not compared. One thread computes, so that sums are taken in one order.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

@@ -7,8 +7,6 @@ with `git archive VERSION | tar x -C FOLDER` to set it beside. Imports inside fu
 as any other. A room is a folder of wirewear/, or a module at its root.
 """
 
-from __future__ import annotations
-
 import ast
 import sys
 from collections.abc import Iterable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """The reference of the documentation, made from the code: keys, commands, effects, files and Python names."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any, get_args

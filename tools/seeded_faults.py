@@ -9,8 +9,6 @@ line decide, those that run least first. What tests of every commit let pass is 
 compiled functions count as run where a line that names the function is. faults.jsonl holds a row for each fault.
 """
 
-from __future__ import annotations
-
 import ast
 import json
 import os

@@ -1,7 +1,5 @@
 """The state that a converged increment leaves, and what is reported of it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Motion of the lower body, in increments as short as Newton's method needs them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Vertical gaps between the undeformed bodies, as wear and the holder's tilt have left them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

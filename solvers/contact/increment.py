@@ -1,7 +1,5 @@
 """One increment of motion: candidates for contact, pairing and Newton's method until all three agree."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The affine system that an increment poses on one pairing of the surfaces."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

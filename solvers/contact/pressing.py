@@ -1,7 +1,5 @@
 """Pressing two bodies together under the normal load."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Two bodies pressed together by a holder, the laws between them, and their state before any load."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal

@@ -9,8 +9,6 @@ area: 0.3 % of it under a fresh Hertz contact of steel wires. It is left out whe
 close by is no such motion, but is stored.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -5,8 +5,6 @@ tangent of the nodes `tan` (m,), then the holder's height, position and tilt. Ro
 slip or the friction law, the holder's equilibrium. Matrices are filled transposed, as LAPACK wants them.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The linear equations of one Newton iteration, and their solution."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ Free play of the holder is one more alternative beside those of the nodes: it fl
 stop.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """What the contact solver answers: tractions, the holder's position, and how well the conditions are met."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 

@@ -1,7 +1,5 @@
 """The affine system that one pairing of two surfaces poses to the contact solver."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

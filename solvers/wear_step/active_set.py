@@ -1,7 +1,5 @@
 """The contact conditions of all positions of a cycle on given normals, and the active set that fits them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from math import nan

@@ -1,7 +1,5 @@
 """What tractions on paired nodes do to both bodies: displacements at some of them, with all three components."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

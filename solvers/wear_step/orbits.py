@@ -1,7 +1,5 @@
 """The unknowns of a cycle, one for each set of nodes that its symmetries make alike, and how they share the wear."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property

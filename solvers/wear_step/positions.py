@@ -1,7 +1,5 @@
 """The positions of a traced cycle: where the bodies face each other, how far and which way each node slides there."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise

@@ -8,8 +8,6 @@ slides: the slip of a stroke is the motion from one end to the other. Layers bet
 they bear less, or wear in.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

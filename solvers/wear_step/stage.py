@@ -10,8 +10,6 @@ normals this is close to a convex quadratic programme, and an active set is chan
 slip, which the holder's place changes, follow in an outer iteration.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ The stages are those of Alexander's singly diagonal Runge-Kutta method of second
 (L-stability), and all its weights are positive, so that every depth is worn by work that was done.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 

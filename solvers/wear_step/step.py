@@ -1,7 +1,5 @@
 """A cycle jump: a traced cycle, the nodes that may touch as its positions wear, and the state that it leaves."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The strokes of a traced cycle: where they end, and whether the bodies' strain takes much of their motion."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -5,8 +5,6 @@ of the cycle, and about the plane along it (x -> -x), which reverses the motion:
 mirrored half a cycle later. Wires crossed at any angle keep the turn by half a circle, both mirrors in one.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The cycle along which surfaces wear, traced with the wear frozen until it closes."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from solvers.contact import ContactProblem

@@ -9,8 +9,6 @@ that --most-minutes cut short; increments that it did not reach are marked. Its 
 The whole study is the compliant variant of studies/steel_wires, 100 000 cycles, from an empty cache.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import sys

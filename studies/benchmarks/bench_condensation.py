@@ -10,8 +10,6 @@ quarter of the wire are computed by the same nested substructures, as wirewear d
 timed; memory is the whole process's.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import tempfile

@@ -9,8 +9,6 @@ and the domain's mean plane, which lies below the distant half-space by the load
 and the half-space's missing rest are in its approach, but hardly in its pressures.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from importlib.util import find_spec

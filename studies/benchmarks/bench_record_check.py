@@ -6,8 +6,6 @@ The record is written to a temporary folder and checked in a process of its own,
 memory are printed beside the time to read the same file with numpy.loadtxt on a hundredth of its lines, scaled up.
 """
 
-from __future__ import annotations
-
 import resource
 import subprocess
 import sys

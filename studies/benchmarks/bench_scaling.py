@@ -8,8 +8,6 @@ of nodes, each twice the last. The shares are those of a whole run of the same t
 maps and checkpoints written, but without its condensation.
 """
 
-from __future__ import annotations
-
 import tempfile
 import time
 from collections.abc import Sequence

@@ -9,8 +9,6 @@ of motion through the middle of the fixed and the moving wire's scar, relative t
 complete in the output folder stay.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 from typing import Any

@@ -5,8 +5,6 @@ driven along x. Steps: a prescribed approach, which finds the contact; the norma
 -amplitude.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Literal

@@ -1,7 +1,5 @@
 """What CalculiX computed: forces and displacements from .dat, contact pressure from .frd, progress from .sta."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """CalculiX running in its folder: what each of its increments took, by the moments at which it reported them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Tables of wirewear beside CalculiX: agreement of results, and costs with the ratios that were aimed at."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from .calculix_results import CalculixIncrement, increment_near

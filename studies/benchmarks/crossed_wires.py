@@ -1,7 +1,5 @@
 """The test that the benchmarks share: the article's steel wires pressed by 2 N and moved by ±20 µm, without wear."""
 
-from __future__ import annotations
-
 import click
 
 from wirewear import Study, parse_study

@@ -6,8 +6,6 @@ A coarse study of the steel wires is swept over rig and friction by processes of
 cluster of two workers of which one is killed when half of the runs are done. Both tables must be the same files.
 """
 
-from __future__ import annotations
-
 import hashlib
 import operator
 import os

@@ -6,8 +6,6 @@ A file with a flipped bit must be refused in one sentence, left out, told, or gi
 never anything else. Prints how each kind ended, and exits with 1 if any ended otherwise.
 """
 
-from __future__ import annotations
-
 import json
 import shutil
 import tempfile

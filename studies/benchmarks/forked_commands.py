@@ -5,8 +5,6 @@ each command is a child forked from it, which has computed nothing yet. `Command
 python -m studies.benchmarks.forked_commands reads requests from standard input, a JSON table a line, and answers each.
 """
 
-from __future__ import annotations
-
 import ctypes
 import importlib
 import json

@@ -7,8 +7,6 @@ meshes, so its cycles must have been on these. Nodes that `fine` moves into the 
 first. Effects of age are left out. Printed are pressures about mid-stroke and the largest of the cycle.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from math import ceil

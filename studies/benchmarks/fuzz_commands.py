@@ -3,8 +3,6 @@
 Commands that simulate are stopped where that would begin: all that stands before it is what mutants are to get through.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

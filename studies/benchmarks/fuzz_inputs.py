@@ -9,8 +9,6 @@ takes more than 20 s, asks for more than four gigabytes, writes outside of its o
 calls what it was not asked to.
 """
 
-from __future__ import annotations
-
 import contextlib
 import math
 import multiprocessing

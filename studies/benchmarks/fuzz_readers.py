@@ -1,7 +1,5 @@
 """What reads inputs by itself, with files as they should be."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

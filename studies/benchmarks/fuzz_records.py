@@ -9,8 +9,6 @@ others may end either way. Exit code 1 if any mutation ends otherwise, in a trac
 of CPU.
 """
 
-from __future__ import annotations
-
 import re
 import tempfile
 import time

@@ -1,7 +1,5 @@
 """Commands that are to withstand hardships: their arguments, what they read, and what must come out alike."""
 
-from __future__ import annotations
-
 import hashlib
 import shutil
 from collections.abc import Callable

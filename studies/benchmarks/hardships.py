@@ -12,8 +12,6 @@ Disks are file systems in memory where those may be made, else a largest size of
 are taken, root counts as any user.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

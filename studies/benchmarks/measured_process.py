@@ -4,8 +4,6 @@ Memory is the high-water mark of the program's own image, VmHWM of /proc/PID/sta
 start from what the parent held when it forked. Where /proc is missing, ru_maxrss has to do.
 """
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

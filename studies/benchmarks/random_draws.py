@@ -1,7 +1,5 @@
 """Random studies of wires within stated physical ranges, each from a seed of its own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

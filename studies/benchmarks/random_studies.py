@@ -6,8 +6,6 @@ Every study is drawn from the seed, so that a failing one can be repeated: `--on
 prints it. Studies that are done already (their line stands in results.jsonl) are not run again.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import resource

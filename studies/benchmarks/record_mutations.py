@@ -4,8 +4,6 @@ Some keep the meaning (columns or rows in another order, other line ends, blank 
 destroy it (text for a number, a duplicated cycle, a missing column): "refused". The others may end "either" way.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Literal

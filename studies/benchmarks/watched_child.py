@@ -4,8 +4,6 @@ A child is forked for each piece of work, so that whatever happens to it happens
 the time that the child takes of a processor, which does not depend on what else the machine does.
 """
 
-from __future__ import annotations
-
 import faulthandler
 import inspect
 import json

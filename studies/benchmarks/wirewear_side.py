@@ -3,8 +3,6 @@
 Usage: python -m studies.benchmarks.wirewear_side MESH_um RIG FILE
 """
 
-from __future__ import annotations
-
 import json
 import time
 from pathlib import Path

@@ -9,8 +9,6 @@ opened, so they are development records from then on, as frozen records are. Ans
 run goes on with the same command, by the same code only.
 """
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext

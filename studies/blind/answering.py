@@ -1,7 +1,5 @@
 """Answers to one record of a blind batch: the diagnosis, that of an oracle told the truth, and simple baselines."""
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Mapping, Sequence

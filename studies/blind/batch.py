@@ -6,8 +6,6 @@ Killed and started again with the same arguments, it goes on with the next recor
 after the state of the program that made them, so that no two states mix.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Callable, Sequence

@@ -3,8 +3,6 @@
 python -m studies.blind.compare T1/diagnoses T2/diagnoses
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -8,8 +8,6 @@ stood in nine of ten records, how large sets are that go so far, and how often s
 set. `--write` puts the reaches into calibration.toml, first in that commit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

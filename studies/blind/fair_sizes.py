@@ -6,8 +6,6 @@ Opens the key of a batch that was scored. A gap counts as large above 5 standard
 leaves, beside the usual count above 5 scatters of one figure.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path

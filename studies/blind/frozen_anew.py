@@ -7,8 +7,6 @@ solver that made it has changed; its truth stays. `--pack` puts FOLDER's records
 that were not made anew as they are there.
 """
 
-from __future__ import annotations
-
 import tarfile
 from collections.abc import Iterator
 from pathlib import Path

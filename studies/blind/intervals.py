@@ -6,8 +6,6 @@ A distance of one is an interval's end. The table says how many of them hold the
 the factors given: those in use stand in calibration.toml (`report.values`).
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from collections.abc import Iterator
 from pathlib import Path

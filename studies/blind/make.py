@@ -1,7 +1,5 @@
 """Making a batch: records one by one, each sealed as it is made, then the key and the manifest."""
 
-from __future__ import annotations
-
 import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress

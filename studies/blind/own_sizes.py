@@ -9,8 +9,6 @@ was left out of the library by each effect that was not. The fast model does not
 that of the record itself, the squared distance that the best effect leaves less that of chance.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

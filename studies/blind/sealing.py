@@ -4,8 +4,6 @@ The hash is taken of the key together with a random salt inside it, so that it b
 tells nothing, not even to somebody who guesses seeds.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

@@ -6,8 +6,6 @@ Diagnoses records until so many name effects whose gap shows on cycles left out 
 keeps an answer a record, so that an interrupted run goes on with the same command.
 """
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

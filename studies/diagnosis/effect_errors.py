@@ -9,8 +9,6 @@ its parameters, which a diagnosis fits, and of a smooth error that is a share of
 makes the pairs of an effect likeliest is printed beside the one in use (`model_error` of wirewear/effects).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -13,8 +13,6 @@ records of every test have the specimens, noise and channels of a blind batch. A
 command.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import asdict

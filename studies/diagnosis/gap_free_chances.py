@@ -11,8 +11,6 @@ of records without a gap (`without_gap.py`), which a diagnosis states; that of a
 (`SCALE`); and that of a variance that is known. `--write` puts what these records leave into calibration.toml.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -3,8 +3,6 @@
 Each is linear about the present means; what is learned of many stands in `solver_sizes.py`.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

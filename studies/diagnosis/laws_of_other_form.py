@@ -4,8 +4,6 @@ Each makes a world of the independent model from one with the effect of the libr
 Laws of running-in keep the initial value, the final one and the scale of cycles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import overload

@@ -8,8 +8,6 @@ foundation under layers that wear in. Printed is what is left of the change of t
 wires' test.
 """
 
-from __future__ import annotations
-
 from functools import partial
 
 import click

@@ -7,8 +7,6 @@ the blind check makes a gap-free record of each, and records with so many effect
 is a wrong name where it names an effect that is not in the record. OUTPUT keeps records and diagnoses.
 """
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping

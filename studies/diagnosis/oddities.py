@@ -5,8 +5,6 @@ another record of a record. Sizes are those of ordinary equipment, relative to t
 displacement amplitude.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 

@@ -7,8 +7,6 @@ every test of a Latin hypercube, as rigs of blind batches would record it. Sizes
 from what no effect would give. OUTPUT keeps records and diagnoses.
 """
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace

@@ -6,8 +6,6 @@ FOLDERS hold records without a gap, or with one: repeats of one record share it.
 factor on the variance of the noise that repeats ask for, and how far single records depart from it beside chance.
 """
 
-from __future__ import annotations
-
 from collections import defaultdict
 from pathlib import Path
 

@@ -5,8 +5,6 @@ share of the prior is counted. Where what was sampled reaches a side of the box,
 A second, separate best place far outside is not seen.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import logsumexp, ndtr, ndtri

@@ -11,8 +11,6 @@ OUTPUT keeps an answer a record, in a folder named by the program's sources, so 
 same command. `--most-hours 0` computes nothing and sums up what is there.
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Sequence

@@ -5,8 +5,6 @@
 Columns of the table are in docs/tribometers.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass

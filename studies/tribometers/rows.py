@@ -1,7 +1,5 @@
 """Rows of a CSV file of tribometers, read and checked."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """What the machine has left, so that work which cannot end is refused before it begins."""
 
-from __future__ import annotations
-
 import os
 import re
 import shutil

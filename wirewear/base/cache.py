@@ -4,8 +4,6 @@ What stands in it is used without being computed again, so nobody else may write
 nothing is kept, and a warning says so once.
 """
 
-from __future__ import annotations
-
 import os
 import shutil
 import warnings

@@ -4,8 +4,6 @@ Columns of numbers are read by polars. Where it meets anything unusual, the same
 either finds the first mistake and names its place, or reads what the fast reader could not.
 """
 
-from __future__ import annotations
-
 import codecs
 import csv
 import math

@@ -1,7 +1,5 @@
 """Engines do tasks that do not depend on one another and hand over each as it is done; one uses this machine."""
 
-from __future__ import annotations
-
 import multiprocessing
 import time
 from abc import ABC, abstractmethod

@@ -4,8 +4,6 @@ A disk that is full or gone meets an ordinary write or read, and not HDF5. Behin
 not look, stands a line with the SHA-256 of all before it: whatever has changed since is found before it is used.
 """
 
-from __future__ import annotations
-
 import hashlib
 import re
 import struct

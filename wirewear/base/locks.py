@@ -4,8 +4,6 @@ The lock is the kernel's, on a file in the folder: it ends with the process that
 says who holds the folder, and remains when that one did not come to its end.
 """
 
-from __future__ import annotations
-
 import errno
 import fcntl
 import json

@@ -1,7 +1,5 @@
 """Processes that end with the one that started them, even when that is killed; work that ends after some time."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

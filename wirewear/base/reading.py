@@ -1,7 +1,5 @@
 """Whole files read, TOML among them, with one sentence for whatever keeps them from being read."""
 
-from __future__ import annotations
-
 import codecs
 import hashlib
 import json

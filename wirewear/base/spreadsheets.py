@@ -1,7 +1,5 @@
 """Spreadsheets as text: the sheet with the most numbers, a tab between cells, so that one reader takes both."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from datetime import date, datetime, time

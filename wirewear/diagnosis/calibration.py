@@ -4,8 +4,6 @@ SIZES = constants("observe.plateau")
 SLOPE_SHARE = SIZES.number("slope_share")
 """
 
-from __future__ import annotations
-
 import json
 import re
 import tomllib

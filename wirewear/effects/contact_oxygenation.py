@@ -1,7 +1,5 @@
 """Contact oxygenation: oxygen does not reach the middle of the contact, where wear is adhesive and small."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Crossing angle error: the wires cross at another angle than stated."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

@@ -1,7 +1,5 @@
 """Displacement gain: the displacement sensor reads too much or too little."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

@@ -1,7 +1,5 @@
 """Displacement load coupling: the displacement reading follows the tangential force."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

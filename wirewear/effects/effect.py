@@ -1,7 +1,5 @@
 """What an effect is: a small immutable object that changes exactly one seam of the model."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import asdict, dataclass, fields
 from inspect import getdoc

@@ -1,7 +1,5 @@
 """Force crosstalk: each channel of the force cell reads a share of the other."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

@@ -1,7 +1,5 @@
 """Free play: the holder floats between two stops."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from solvers import Holder

@@ -1,7 +1,5 @@
 """Friction evolution: the coefficient of friction changes over the test."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.course import Course

@@ -1,7 +1,5 @@
 """Friction offset: the coefficient of friction is another one throughout."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

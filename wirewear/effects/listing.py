@@ -1,7 +1,5 @@
 """All effects as a table for a terminal and as JSON."""
 
-from __future__ import annotations
-
 from inspect import getdoc
 from math import isinf
 from typing import Any

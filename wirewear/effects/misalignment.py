@@ -1,7 +1,5 @@
 """Misalignment: the motion leans against the load."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import radians
 

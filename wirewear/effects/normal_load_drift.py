@@ -1,7 +1,5 @@
 """Normal load drift: the load rises or falls over the test."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

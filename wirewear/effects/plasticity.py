@@ -1,7 +1,5 @@
 """Plasticity: the wires flatten before they wear."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

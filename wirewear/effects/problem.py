@@ -1,7 +1,5 @@
 """The contact problem with effects in it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """All effects there are: those of the library and those that installed packages add."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from functools import cache

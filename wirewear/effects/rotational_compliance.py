@@ -1,7 +1,5 @@
 """Rotational compliance: the holder tilts about its pivot."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from solvers import Holder

@@ -1,7 +1,5 @@
 """Roughness compliance: asperities give way until they are worn in."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from solvers import RoughLayer

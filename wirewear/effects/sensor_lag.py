@@ -1,7 +1,5 @@
 """Sensor lag: one channel is read later than the other."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity

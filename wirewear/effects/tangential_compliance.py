@@ -1,7 +1,5 @@
 """Tangential compliance: the rig yields further along the motion."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from solvers import Holder

@@ -1,7 +1,5 @@
 """Third body: debris that stays in the scars carries the load."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Wear rate evolution: the wear coefficient changes over the test."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from solvers import WearRates

@@ -1,7 +1,5 @@
 """Wear rate offset: the wear coefficient is another one throughout."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from solvers import WearRates

@@ -1,7 +1,5 @@
 """The page of many tests, and their table beside it: for a terminal, as JSON and as CSV."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Commands that look at resolution: refine a study, mesh its bodies, verify the program."""
 
-from __future__ import annotations
-
 import os
 from contextlib import nullcontext
 from pathlib import Path

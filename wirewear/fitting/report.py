@@ -1,7 +1,5 @@
 """A fit as a table, as JSON, as a study file and as a record's `[stated]`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A sensor calibrated from loops end to end: motion of the remote point while a stuck contact is loaded, options."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args

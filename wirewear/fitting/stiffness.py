@@ -4,8 +4,6 @@
 normal force as the bodies wear.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any

@@ -3,8 +3,6 @@
 A kind of contact has a coefficient for each body, or one for several with the share of the first of them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A wire of a finished run as it was at a recorded cycle, and its state at positions of that cycle."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache

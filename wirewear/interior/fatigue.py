@@ -4,8 +4,6 @@ Histories are (s, n, 6): s positions of a closed cycle, n material points. Linea
 law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

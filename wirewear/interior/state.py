@@ -1,7 +1,5 @@
 """What a body is like at one position of a cycle, whatever its dimension: stresses from displacements, in one place."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, Protocol, TypeVar

@@ -1,7 +1,5 @@
 """Strengths as a table, as fields for ParaView, and as a picture of maps on and beneath the surface."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path

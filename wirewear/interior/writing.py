@@ -1,7 +1,5 @@
 """Fields of a cycle as files: one VTU a body and position, a PVD that lists them, and pictures."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 from xml.etree import ElementTree as ET

@@ -1,7 +1,5 @@
 """Channels that ran into the end of their range: samples that all read the same extreme while the others scatter."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

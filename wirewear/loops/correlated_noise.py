@@ -1,7 +1,5 @@
 """Noise whose neighbouring samples correlate: told from the smooth curve that it lies on, and in sums of samples."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The noise of samples and the outliers among them, told from their neighbours."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All pictures of one result, or of a folder of variants."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """The finite-element meshes of both bodies, as they lie against each other."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import radians

@@ -6,8 +6,6 @@ it is not zero ends somewhere between two grid points; there a depth is carried 
 as they came.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

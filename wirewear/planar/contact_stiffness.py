@@ -1,7 +1,5 @@
 """Theoretical stiffness of a cylinder on a flat: plane-strain finite elements of bodies assumed once for all rigs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 

@@ -1,7 +1,5 @@
 """From a study of a line contact to meshes, steps and the contact problem."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from math import ceil, pi, sqrt
 from typing import Any

@@ -1,7 +1,5 @@
 """Pictures of line contacts: worn profiles, pressure, loops, growth of scars; how their bodies are meshed and held."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial

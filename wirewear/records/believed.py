@@ -1,7 +1,5 @@
 """The test as a record states it, as a study: what is not stated is believed ideal."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is odd about a record as a whole: its cycles, its repeats, their course over the test."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 

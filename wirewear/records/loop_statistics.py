@@ -1,7 +1,5 @@
 """Figures of every loop of a record by plain array arithmetic: fast enough for thousands of loops."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Reading experiment.toml: one sentence for every mistake, with line and column; unknown keys are kept aside."""
 
-from __future__ import annotations
-
 import copy
 import hashlib
 import re

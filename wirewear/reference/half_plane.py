@@ -4,8 +4,6 @@ The half-plane is z >= 0, z into the body, in plane strain. A pressure acts alon
 Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

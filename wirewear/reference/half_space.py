@@ -10,8 +10,6 @@ is taken along a half circle in the right half plane, where nothing is singular,
 endures the root at the contact's edge (Takahasi & Mori, Publ. RIMS 9 (1974) 721).
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -7,8 +7,6 @@ d and c alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai &
 way.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property

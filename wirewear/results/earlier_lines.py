@@ -10,8 +10,6 @@
 /evolution                   data sets (n,), with the names of `per_mm`
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """How sound a run is: what its residuals and closures are, and from where on to look at them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol

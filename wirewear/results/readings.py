@@ -1,7 +1,5 @@
 """What the sensors of a study, as its effects make them, read of a simulated loop."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any

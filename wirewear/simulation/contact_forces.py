@@ -1,7 +1,5 @@
 """Contact forces of a recorded cycle, at positions spread over it, as a result keeps them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import Any
 

@@ -4,8 +4,6 @@ Each resolution is refined by two factors, with the others left as they are, and
 limit; what the resolutions leave is added up.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, isnan, nan

@@ -1,7 +1,5 @@
 """Fretting cycles of a contact that ages: pressed, moved, worn, measured."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -4,8 +4,6 @@ The same for crossed wires and line contacts. What is cycled is a `FrettingTest`
 where that is kept a `RunStore`; how a jump is taken is a `WearStepper`.
 """
 
-from __future__ import annotations
-
 import time
 from dataclasses import dataclass
 from typing import Protocol

@@ -1,7 +1,5 @@
 """From a study to the meshes and steps of a run."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import pi, sin
 from typing import Any

@@ -3,8 +3,6 @@
 The checkpoint is the state of an unfinished run beside its result: enough to go on as if nothing had happened.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Meshes that follow a growing scar: fine for the fresh contact, coarser and wider as the scar grows."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, log

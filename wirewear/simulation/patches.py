@@ -1,7 +1,5 @@
 """The finely meshed patch of each body: how far it must reach, how fine it must be, and what that comes to."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import cos, hypot, radians
 

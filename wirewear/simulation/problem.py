@@ -1,7 +1,5 @@
 """From a study and its discretisation to the contact problem, and the problem as it is at an age of the test."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from functools import lru_cache

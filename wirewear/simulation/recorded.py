@@ -3,8 +3,6 @@
 Loop, scars, a row of the evolution, how well energies and volumes close; whatever the kind of contact.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """Runs of a study: one, or one for each of its variants, one after another or side by side."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager
 from functools import partial

@@ -1,7 +1,5 @@
 """What a run counts: increments, cycles, the worst residuals and time; and how sound they show it to be."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields

@@ -1,7 +1,5 @@
 """Runs of a study and its variants, of wires or line contacts: one after another, or each in a process of its own."""
 
-from __future__ import annotations
-
 import multiprocessing
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor

@@ -1,7 +1,5 @@
 """A study's bodies for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from geometry import BodyMesh, Elastic, HexMesh, build_body

@@ -1,7 +1,5 @@
 """Bodies of a contact at a point as a study states them: how they are curved, stand, and are meshed."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from math import radians

@@ -1,7 +1,5 @@
 """The materials that are known by name: materials.toml, read once."""
 
-from __future__ import annotations
-
 import tomllib
 from dataclasses import dataclass
 from difflib import get_close_matches

@@ -1,7 +1,5 @@
 """Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
 
-from __future__ import annotations
-
 from math import radians
 from typing import Annotated, Any, Literal
 

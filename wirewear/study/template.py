@@ -1,7 +1,5 @@
 """A study file spelled out for people: every key with its meaning, those left to the program as comments."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Pictures of a sweep: how figures respond to the varied keys, whose doing their variance is, slip against depth."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from textwrap import wrap
 from typing import Any

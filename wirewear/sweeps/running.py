@@ -1,7 +1,5 @@
 """Running a sweep: the rows that are missing, by an engine; what it will take, foreseen from its first runs."""
 
-from __future__ import annotations
-
 import json
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence

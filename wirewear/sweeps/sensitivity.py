@@ -1,7 +1,5 @@
 """How much of a figure's variance each varied key makes, by SALib."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 

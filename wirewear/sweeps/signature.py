@@ -1,7 +1,5 @@
 """The signature of an effect: one study run without and with it, and a picture of what differs."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial

@@ -1,7 +1,5 @@
 """A sweep as a value: its study, its design (a grid, a Latin hypercube, or Saltelli's), what its runs leave."""
 
-from __future__ import annotations
-
 import resource
 import time
 from collections import defaultdict

@@ -1,7 +1,5 @@
 """The keys of a sweep's TOML file."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 from pydantic import BeforeValidator, Field, PlainValidator

@@ -3,8 +3,6 @@
 What their size makes of approach and displacement is read from their compliances, as of wires.
 """
 
-from __future__ import annotations
-
 from geometry import BlockGeometry
 from solvers import Holder
 from wirewear import reference

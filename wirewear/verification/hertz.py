@@ -1,7 +1,5 @@
 """Hertz contact of equal wires that cross, at right angles and as an ellipse (Johnson 1985, section 4.2)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import degrees
 

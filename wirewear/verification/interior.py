@@ -1,7 +1,5 @@
 """Stresses inside the bodies: Hertz and McEwen beneath the surface, the sliding sphere's, and the grip's reactions."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Limits and symmetries: nothing but the discretisation may change when roles, signs or units do."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

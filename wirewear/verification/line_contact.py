@@ -7,8 +7,6 @@ zero; the last step is repeated with the displacement that linear interpolation 
 evaluated at the force that was computed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

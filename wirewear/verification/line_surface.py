@@ -3,8 +3,6 @@
 The resolutions are those of runs at standard and fine fidelity.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

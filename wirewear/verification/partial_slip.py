@@ -4,8 +4,6 @@ The drive is prescribed, so forces come out near the intended share of µP, and 
 force that was computed.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

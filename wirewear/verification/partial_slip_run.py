@@ -3,8 +3,6 @@
 Its meshes, cycle jumps and loops are those of a run; what it shares with `partial_slip_wear` is the closed form alone.
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import numpy as np

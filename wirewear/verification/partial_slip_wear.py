@@ -4,8 +4,6 @@ The shape depends steeply on the radius of the stuck core: a hundredth of it is 
 edge is resolved by whole nodes, so what is left of the volume's error is that of a small part of an element.
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 from typing import Any
 

@@ -1,7 +1,5 @@
 """All reference problems in turn."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 from wirewear.verification.blocks import block_rows

@@ -1,7 +1,5 @@
 """Sliding wires, in proportions like the steel wires' test: loop of the rig, book-keeping of energies."""
 
-from __future__ import annotations
-
 from math import nan
 
 import numpy as np

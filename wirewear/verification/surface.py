@@ -4,8 +4,6 @@ The wires are thick beside their contact, as the closed forms are for half-space
 curvature alone changes the tension across a wire by 3 %.
 """
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

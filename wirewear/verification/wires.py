@@ -11,8 +11,6 @@ error without this correction too. With a/R = 0.03-0.05 what is left, the curvat
 below half a per cent. Pressures, radii and the energy at a given force need none: a rigid motion does not enter them.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

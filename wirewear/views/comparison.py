@@ -1,7 +1,5 @@
 """A simulation and an experiment record side by side, and the files that this leaves: a page, pictures, tables."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial

@@ -1,7 +1,5 @@
 """What a diagnosis says: the contract's JSON as a value."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from importlib.metadata import version

@@ -1,7 +1,5 @@
 """Worn volume against friction energy as a straight line, by least squares, with Student's t for its intervals."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a page shows of a run, as plain values: rounded to what can be seen, fields as 16-bit integers."""
 
-from __future__ import annotations
-
 import base64
 from collections.abc import Iterable, Mapping
 from typing import Any

@@ -9,8 +9,6 @@ as a whole wears. The stress here is the tension at the trailing edge of the fre
 of the half-space in Cattaneo–Mindlin slip. Wear flattens a sliding contact and takes tension off it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import radians

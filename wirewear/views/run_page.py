@@ -1,7 +1,5 @@
 """The page of the runs of a study side by side, in one file, and what a run came to in sentences and rows."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What changes over the cycles of a test by laws other than an exponential, the same for all forward models."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import exp, pi, sin, sqrt
 from typing import Protocol

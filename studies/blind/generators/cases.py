@@ -1,7 +1,5 @@
 """Which records a batch holds: gap-free ones, single effects, pairs, effects of no library, effects left out of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """What sizes of effects are drawn from: how severe a case is, its nominal test, and random numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 Sizes of files then follow from the number of rows alone, which the nuisances decide.
 """
 
-from __future__ import annotations
-
 import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence

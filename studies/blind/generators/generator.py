@@ -1,7 +1,5 @@
 """What a batch needs of a forward model: each tier has one generator behind this interface."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol

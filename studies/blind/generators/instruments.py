@@ -4,8 +4,6 @@ Each is a cause that no library holds. Those that act on true forces are of firs
 force bends the holder, and wear, whose work over a whole cycle they do not change.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Protocol

@@ -1,7 +1,5 @@
 """What owners of line-contact rigs believe: McColl's test of steel, and tests drawn around it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What owners of rigs believe: the steel-wire test of the article, and tests drawn around it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """What is different from record to record without being an effect: scatter, noise, waveform, channels, cycle lists."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 An owner has it from earlier tests on fresh specimens, so that what is stated is an estimate of what the record has.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

@@ -3,8 +3,6 @@
 They are read of loops without them, to first order: the wires wear as if their stroke were whole.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import hypot

@@ -3,8 +3,6 @@
 As those of `instruments`, they change channels that were read without them. What acts on true forces is of first order.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 

@@ -1,7 +1,5 @@
 """From noise-free periodic readings to what a logger writes: samples, noise, outliers, figures of the evolution."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 

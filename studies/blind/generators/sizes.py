@@ -1,7 +1,5 @@
 """How large an effect is drawn: from what hardly shows to what nobody overlooks, relative to the nominal test."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import pi
 from typing import cast

@@ -1,7 +1,5 @@
 """A cycle's two strokes one by one: how far each has come, and what a holder in series makes of its forces."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

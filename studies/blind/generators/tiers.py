@@ -1,7 +1,5 @@
 """The generator of each tier."""
 
-from __future__ import annotations
-
 from studies.blind.errors import BlindError
 from studies.blind.generators.generator import LINE_TIERS, OTHERS, TIERS, Generator
 

@@ -1,7 +1,5 @@
 """How rigs move over a cycle, the same for all forward models."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How large causes of the withheld set are drawn, as `sizes` does for all others."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from math import acos, pi
 

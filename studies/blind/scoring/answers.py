@@ -1,7 +1,5 @@
 """Reading diagnoses: the parts of diagnosis.json that are scored."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The figures of a scored batch, as JSON: every case counts, none is left out."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The log of scored runs: who scores a batch again, after having seen its key, is counted."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """Pictures of a scored batch: calibration, open set, size of the gap, shrink, confusion."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Scoring a batch: seal and records verified, every case judged, the run logged, report written."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path

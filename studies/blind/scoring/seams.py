@@ -1,7 +1,5 @@
 """The seam at which each cause of no library enters: where a diagnosis should look that calls a gap unexplained."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from studies.blind.generators.others.causes import SEAMS as OF_OTHERS

@@ -1,7 +1,5 @@
 """Figures of a batch: shares with Wilson intervals, areas under a curve, calibration."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """An effect that wirewear does not have: friction that follows the dissipated energy instead of the cycles."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import exp
 

@@ -6,8 +6,6 @@ family. Many directed tests, each sharp, see what one blunt test of all residual
 Weniger, Phys. Rev. D 111 (2025) 083013).
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 

@@ -4,8 +4,6 @@ The force channel, the displacement channel and the holder are the same througho
 and the surfaces do may change from cycle to cycle, by a Gaussian process over the logarithm of the cycles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 

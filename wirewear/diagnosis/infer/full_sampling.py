@@ -6,8 +6,6 @@ time, with another phase in every loop. The null is the noise's own correlation,
 whose periodogram is exponentially distributed (Priestley, Spectral Analysis and Time Series, 1981, section 6.1).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

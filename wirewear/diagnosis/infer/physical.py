@@ -1,7 +1,5 @@
 """The gap in physical units: slip amplitude, dissipated energy and force, before and after adding the effects."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

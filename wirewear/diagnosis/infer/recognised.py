@@ -1,7 +1,5 @@
 """What an explanation leaves over beyond chance; explanations not recognised by what they are named for."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import e, expm1, hypot, log, log1p, sqrt

@@ -1,7 +1,5 @@
 """What a gap behaves like that no known effect explains: seam, kind, size, place and cycles, in words."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

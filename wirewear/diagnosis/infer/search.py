@@ -1,7 +1,5 @@
 """The search for causes: all effects alone, then pairs where one is not enough, with the covariance at the best."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product

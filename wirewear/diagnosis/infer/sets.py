@@ -9,8 +9,6 @@ Where no gap is seen, an effect that the record cannot show may be there as well
 all of these are in the set. A gap is seen of something, so that they are not what explains it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
 from math import ceil

@@ -3,8 +3,6 @@
 A drive passes its stroke in time as `Branches.motion` tells; a cycle is 2π long, and all channels are periodic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

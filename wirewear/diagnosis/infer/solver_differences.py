@@ -4,8 +4,6 @@ Freedoms move all observables together along their derivative in the fast model.
 over cycles; each observable says how large it is (`Observable.solver_error`). Hooks differ as a whole.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 

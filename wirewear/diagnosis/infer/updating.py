@@ -4,8 +4,6 @@ What a record leaves open of an explanation's parameters is what is expected of 
 (sequential Bayes, by Laplace's approximation), so that an explanation must hold on both with the same parameters.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

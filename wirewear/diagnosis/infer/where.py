@@ -1,7 +1,5 @@
 """Where the gap lies: zones, cycles and channels that differ beyond chance, and whether that matters to anybody."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 

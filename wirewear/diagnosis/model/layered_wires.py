@@ -12,8 +12,6 @@ at first, steep ends as soon as wear has dug into the flat, until the scar has o
 Only the difference from wires without either is used. Lengths are in slip amplitudes δ, depths and heights in δ²/R.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, fields, replace
 from functools import cached_property, lru_cache, partial
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the sensors of a rig read of both branches of a loop."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -3,8 +3,6 @@
 Whatever guides the load shows in the normal force, and nothing that wears: the scar lifts the wires by micrometres.
 """
 
-from __future__ import annotations
-
 from abc import abstractmethod
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of the evolution, read by another program: dissipated energy, slip amplitude and largest force of a loop."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
 from typing import ClassVar
 

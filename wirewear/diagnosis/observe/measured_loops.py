@@ -1,7 +1,5 @@
 """One measured loop made ready for reading: cleaned, cut into branches, its noise known, and local fits along it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 

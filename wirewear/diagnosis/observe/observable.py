@@ -3,8 +3,6 @@
 A new one is a subclass of `Observable` and an entry in `reduction.py`, or an installed package's entry point.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from itertools import combinations

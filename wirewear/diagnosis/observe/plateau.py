@@ -3,8 +3,6 @@
 A peak past the knee, which adhesion after a reversal makes, is no slope of the scar.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Worn profiles of a line contact's bodies: depths at places along the scar."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

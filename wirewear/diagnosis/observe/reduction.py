@@ -1,7 +1,5 @@
 """All observables there are, of the library and of installed packages, and what a record gives of them."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache

@@ -1,7 +1,5 @@
 """Maps of both wires' scars: their figures (volume, depth, length, width), and their skew."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Displacement at equal force while the contact sticks after a reversal."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """What a laboratory's first file tells of the test: load, amplitude, frequency, cycles, and the forces' signs."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """What a laboratory's file seems to hold: its columns by their usual names, loops, an evolution or a worn surface."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace

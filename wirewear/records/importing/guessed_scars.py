@@ -1,7 +1,5 @@
 """Scars guessed from a laboratory's files: points in texts, with names or without, and profilometers' maps."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

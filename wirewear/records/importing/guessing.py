@@ -1,7 +1,5 @@
 """A mapping guessed from a laboratory's files: which are loops and scars, how they are spelled, what they hold."""
 
-from __future__ import annotations
-
 import json
 import re
 from collections.abc import Mapping, Sequence

@@ -1,7 +1,5 @@
 """A mapping of a line contact guessed from a laboratory's files: which are loops, which profiles, of which body."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Worn depths from heights: of a wire's map the unworn cylinder is fitted and subtracted, of a line the unworn face."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What a reader of a laboratory's files is; that of delimited text, which most loggers write."""
 
-from __future__ import annotations
-
 import re
 import struct
 import zipfile

@@ -4,8 +4,6 @@ What is read of a run alone, an instrument, is not among it: see `readings`. All
 that the meshes are those of the nominal test if the scar fits on them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import log, pi, prod, sin

@@ -3,8 +3,6 @@
 T0 has the mesh, increments and contact formulation of the nominal runs that a diagnosis makes; T1 has others of each.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path

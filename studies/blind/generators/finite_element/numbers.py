@@ -1,7 +1,5 @@
 """Parameters of causes that no library holds, which nobody is asked for: only their ranges are meant."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from wirewear.effects import Quantity, parameter

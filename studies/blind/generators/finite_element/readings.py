@@ -4,8 +4,6 @@ Loops are read at their increments and nowhere between: a straight line from inc
 a loop, which a logger of more samples would have seen. So these rigs sample by place, as one whose encoder triggers it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 import numpy as np

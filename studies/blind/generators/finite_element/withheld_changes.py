@@ -3,8 +3,6 @@
 They take the same laws over the cycles as the independent model does: `ageing` and `film`.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 

@@ -3,8 +3,6 @@
 They carry the names, parameters and units of the diagnosis' contract.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import radians
 

@@ -7,8 +7,6 @@ the library: its changes at a few sizes and at the case's own, in any mixture. S
 What two solvers of one law differ by is not in it.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache

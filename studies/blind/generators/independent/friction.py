@@ -4,8 +4,6 @@ A law gives the share of the full swing from −µ to +µ that has been mobilise
 All start with the contact's stiffness K: the share rises from 0 with K/(2 µ P).
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Protocol

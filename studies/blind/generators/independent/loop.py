@@ -4,8 +4,6 @@ The relative displacement r of the wires (slip and the contact's own elasticity)
 displacement follow from it branch by branch in closed form, and no equation is to be solved but for the two reversals.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import acosh, ceil, cosh, sinh, sqrt

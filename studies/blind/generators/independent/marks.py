@@ -1,7 +1,5 @@
 """Marks on wires that rubbing does not leave: grooves from before a test, and what befalls a wire at once during it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import inf

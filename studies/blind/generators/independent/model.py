@@ -1,7 +1,5 @@
 """Tier T2: records of cases made by the independent model."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

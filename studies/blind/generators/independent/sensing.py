@@ -1,7 +1,5 @@
 """What the sensors read of a true loop, and the drive that holds its amplitude on what they read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np

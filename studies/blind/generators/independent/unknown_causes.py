@@ -5,8 +5,6 @@ diagnosis on, one that is drawn first when its code is frozen. Three further set
 diagnosis; the last two of them are those of `withheld` and `reserved`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,5 @@
 """A whole test of the independent model: contact, friction loop and wear from the first cycle to the last."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import isinf, pi

@@ -1,7 +1,5 @@
 """Causes of the withheld set as the independent model has them: by what goes wrong on rigs, not by any diagnosis."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from functools import partial

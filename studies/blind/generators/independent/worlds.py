@@ -1,7 +1,5 @@
 """The world that owners believe in, and the one that a repeat is made in."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from math import radians
 

@@ -1,7 +1,5 @@
 """How far a line contact's figures lie from those without effects, over one test's scatter."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any

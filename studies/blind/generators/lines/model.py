@@ -5,8 +5,6 @@ proportional to friction and load once the contact slides, and what wears follow
 another wear rate is another cycle of the same run.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

@@ -1,7 +1,5 @@
 """A line contact's run read as a test of one specimen: loops at any cycle and profiles after it."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from typing import Any, cast
 

@@ -3,8 +3,6 @@
 Sizes are relative to the test: from one that hardly shows to one that nobody overlooks, evenly in their logarithm.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

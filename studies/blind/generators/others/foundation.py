@@ -6,8 +6,6 @@ is softer by Mindlin's ratio. Friction: Dahl, Aerospace Corp. TOR-0158 (1968), w
 LuGre's law at low speed (Canudas de Wit et al., IEEE Trans. Autom. Control 40 (1995) 419).
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import numpy as np

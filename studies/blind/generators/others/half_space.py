@@ -4,8 +4,6 @@ Displacements of evenly loaded rectangles: Love, Phil. Trans. A 228 (1929) 377. 
 Polonsky & Keer, Wear 231 (1999) 206, with convolutions as products of their transforms.
 """
 
-from __future__ import annotations
-
 from math import pi
 
 import numpy as np

@@ -5,8 +5,6 @@ Contact Mechanics (1985), section 5.8; for deep layers it is Flamant's half-plan
 boundary elements, what is left of the half-plane's in closed form.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import pi
 

@@ -1,7 +1,5 @@
 """Loggers and profilometers by others: rates, noise, converters' steps, filters, zeros and tilt."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 

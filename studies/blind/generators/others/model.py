@@ -1,7 +1,5 @@
 """Tier T3: records of tests by others, each simulated by the simulator of its test."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache

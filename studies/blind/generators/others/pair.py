@@ -5,8 +5,6 @@ jump of many cycles is one sweep with the wear of all of them, implicit at each 
 to the local compliance, so that no jump is unstable. Energy wear after Fouvry et al., Wear 255 (2003) 287. mm, N, MPa.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Protocol
 

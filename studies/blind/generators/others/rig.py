@@ -1,7 +1,5 @@
 """A rig of springs in series: the stroke that a drive holds, the loop that comes of it, and what instruments read."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import tan
 from typing import Protocol

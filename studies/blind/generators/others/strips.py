@@ -6,8 +6,6 @@ method: E* per length. Friction: Iwan's parallel sliders, J. Appl. Mech. 33 (196
 coefficient follows speed and pressure by small powers.
 """
 
-from __future__ import annotations
-
 from math import pi, sqrt
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tests by others: wires of other materials, sizes and angles than the article's, and lines on shallow bodies."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import cos, pi, radians
