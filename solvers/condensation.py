@@ -55,11 +55,7 @@ class CondensedBody:
 
 
 def condense(
-    mesh: HexMesh | QuadMesh,
-    patch: ContactPatch,
-    material: Elastic,
-    grip: str = "grip",
-    bedding: Array | None = None,
+    mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, grip: str = "grip", bedding: Array | None = None
 ) -> CondensedBody:
     """Condense a body held at its surface `grip`.
 

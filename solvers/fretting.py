@@ -209,12 +209,7 @@ def _path_from(state: ContactState, amplitude_mm: float, increments: int) -> _Pa
 
 
 def _follow(
-    problem: ContactProblem,
-    state: ContactState,
-    path: _Path,
-    cycles: float,
-    watch: Watch | None,
-    guide: Guide | None,
+    problem: ContactProblem, state: ContactState, path: _Path, cycles: float, watch: Watch | None, guide: Guide | None
 ) -> tuple[ContactState, CycleTrace]:
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []

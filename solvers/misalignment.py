@@ -24,7 +24,5 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
         raise SolverError(f"the misalignment must lie between -30 and 30 degrees, but is {angle_rad} rad")
     descent = -tan(angle_rad)
     return replace(
-        problem,
-        upper=replace(problem.upper, incline=descent),
-        lower=replace(problem.lower, incline=descent),
+        problem, upper=replace(problem.upper, incline=descent), lower=replace(problem.lower, incline=descent)
     )

@@ -93,11 +93,7 @@ class Sliding:
 
 
 def deposited(
-    wear: WearState,
-    parts: Sequence[Sliding],
-    cycles: float,
-    rates: tuple[float, float],
-    secondary_patch: ContactPatch,
+    wear: WearState, parts: Sequence[Sliding], cycles: float, rates: tuple[float, float], secondary_patch: ContactPatch
 ) -> WearState:
     """The wear state after sliding in one or more pairings, repeated `cycles` times."""
     for part in parts if cycles > 0.0 else ():

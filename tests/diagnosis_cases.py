@@ -123,12 +123,7 @@ def record(
     at = np.array(sorted({*cycles, *EVOLUTION_CYCLES}), dtype=float)
     for repeat in range(1, repeats + 1):
         friction, wear, zero = scatter * random.standard_normal(3) * (0.01, 0.04, 0.1)
-        setup = replace(
-            base,
-            friction_factor=1 + friction,
-            wear_factor=1 + wear,
-            displacement_offset_um=zero,
-        )
+        setup = replace(base, friction_factor=1 + friction, wear_factor=1 + wear, displacement_offset_um=zero)
         course = simulate(states(), setup, at)
         loops += [
             _loop(course, int(np.searchsorted(at, cycle)), repeat, cycle, samples, random, normal=normal)

@@ -21,11 +21,7 @@ from studies.benchmarks.forked_commands import Commands
 from studies.benchmarks.hard_pressed import COMMANDS, make_given
 from studies.benchmarks.hardships import Scene, tried, undisturbed
 from tests.test_simulate import coarse
-from wirewear import (
-    ResultError,
-    read_result,
-    run_study,
-)
+from wirewear import ResultError, read_result, run_study
 from wirewear.simulation import Observer
 
 ROOT = Path(__file__).resolve().parent.parent

@@ -15,12 +15,7 @@ from scipy.sparse.linalg import splu
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
-from geometry import (
-    Elastic,
-    HexMesh,
-    QuadMesh,
-    mirror_images,
-)
+from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from solvers.condensation import CondensedBody, condense
 from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError

@@ -117,10 +117,7 @@ def hertz() -> PointContact:
 
 
 def errors(report: IncrementReport, height_mm: float, hertz: PointContact) -> tuple[float, float]:
-    return (
-        abs(report.max_pressure / hertz.peak_pressure_MPa - 1.0),
-        abs(-height_mm / hertz.approach_mm - 1.0),
-    )
+    return (abs(report.max_pressure / hertz.peak_pressure_MPa - 1.0), abs(-height_mm / hertz.approach_mm - 1.0))
 
 
 @pytest.mark.seconds

@@ -12,13 +12,7 @@ from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.distortions import _log_evidence
 from wirewear.diagnosis.infer.families import FAMILIES
 from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
-from wirewear.diagnosis.infer.shapes import (
-    Branches,
-    displacement_after_play,
-    force_after_play,
-    force_read,
-    stiffening,
-)
+from wirewear.diagnosis.infer.shapes import Branches, displacement_after_play, force_after_play, force_read, stiffening
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study

@@ -9,10 +9,7 @@ import numpy as np
 import pytest
 
 from tests import early_faults
-from tests.early_faults import (
-    ROOT,
-    command,
-)
+from tests.early_faults import ROOT, command
 from wirewear import read_result
 
 folder, ran, result = early_faults.folder, early_faults.ran, early_faults.result

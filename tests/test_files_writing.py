@@ -11,13 +11,7 @@ from pathlib import Path
 import pytest
 
 from wirewear.base.errors import ResultError, RunError
-from wirewear.base.writing import (
-    folder_in_one_step,
-    usable_file,
-    write_bytes,
-    write_text,
-    writing,
-)
+from wirewear.base.writing import folder_in_one_step, usable_file, write_bytes, write_text, writing
 
 WRITER = """
 import sys

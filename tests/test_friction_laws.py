@@ -9,14 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import (
-    ContactProblem,
-    Coulomb,
-    Friction,
-    FrictionLaw,
-    ShearLimited,
-    friction_laws,
-)
+from solvers import ContactProblem, Coulomb, Friction, FrictionLaw, ShearLimited, friction_laws
 from solvers.pairing import pair
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.independent.model import IndependentModel, figures_of

@@ -16,17 +16,10 @@ from studies.mccoll2004.compare import (
     shape_comparisons,
     simulated_scar,
 )
-from studies.titanium_energy.compare import (
-    only_w_shaped_tests_are_off,
-    w_shaped_tests_are_off,
-)
+from studies.titanium_energy.compare import only_w_shaped_tests_are_off, w_shaped_tests_are_off
 from studies.titanium_energy.laws import energy_line, off_the_line
 from studies.titanium_energy.measured import MeasuredTest, read_tests
-from studies.titanium_oxygenation.compare import (
-    VARIANTS,
-    Scar,
-    scar_in,
-)
+from studies.titanium_oxygenation.compare import VARIANTS, Scar, scar_in
 from wirewear.kinds import load_any_study
 from wirewear.planar import run_planar_study
 from wirewear.planar.tables import PlanarStudy

@@ -11,10 +11,7 @@ from rich.console import Console
 from tests.studies import MINIMAL
 from tests.test_import import GERMAN, german, mapped
 from tests.test_import import cycle as cycle_of
-from wirewear import (
-    RecordError,
-    StudyError,
-)
+from wirewear import RecordError, StudyError
 from wirewear.base.processes import within
 from wirewear.records import MeasuredScar
 from wirewear.records.importing import import_record

@@ -12,12 +12,7 @@ from solvers.friction_laws import friction_laws
 from tests.diagnosis_cases import record
 from tests.test_import import GERMAN, mapped
 from tests.test_import import cycle as cycle_of
-from wirewear import (
-    RecordError,
-    StudyError,
-    read_record,
-    write_record,
-)
+from wirewear import RecordError, StudyError, read_record, write_record
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe import reduction as observables
 from wirewear.diagnosis.observe.reduction import all_observables

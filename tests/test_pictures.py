@@ -17,12 +17,7 @@ from numpy.typing import NDArray
 from geometry import build_body
 from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
-from wirewear.pictures import (
-    loops_by_run,
-    save,
-    scar_sections,
-    scars_from_above,
-)
+from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above
 from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.mesh import PARTS, round_facets

@@ -225,13 +225,7 @@ def test_elliptic_contact_agrees_with_the_published_table(theta_deg: float, m: f
     assert contact.minor_semi_axis_mm == pytest.approx(n * scale, abs=1.2e-3 * scale)
 
 
-@given(
-    st.floats(0.05, 2.0),
-    st.floats(0.05, 2.0),
-    st.floats(15.0, 165.0),
-    st.floats(-0.6, 0.6),
-    st.floats(-0.6, 0.6),
-)
+@given(st.floats(0.05, 2.0), st.floats(0.05, 2.0), st.floats(15.0, 165.0), st.floats(-0.6, 0.6), st.floats(-0.6, 0.6))
 def test_elliptic_pressure_bends_the_surfaces_onto_each_other(
     first_mm: float, second_mm: float, angle_deg: float, x: float, y: float
 ) -> None:

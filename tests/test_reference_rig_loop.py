@@ -127,13 +127,7 @@ def test_in_partial_slip_the_shear_is_full_in_the_annulus_and_nothing_stretches_
     assert round_one[1, 5] == pytest.approx(friction * round_one[1, 2], rel=1e-6)
     x = np.array([0.3 * A, 0.8 * A])
     long_one = line_partial_slip_stress(
-        x,
-        0.0,
-        half_width_mm=A,
-        stick_half_width_mm=c,
-        peak_pressure_MPa=P0,
-        friction=friction,
-        poissons_ratio=NU,
+        x, 0.0, half_width_mm=A, stick_half_width_mm=c, peak_pressure_MPa=P0, friction=friction, poissons_ratio=NU
     )
     pressed = line_stress(x, 0.0, half_width_mm=A, peak_pressure_MPa=P0, poissons_ratio=NU)
     assert long_one[0, 0] == pytest.approx(pressed[0, 0], rel=1e-9)

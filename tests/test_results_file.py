@@ -14,20 +14,10 @@ from hypothesis.extra import numpy as hnp
 from tests.synthetic_results import result
 from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import sealed
-from wirewear.results import (
-    EVOLUTION_COLUMNS,
-    Evolution,
-    Loop,
-    RunResult,
-    Scar,
-    read_result,
-    write_result,
-)
+from wirewear.results import EVOLUTION_COLUMNS, Evolution, Loop, RunResult, Scar, read_result, write_result
 
 in_one_folder = settings(
-    deadline=None,
-    max_examples=40,
-    suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
+    deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
@@ -152,8 +142,7 @@ def test_a_file_cut_short_is_refused(share: float, tmp_path: Path) -> None:
     whole = path.read_bytes()
     (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
     with pytest.raises(
-        ResultError,
-        match=r"cut\.h5 is (no wirewear result file|cut off: [\d\u2009]+ of|damaged: its checksum)",
+        ResultError, match=r"cut\.h5 is (no wirewear result file|cut off: [\d\u2009]+ of|damaged: its checksum)"
     ):
         read_result(tmp_path / "cut.h5")
 

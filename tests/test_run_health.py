@@ -11,14 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
-from solvers import (
-    ContactProblem,
-    CycleTrace,
-    closed_cycle,
-    first_quarter,
-    mirror_error,
-    symmetry_of,
-)
+from solvers import ContactProblem, CycleTrace, closed_cycle, first_quarter, mirror_error, symmetry_of
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.mending import of_own_definitions

@@ -264,11 +264,7 @@ def problem(text: str) -> str:
             "friction in [contact] of s.toml is 1979-05-27, but must be a number between 0 and 2.",
         ),
         ('name = "test"', "name = 3", 'name in s.toml is 3, but must be a text such as "steel wires".'),
-        (
-            "format = 1",
-            "wear = 3\nformat = 1",
-            "wear in s.toml is 3, but must be a table.",
-        ),
+        ("format = 1", "wear = 3\nformat = 1", "wear in s.toml is 3, but must be a table."),
         ("format = 1", "format =", "s.toml is not valid TOML: invalid value (at line 2, column 9)."),
         (
             "cycles = 700",

@@ -10,11 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from studies.tribometers import article
-from studies.tribometers.article import (
-    compliance_suffices,
-    one_rig_one_stiffness,
-    stiffness_comparisons,
-)
+from studies.tribometers.article import compliance_suffices, one_rig_one_stiffness, stiffness_comparisons
 from studies.tribometers.judge import Tribometer, judge, read_tribometers
 from studies.tribometers.rows import NUMBERS, read_rows
 from wirewear.base.errors import RecordError

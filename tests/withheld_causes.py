@@ -46,10 +46,7 @@ NOTHING: dict[str, Named] = {
     "opening_joint": {"preload_N": 0.5, "um_per_N": 0.0},
     "microslipping_joint": {"um_per_N2": 0.0},
     "shedding_film": {"share": 0.0, "cycles": 1e3},
-    "changing_air": {
-        **{f"factor_{i}": 1.0 for i in (1, 2, 3)},
-        **{f"cycle_{i}": 10.0**i for i in (1, 2, 3)},
-    },
+    "changing_air": {**{f"factor_{i}": 1.0 for i in (1, 2, 3)}, **{f"cycle_{i}": 10.0**i for i in (1, 2, 3)}},
     "swinging_load": {"share": 0.0, "cycles": 1e3, "phase_rad": 1.0},
     "incubated_wear": {"share": 0.0, "cycle": 1e3, "abruptness": 5.0},
     "hard_skin": {"factor": 1.0, "depth_um": 2.0},

@@ -58,13 +58,7 @@ def gap_rows(
 
 @inlined
 def slip_rows(
-    loaded: Loaded,
-    nodes: Nodes,
-    carried: Carried,
-    layers: LayerTerms,
-    tangential: Array,
-    on: IntArray,
-    tan: IntArray,
+    loaded: Loaded, nodes: Nodes, carried: Carried, layers: LayerTerms, tangential: Array, on: IntArray, tan: IntArray
 ) -> tuple[Array, Array]:
     """Slip of the m nodes with tangential unknowns along both tangents: rows (2 m, size), constant part (2 m,).
 

@@ -73,11 +73,7 @@ def _beside(ours: float, theirs: float | None) -> str:
 
 
 def costs(
-    own: WirewearSide,
-    memory_MB: float,
-    peer: ProcessCost,
-    sliding: SlidingCost | None,
-    study: StudyCost | None = None,
+    own: WirewearSide, memory_MB: float, peer: ProcessCost, sliding: SlidingCost | None, study: StudyCost | None = None
 ) -> list[str]:
     """Lines of the table of costs, over the sliding increments that both finished."""
     ended = "stopped" if peer.stopped else "finished"

@@ -76,13 +76,7 @@ def make_batch(
     if not begun and not finished and folder.exists() and any(folder.iterdir()):
         raise BlindError(f"{folder} is not empty and holds no batch: name a new folder.")
     _require_room(folder, cases)
-    arguments = {
-        "cases": cases,
-        "seed": seed,
-        "tests": tests,
-        "tier": generator.tier,
-        "model": generator.description,
-    }
+    arguments = {"cases": cases, "seed": seed, "tests": tests, "tier": generator.tier, "model": generator.description}
     if finished:
         sealed_key = opened((folder / KEY).read_bytes(), read_key_file(key_path), str(folder / KEY))
         _check_same(sealed_key, arguments, folder)

@@ -78,12 +78,7 @@ def case_of(path: Path, repeats: int, seed: int, samples: int | None = None) -> 
         return Case(path.name, read_record(path), None)
     result = read_result(file)
     record = record_of_result(
-        result,
-        sensor=Sensor(noise=NOISE),
-        depth_noise_um=DEPTH_NOISE_um,
-        repeats=repeats,
-        seed=seed,
-        samples=samples,
+        result, sensor=Sensor(noise=NOISE), depth_noise_um=DEPTH_NOISE_um, repeats=repeats, seed=seed, samples=samples
     )
     name = "_".join(part for part in file.parent.parts[-2:] if part != "/")
     return Case(name, record, tuple(str(effect["name"]) for effect in result.study.get("effects", ())))

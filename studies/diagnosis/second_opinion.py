@@ -134,13 +134,7 @@ def answer(record: Path, kept: Path, live: int, simulated: int, seed: int) -> No
 @click.option("--jobs", type=click.IntRange(1), default=1, show_default=True, help="Records side by side.")
 @click.option("--most-hours", type=click.FloatRange(min=0.0), default=24.0, show_default=True, help="Then stop.")
 def main(
-    output: Path,
-    records: tuple[Path, ...],
-    live: int,
-    simulated: int,
-    seed: int,
-    jobs: int,
-    most_hours: float,
+    output: Path, records: tuple[Path, ...], live: int, simulated: int, seed: int, jobs: int, most_hours: float
 ) -> None:
     """Set the diagnosis of RECORDS beside both other opinions, kept in OUTPUT."""
     until = time.monotonic() + 3600.0 * most_hours

@@ -169,12 +169,7 @@ def main(result_dir: Path, folder: Path) -> None:
     contacts = contacts_of(run)
     if len(contacts) < 2 or contacts[0].stick_radius_um == 0.0:
         raise ResultError(f"{result_dir} is no run in partial slip with at least two logged scars")
-    findings = [
-        stick_zone_stays(contacts),
-        wear_ends(run),
-        pressure_gathers(contacts),
-        annulus_is_relieved(contacts),
-    ]
+    findings = [stick_zone_stays(contacts), wear_ends(run), pressure_gathers(contacts), annulus_is_relieved(contacts)]
     folder.mkdir(parents=True, exist_ok=True)
     drawn = save(partial(picture, run, contacts), folder / "partial_slip.png")
     console = wide_console()

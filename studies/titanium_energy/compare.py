@@ -33,15 +33,7 @@ if not __package__:
     sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
     __package__ = "studies.titanium_energy"
 
-from .laws import (
-    CONFIDENCE,
-    LAWS,
-    energy_line,
-    left_out,
-    off_the_line,
-    power_law,
-    typical_factor,
-)
+from .laws import CONFIDENCE, LAWS, energy_line, left_out, off_the_line, power_law, typical_factor
 from .measured import SHAPES, MeasuredTest, column, read_tests, shaped
 
 

@@ -104,11 +104,7 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
     row = TribometerRow(
-        source=values.get("source") or f"line {line}",
-        contact=values["contact"],
-        pad=pad,
-        specimen=specimen,
-        **numbers,
+        source=values.get("source") or f"line {line}", contact=values["contact"], pad=pad, specimen=specimen, **numbers
     )
     _require_consistent(row, where)
     return row

@@ -24,10 +24,7 @@ class CrossingAngleError(Effect[Specimens]):
     ages = Ageing.NEVER
     signature = "nothing in loops to first order; a skewed scar"
     confused_with = ()
-    answers = (
-        INTERRUPTED_SCARS.shows("skewed outlines"),
-        SCAR_MAPS.shows("skewed outlines"),
-    )
+    answers = (INTERRUPTED_SCARS.shows("skewed outlines"), SCAR_MAPS.shows("skewed outlines"))
 
     angle_deg: float = parameter(
         "true crossing angle less the stated one",

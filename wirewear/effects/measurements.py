@@ -43,9 +43,7 @@ ENCODER = Measurement(
 )
 
 NORMAL_FORCE = Measurement(
-    "the normal force over whole cycles",
-    "a drifting or wrong load shows in it, friction does not",
-    cost_days=0.3,
+    "the normal force over whole cycles", "a drifting or wrong load shows in it, friction does not", cost_days=0.3
 )
 
 HALF_LOAD = Measurement(

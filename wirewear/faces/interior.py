@@ -25,12 +25,7 @@ T = TypeVar("T")
 
 #: Which body is asked for; of the older name, all were wires.
 BODY = click.option(
-    "--body",
-    "--wire",
-    "body",
-    default="both",
-    show_default=True,
-    help="One of the bodies, as fixed or ball.",
+    "--body", "--wire", "body", default="both", show_default=True, help="One of the bodies, as fixed or ball."
 )
 
 

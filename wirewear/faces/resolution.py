@@ -70,13 +70,7 @@ def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
 
 @cli.command()
 @click.option("--quick", is_flag=True, help="Coarse meshes and wider tolerances.")
-@click.option(
-    "--json",
-    "json_path",
-    metavar="FILE",
-    type=OutputFile(),
-    help="Write the table there too.",
-)
+@click.option("--json", "json_path", metavar="FILE", type=OutputFile(), help="Write the table there too.")
 @click.pass_context
 def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""

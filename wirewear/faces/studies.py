@@ -91,8 +91,7 @@ def run(
         _refuse(as_json, "--json does not go with --uncertain.")
         _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
         _refuse(
-            fidelity != "quick" and given("fidelity"),
-            f"--uncertain makes quick runs: leave --fidelity {fidelity} out.",
+            fidelity != "quick" and given("fidelity"), f"--uncertain makes quick runs: leave --fidelity {fidelity} out."
         )
         _run_scattered(study_path, variant, folder / "uncertain", jobs)
         return

@@ -192,11 +192,7 @@ def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
         return Measured(value / unit, ((value - part) / unit, (value + part) / unit))
 
     return LoadPolynomial(
-        measured(0),
-        measured(1),
-        scale,
-        float(np.sqrt(np.mean(residual**2))),
-        float(np.abs(residual).max()),
+        measured(0), measured(1), scale, float(np.sqrt(np.mean(residual**2))), float(np.abs(residual).max())
     )
 
 

@@ -19,13 +19,7 @@ if TYPE_CHECKING:
     from wirewear.planar import PlanarStudy
     from wirewear.study import Study
 
-__all__ = [
-    "KINDS",
-    "Kind",
-    "any_study",
-    "kind_of",
-    "load_any_study",
-]
+__all__ = ["KINDS", "Kind", "any_study", "kind_of", "load_any_study"]
 
 #: The kinds by their names.
 KINDS: dict[str, Kind] = {kind.name: kind for kind in (CrossedWires(), LineContacts(), BallOnFlat(), AnyBodies())}

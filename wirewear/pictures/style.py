@@ -170,13 +170,7 @@ def scale_bar(axes: Axes, length_um: float) -> None:
     start, y = left + 0.04 * (right - left), bottom + 0.06 * (top - bottom)
     axes.plot([start, start + length_um], [y, y], color=INK, linewidth=2.5, solid_capstyle="butt")
     axes.annotate(
-        f"{length_um:g} µm",
-        (start, y),
-        xytext=(0, 3),
-        textcoords="offset points",
-        ha="left",
-        va="bottom",
-        fontsize=7.5,
+        f"{length_um:g} µm", (start, y), xytext=(0, 3), textcoords="offset points", ha="left", va="bottom", fontsize=7.5
     )
 
 

@@ -221,9 +221,7 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
         if wide.any():
             worst = f"by up to {100.0 * float(np.nanmax(gap)):.2g} % of its range"
             yield Remark(
-                "problem",
-                "open loops",
-                f"The {name} does not return to its start, {worst}, in {where(checked, wide)}.",
+                "problem", "open loops", f"The {name} does not return to its start, {worst}, in {where(checked, wide)}."
             )
     if checked.refused:
         (repeat, cycle), reason = next(iter(checked.refused.items()))

@@ -275,9 +275,7 @@ class RecordTables(OfRecord):
                 )
         described = {**wires, "motion_angle_deg": (study.get("conditions") or {}).get("motion_angle_deg")}
         own = known_of(RecordWires, described)
-        return {
-            "wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default},
-        }
+        return {"wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default}}
 
     @classmethod
     def study_of(cls, data: Mapping[str, Any], where: str) -> Study:

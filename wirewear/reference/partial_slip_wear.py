@@ -137,10 +137,7 @@ class WearingContact:
 
         first = self.first_stick_radius_mm(load_N)
         contact = float((0.75 * load_N * self.sphere_radius_mm / self.modulus_MPa) ** (1.0 / 3.0))
-        return (
-            self._at_the_brink(pressed, contact),
-            LimitingShape(self.sphere_radius_mm, pressed(first), first),
-        )
+        return (self._at_the_brink(pressed, contact), LimitingShape(self.sphere_radius_mm, pressed(first), first))
 
     def first_stick_radius_mm(self, load_N: float) -> float:
         """Mindlin's stick radius in the fresh contact at the end of the stroke."""

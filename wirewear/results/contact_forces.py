@@ -68,11 +68,7 @@ def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArra
 
 
 def averaging(
-    axial: FloatArray,
-    transverse: FloatArray,
-    length: float,
-    along: slice = slice(None),
-    across: slice = slice(None),
+    axial: FloatArray, transverse: FloatArray, length: float, along: slice = slice(None), across: slice = slice(None)
 ) -> Iterator[csr_matrix]:
     """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
 

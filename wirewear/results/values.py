@@ -11,13 +11,7 @@ import numpy as np
 
 from wirewear.base.errors import NoColumnError, ResultError
 from wirewear.base.quantity import counted
-from wirewear.results.checks import (
-    FloatArray,
-    float_array,
-    require_equal_lengths,
-    require_finite,
-    require_increasing,
-)
+from wirewear.results.checks import FloatArray, float_array, require_equal_lengths, require_finite, require_increasing
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.scar import WIRES, Scar, called, require_body
 
@@ -49,12 +43,7 @@ PRESSURE_LENGTH = "pressure_length_um"
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
-LATER_COLUMNS = (
-    "mid_stroke_pressure_MPa",
-    "mirror_error",
-    "max_mean_pressure_MPa",
-    "mid_stroke_mean_pressure_MPa",
-)
+LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
 #: What columns are whose names do not say it.
 COLUMN_MEANINGS = {

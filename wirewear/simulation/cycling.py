@@ -10,15 +10,7 @@ from typing import Protocol
 
 from threadpoolctl import threadpool_limits
 
-from solvers import (
-    ContactProblem,
-    ContactState,
-    JumpController,
-    JumpStep,
-    PatchLeftError,
-    SolverError,
-    take_step,
-)
+from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
 from wirewear.base.quantity import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest
@@ -138,12 +130,7 @@ class WholeCycles:
 
 
 def cycle_through(
-    test: FrettingTest,
-    record: Recorded,
-    store: RunStore,
-    observer: Observer,
-    *,
-    resume: bool = False,
+    test: FrettingTest, record: Recorded, store: RunStore, observer: Observer, *, resume: bool = False
 ) -> RunResult:
     """Simulate a test, from its last checkpoint on where it is to be resumed and has one.
 

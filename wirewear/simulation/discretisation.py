@@ -9,14 +9,7 @@ from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, contact_modulus, explicit_stability_limit
 from wirewear.results.scar import called
 from wirewear.simulation.expected_contact import ExpectedContact, expected_contact
-from wirewear.simulation.patches import (
-    SCAR_MARGIN,
-    ElementSizes,
-    affordable_meshes,
-    axes_of,
-    needed_reach_mm,
-    unknowns,
-)
+from wirewear.simulation.patches import SCAR_MARGIN, ElementSizes, affordable_meshes, axes_of, needed_reach_mm, unknowns
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
 

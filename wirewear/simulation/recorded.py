@@ -116,13 +116,7 @@ def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]
 
 
 def _scar(
-    body: PlacedBody,
-    depth: Array,
-    energy: Array,
-    force: Array,
-    slid: Array,
-    cycle: int,
-    described: Body,
+    body: PlacedBody, depth: Array, energy: Array, force: Array, slid: Array, cycle: int, described: Body
 ) -> Scar:
     patch = body.patch
     # An upper body's transverse axis runs backwards in the common frame.

@@ -10,12 +10,7 @@ import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
 from wirewear.base.engine import Engine, LocalProcesses
-from wirewear.results import (
-    PRESSURE_LENGTH,
-    ContactForces,
-    RunResult,
-    Scar,
-)
+from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through

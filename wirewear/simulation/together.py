@@ -177,11 +177,7 @@ def _nobody(_label: str) -> AbstractContextManager[Observer]:
 
 
 def _run_all(
-    runs: Sequence[tuple[Task, Found]],
-    observer_of: ObserverFor,
-    engine: Engine,
-    *,
-    resume: bool,
+    runs: Sequence[tuple[Task, Found]], observer_of: ObserverFor, engine: Engine, *, resume: bool
 ) -> list[RunResult]:
     if isinstance(engine, LocalProcesses) and (engine.workers == 1 or len(runs) <= 1):
         results = []

@@ -14,14 +14,6 @@ if TYPE_CHECKING:
     from wirewear.study.study import Study
     from wirewear.study.tables import FidelitySettings
 
-__all__ = [
-    "FIDELITIES",
-    "Body",
-    "FidelitySettings",
-    "Study",
-    "load_study",
-    "parse_study",
-    "study_from_tables",
-]
+__all__ = ["FIDELITIES", "Body", "FidelitySettings", "Study", "load_study", "parse_study", "study_from_tables"]
 
 __getattr__ = loaded_late(__name__)

@@ -26,11 +26,7 @@ def table_above(keys: Keys) -> str:
 
 
 def validated(
-    model: type[Model],
-    data: Mapping[str, Any],
-    where: str,
-    kind: type[WirewearError],
-    spelled: Spelling = table_above,
+    model: type[Model], data: Mapping[str, Any], where: str, kind: type[WirewearError], spelled: Spelling = table_above
 ) -> Model:
     """Tables of that model; `where` names their origin in messages.
 

@@ -213,12 +213,7 @@ def _too_far(tables: ContactTables) -> Inconsistency | None:
 _STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 _TEST: dict[str, Any] = {
     **EXAMPLE,
-    "conditions": {
-        "normal_load_N": 100.0,
-        "displacement_amplitude_um": 50.0,
-        "frequency_Hz": 10.0,
-        "cycles": 10000,
-    },
+    "conditions": {"normal_load_N": 100.0, "displacement_amplitude_um": 50.0, "frequency_Hz": 10.0, "cycles": 10000},
     "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5},
 }
 _SHOWN = ("bodies", *COMMON)

@@ -21,12 +21,7 @@ COMMENTS_AT = 52
 #: The article's test, which a study begins with.
 EXAMPLE: Mapping[str, Any] = {
     "wires": {"diameter_mm": 0.45, "youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3},
-    "conditions": {
-        "normal_load_N": 2.0,
-        "displacement_amplitude_um": 60.0,
-        "frequency_Hz": 3.0,
-        "cycles": 10000,
-    },
+    "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 10000},
     "contact": {"friction": 0.62},
     "wear": {"energy_wear_coefficient_mm3_per_J": 3.0e-5},
     "holder": {"tangential_stiffness_N_per_mm": "rigid"},

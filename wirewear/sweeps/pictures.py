@@ -20,12 +20,7 @@ from wirewear.sweeps.sweep import DEPTH, VariedInput
 Array = NDArray[np.float64]
 
 #: Figures that are drawn, where they vary, with a depth after the first three; units and words follow from names.
-_DRAWN = (
-    "max_tangential_force_N",
-    "dissipated_energy_mJ",
-    "slip_amplitude_um",
-    "mid_stroke_mean_pressure_MPa",
-)
+_DRAWN = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "mid_stroke_mean_pressure_MPa")
 
 #: The figure that should be large in the last picture; the depth of the held body should be small.
 SLIP = "slip_amplitude_um"

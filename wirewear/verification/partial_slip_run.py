@@ -76,11 +76,7 @@ def _study(resolution: float) -> Study:
         "holder": {"tangential_stiffness_N_per_mm": "rigid"},
         "log": {"loop_cycles": [1, _CYCLES]},
         "fidelity": {
-            "quick": {
-                "contact_mesh_um": element_um,
-                "outer_mesh_um": element_um,
-                "increments_per_cycle": _INCREMENTS,
-            }
+            "quick": {"contact_mesh_um": element_um, "outer_mesh_um": element_um, "increments_per_cycle": _INCREMENTS}
         },
     }
     return study_from_tables(tables, "the reference problem")

@@ -42,9 +42,7 @@ def _unwatched(title: str, done: int, of: int) -> None:
 
 
 def verify(
-    level: Level,
-    started: Callable[[str, int, int], None] = _unwatched,
-    families: tuple[Family, ...] | None = None,
+    level: Level, started: Callable[[str, int, int], None] = _unwatched, families: tuple[Family, ...] | None = None
 ) -> tuple[Row, ...]:
     """Rows of the families, all of them by default.
 

@@ -56,11 +56,7 @@ def condensed(geometry: WireGeometry) -> CondensedBody:
 def scaled(meshed: BodyMesh, factor: float) -> BodyMesh:
     """The same mesh in another unit of length."""
     mesh, patch = meshed.mesh, meshed.patch
-    return replace(
-        meshed,
-        mesh=HexMesh(mesh.points * factor, mesh.cells, mesh.surfaces),
-        patch=patch.scaled(factor),
-    )
+    return replace(meshed, mesh=HexMesh(mesh.points * factor, mesh.cells, mesh.surfaces), patch=patch.scaled(factor))
 
 
 def crossed(

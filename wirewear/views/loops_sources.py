@@ -22,11 +22,7 @@ from wirewear.records.normal_force import require_pressing
 from wirewear.results import read_results
 from wirewear.views.loops_csv import SampledLoop, Spelling, csv_loops
 
-_OPTIONS = {
-    "displacement_um": "--displacement",
-    "tangential_force_N": "--force",
-    "normal_force_N": "--normal-load",
-}
+_OPTIONS = {"displacement_um": "--displacement", "tangential_force_N": "--force", "normal_force_N": "--normal-load"}
 
 
 def logged_loops(

@@ -271,9 +271,7 @@ def beyond(place: Array, side: float, begins: float) -> Array:
 def loaded(signals: Signals, factor: Array) -> Signals:
     """Both forces times a factor (n,), as under another load."""
     return replace(
-        signals,
-        tangential_force_N=signals.tangential_force_N * factor,
-        normal_force_N=signals.normal_force_N * factor,
+        signals, tangential_force_N=signals.tangential_force_N * factor, normal_force_N=signals.normal_force_N * factor
     )
 
 

@@ -167,10 +167,7 @@ DRAWS: Mapping[str, Callable[[Draw], dict[str, float]]] = {
         "cycle": d.nominal.cycles * d.spread(0.02, 0.3),
         "abruptness": d.random.uniform(3.0, 8.0),
     },
-    "relaxing_load": lambda d: {
-        "loss": d.between(0.025, 0.25),
-        "cycles": d.nominal.cycles * d.spread(0.003, 0.03),
-    },
+    "relaxing_load": lambda d: {"loss": d.between(0.025, 0.25), "cycles": d.nominal.cycles * d.spread(0.003, 0.03)},
     "unequal_wear": lambda d: {"moving_share": 0.5 + d.between(0.05, 0.4) * d.sign()},
     "pressure_dependent_wear": _pressure_wear,
     "one_sided_holder": lambda d: {"um_per_N": d.length_um(0.8, 8.0) / d.plateau_N * d.sign()},

@@ -119,11 +119,7 @@ WITHHELD: Mapping[str, Callable[[Draw], dict[str, float]]] = {
 def _encoder(d: Draw) -> dict[str, float]:
     """Scales of some ten micrometres; errors beyond a sixth of a line, 1/2π, would make the reading run backwards."""
     pitch = d.spread(16.0, 40.0)
-    return {
-        "error_um": pitch * d.between(0.02, 0.13),
-        "pitch_um": pitch,
-        "phase_rad": d.random.uniform(-pi, pi),
-    }
+    return {"error_um": pitch * d.between(0.02, 0.13), "pitch_um": pitch, "phase_rad": d.random.uniform(-pi, pi)}
 
 
 def _spall(d: Draw) -> dict[str, float]:

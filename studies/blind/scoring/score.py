@@ -198,10 +198,7 @@ def _baselines(folder: Path, truths: Sequence[Truth]) -> dict[str, Any]:
 
 def _write(folder: Path, report: Mapping[str, Any], judgements: Sequence[Judgement]) -> None:
 
-    texts = {
-        SCORE_JSON: json_text(report, indent=1) + "\n",
-        SCORE_PAGE: score_page(report, judgements),
-    }
+    texts = {SCORE_JSON: json_text(report, indent=1) + "\n", SCORE_PAGE: score_page(report, judgements)}
     with writing(BlindError, f"the report cannot be written to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
         for name, text in texts.items():

@@ -113,21 +113,11 @@ FAMILIES: tuple[Family, ...] = (
     Family(Seam.SENSOR, "gain of the displacement channel that changes over the test", column="gain"),
     Family(Seam.SENSOR, "zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
     Family(
-        Seam.HOLDER,
-        "holder that slips, with hysteresis",
-        tuple(yielding(at) for at in RELEASES),
-        allowed=MICRO_SLIP,
+        Seam.HOLDER, "holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=MICRO_SLIP
     ),
+    Family(Seam.HOLDER, "holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
     Family(
-        Seam.HOLDER,
-        "holder that stiffens or softens under the force, alike in both directions",
-        (stiffening(),),
-    ),
-    Family(
-        Seam.HOLDER,
-        "holder whose compliance changes over the test",
-        column="compliance_um_per_N",
-        scale="compliance",
+        Seam.HOLDER, "holder whose compliance changes over the test", column="compliance_um_per_N", scale="compliance"
     ),
     Family(
         Seam.CONTACT,
@@ -169,19 +159,8 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
-    Family(
-        Seam.SENSOR,
-        "force channel that leaks, as charge does",
-        (leaking(LEAK),),
-        allowed=WALLS,
-        counts=False,
-    ),
-    Family.one_of(
-        Seam.SENSOR,
-        "force channel that rings",
-        (ringing(at, DAMPING) for at in RINGS),
-        allowed=SOLVERS,
-    ),
+    Family(Seam.SENSOR, "force channel that leaks, as charge does", (leaking(LEAK),), allowed=WALLS, counts=False),
+    Family.one_of(Seam.SENSOR, "force channel that rings", (ringing(at, DAMPING) for at in RINGS), allowed=SOLVERS),
     Family(
         Seam.SENSOR,
         "displacement channel that gives way late under the force",
@@ -231,22 +210,11 @@ FAMILIES: tuple[Family, ...] = (
         step=1.0,
     ),
     Family.one_of(
-        Seam.HOLDER,
-        "holder that opens beyond a force, without hysteresis",
-        ((opening(at),) for at in RELEASES),
+        Seam.HOLDER, "holder that opens beyond a force, without hysteresis", ((opening(at),) for at in RELEASES)
     ),
+    Family.one_of(Seam.CONTACT, SPOTTED, ((resisting(bump(at, SPOT)),) for at in SPOTS), develops=True, allowed=WALLS),
     Family.one_of(
-        Seam.CONTACT,
-        SPOTTED,
-        ((resisting(bump(at, SPOT)),) for at in SPOTS),
-        develops=True,
-        allowed=WALLS,
-    ),
-    Family.one_of(
-        Seam.LOADING,
-        "load that rattles after each reversal",
-        (rattling(at, RATTLED) for at in RATTLES),
-        allowed=WALLS,
+        Seam.LOADING, "load that rattles after each reversal", (rattling(at, RATTLED) for at in RATTLES), allowed=WALLS
     ),
 )
 

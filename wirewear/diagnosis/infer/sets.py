@@ -96,10 +96,7 @@ def _unseen(verdict: str, undetectable: Sequence[str]) -> tuple[str, ...]:
 
 
 def before_truth(
-    verdict: str,
-    known: Mapping[tuple[str, ...], float],
-    truths: Iterable[str],
-    undetectable: Sequence[str] = (),
+    verdict: str, known: Mapping[tuple[str, ...], float], truths: Iterable[str], undetectable: Sequence[str] = ()
 ) -> float:
     """Probability of the classes before the first that holds one of several truths; 2 where none does, 0 if unseen."""
     wanted, before = set(truths), 0.0

@@ -100,10 +100,7 @@ class Stick(ByLocalLines):
         cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
         return SolverSize(
-            turned,
-            np.hypot(crossing, cornered),
-            crossing * sites.branch,
-            wall=-sites.branch.astype(float),
+            turned, np.hypot(crossing, cornered), crossing * sites.branch, wall=-sites.branch.astype(float)
         )
 
     def along(self, sites: Sites) -> Array:

@@ -15,15 +15,7 @@ from wirewear.records.importing.registry import readers
 from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfTest
-from wirewear.records.tables import (
-    Frame,
-    Noise,
-    RecordConditions,
-    RecordTables,
-    RecordWires,
-    Stated,
-    StatedScatter,
-)
+from wirewear.records.tables import Frame, Noise, RecordConditions, RecordTables, RecordWires, Stated, StatedScatter
 from wirewear.study.keys import FORMAT, NormalLoad, Table, checked_format, checked_text
 
 #: Kind of the files that hold a height map, which SurfaceTopography reads.

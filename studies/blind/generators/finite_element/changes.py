@@ -13,9 +13,7 @@ from studies.blind.generators.ageing import Film, Jump
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.finite_element.numbers import cycles_of, number
 from studies.blind.generators.finite_element.withheld_changes import RESERVED, WITHHELD
-from studies.blind.generators.instruments import (
-    UNSEEN as UNSEEN_INSTRUMENTS,
-)
+from studies.blind.generators.instruments import UNSEEN as UNSEEN_INSTRUMENTS
 from studies.blind.generators.instruments import (
     BentDisplacementSensor,
     CreepingForceZero,

@@ -77,11 +77,7 @@ def read_test(
         displacement, force, normal = between(true, cycle)
         if instruments:
             changed = read_by(instruments, Signals(time_s, period, displacement, force, normal), cycle)
-            displacement, force, normal = (
-                changed.displacement_um,
-                changed.tangential_force_N,
-                changed.normal_force_N,
-            )
+            displacement, force, normal = (changed.displacement_um, changed.tangential_force_N, changed.normal_force_N)
         sensor = applied(changes, Seam.SENSOR, Sensor(), Age(float(cycle), 0.0))
         read = sensor.read(LoopSignals(time_s, displacement, force, normal, period))
         load = normal if read.normal_force_N is None else read.normal_force_N

@@ -85,9 +85,7 @@ def _displacement_gain(world: World, p: Parameters) -> World:
 
 def _displacement_load_coupling(world: World, p: Parameters) -> World:
     sensors = replace(
-        world.sensors,
-        linear_mm_per_N=1e-3 * p["linear_um_per_N"],
-        quadratic_mm_per_N2=1e-3 * p["quadratic_um_per_N2"],
+        world.sensors, linear_mm_per_N=1e-3 * p["linear_um_per_N"], quadratic_mm_per_N2=1e-3 * p["quadratic_um_per_N2"]
     )
     return replace(world, sensors=sensors)
 

@@ -146,11 +146,7 @@ def _effect(true: TrueEffect) -> Effect[Any]:
 
 
 def _repeat(
-    run: RunResult,
-    changes: Sequence[Effect[Any]],
-    case: Case,
-    repeat: int,
-    random: np.random.Generator,
+    run: RunResult, changes: Sequence[Effect[Any]], case: Case, repeat: int, random: np.random.Generator
 ) -> tuple[list[MeasuredLoop], list[MeasuredEvolution], list[MeasuredProfile]]:
     draw = case.nuisances.specimen(random)
     readings = read_test(run, changes, case, draw, case.nuisances.all_cycles)

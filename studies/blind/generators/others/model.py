@@ -280,11 +280,7 @@ def differences(test: Test, true: World, changed: World, logger: Logger) -> dict
 def tables_of(case: Case, test: Test, logger: Logger) -> RecordTables | LineRecordTables:
     """The tables of experiment.toml."""
     known = logger.scatter
-    scatter = {
-        "friction": round(known.friction, 4),
-        "normal_load": round(known.load, 4),
-        "wear": round(known.wear, 3),
-    }
+    scatter = {"friction": round(known.friction, 4), "normal_load": round(known.load, 4), "wear": round(known.wear, 3)}
     more: dict[str, Any] = {"scatter": scatter} if logger.states_scatter else {}
     if isinstance(test, WireTest):
         plain = record_tables(replace(case, nuisances=logger)).model_dump(mode="json", exclude_unset=True)
