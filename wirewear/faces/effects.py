@@ -15,7 +15,7 @@ _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity
 
 @cli.command(name="materials")
 def materials_command() -> None:
-    """List the materials that a study may name, with their elastic constants' sources."""
+    """List the materials that a study may name, with their elastic constants' sources, and whether these were read."""
     from rich import box
     from rich.table import Table
 
@@ -30,7 +30,8 @@ def materials_command() -> None:
     table.add_column("source", overflow="fold")
     for item in materials():
         modulus, ratio = item.elastic.youngs_modulus_MPa, item.elastic.poissons_ratio
-        table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", item.source)
+        source = item.source if item.verified else f"unverified: {item.source}"
+        table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
     wide_console(130).print(table)
 
 

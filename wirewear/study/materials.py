@@ -1,5 +1,6 @@
 """The materials that are known by name: materials.toml, read once."""
 
+import re
 import tomllib
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -13,12 +14,13 @@ _TABLE = Path(__file__).parent / "materials.toml"
 
 @dataclass(frozen=True)
 class Material:
-    """A material's name, what else it is called, and where its elastic constants come from."""
+    """A material's name, what else it is called, where its elastic constants come from, and whether that was read."""
 
     name: str
     elastic: Elastic
     source: str
     also: tuple[str, ...] = ()
+    verified: bool = True
 
 
 @cache
@@ -30,6 +32,7 @@ def materials() -> tuple[Material, ...]:
             elastic=Elastic(entry["youngs_modulus_MPa"], entry["poissons_ratio"]),
             source=entry["source"],
             also=tuple(entry.get("also", ())),
+            verified=entry.get("verified", True),
         )
         for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]
     )
@@ -41,15 +44,19 @@ def names() -> tuple[str, ...]:
 
 
 def material_named(name: object) -> Material:
-    """The material of that name, or also called so; upper and lower case are one.
+    """The material of that name, or also called so; case, blanks and hyphens do not matter.
 
     Raises:
         ValueError: there is none; half a sentence, to stand behind the name of a key.
     """
-    known = {spelled.casefold(): item for item in materials() for spelled in (item.name, *item.also)}
-    wanted = name.strip().casefold() if isinstance(name, str) else ""
+    known = {_plain(spelled): (spelled, item) for item in materials() for spelled in (item.name, *item.also)}
+    wanted = _plain(name) if isinstance(name, str) else ""
     if wanted in known:
-        return known[wanted]
-    close = get_close_matches(wanted, known, n=1)
-    hint = f"did you mean {known[close[0]].name!r}?" if close else f"the table knows {', '.join(names())}"
+        return known[wanted][1]
+    close = " or ".join(repr(known[key][0]) for key in get_close_matches(wanted, known))
+    hint = f"did you mean {close}?" if close else f"the table knows {', '.join(names())}"
     raise ValueError(f"is {name!r}, which is in no table of materials: {hint}")
+
+
+def _plain(name: str) -> str:
+    return re.sub(r"[\s_-]", "", name.casefold())
