@@ -1,6 +1,7 @@
 """HDF5 files that are read back carry a checksum, hold all that they show, and are refused in one sentence if not."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -11,7 +12,7 @@ import pytest
 
 from tests import synthetic_results
 from wirewear import ResultError, RunResult, read_result, write_result
-from wirewear.base.hdf5 import hdf5_image, opened_hdf5, sealed
+from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, sealed
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
 
 FLIPS = 300
@@ -54,6 +55,32 @@ def test_no_flipped_bit_of_a_checkpoint_goes_unseen(tmp_path: Path) -> None:
         (tmp_path / CHECKPOINT_FILE_NAME).write_bytes(flipped(data, random))
         with pytest.raises(ResultError):
             read_checkpoint(tmp_path)
+
+
+def test_the_file_of_a_run_that_goes_on_holds_what_one_written_at_once_does(tmp_path: Path) -> None:
+    image, whole = GrowingImage(), synthetic_results.result(status="running")
+    first = len(whole.scars) // len(whole.loops)
+    begun = replace(whole, loops=whole.loops[:1], scars=whole.scars[:first], quality={}, message="begun")
+    for number, run in enumerate((begun, whole)):
+        write_result(tmp_path / "growing.h5", run, image)
+        write_result(tmp_path / "at_once.h5", run)
+        growing, at_once = (files_of(tmp_path / f"{name}.h5") for name in ("growing", "at_once"))
+        assert growing.keys() == at_once.keys()
+        assert all(np.array_equal(growing[name], at_once[name]) for name in at_once), number
+
+
+def files_of(path: Path) -> dict[str, Any]:
+    """Every array and attribute of an HDF5 file by its place."""
+    found: dict[str, Any] = {}
+
+    def note(name: str, item: h5py.Dataset | h5py.Group) -> None:
+        found.update({f"{name}@{key}": value for key, value in item.attrs.items()})
+        if isinstance(item, h5py.Dataset):
+            found[name] = item[()]
+
+    with opened_hdf5(path, ResultError, "result file") as file:
+        file.visititems(note)
+    return found
 
 
 def test_a_file_of_format_1_without_checksum_is_still_read(written: Path, tmp_path: Path) -> None:

@@ -5,6 +5,7 @@ not look, stands a line with the SHA-256 of all before it: whatever has changed 
 """
 
 import hashlib
+import itertools
 import re
 import struct
 from collections.abc import Callable, Iterator
@@ -21,16 +22,37 @@ from wirewear.base.reading import read_bytes
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"
 _SEAL = re.compile(rb"\nwirewear sha256 ([0-9a-f]{64})\n\Z")
+_NUMBERS = itertools.count()
 _SEAL_LENGTH = len("\nwirewear sha256 \n") + 64
 
 
 def hdf5_image(fill: Callable[[h5py.File], None], *, track_order: bool = False) -> bytes:
     """The bytes of an HDF5 file that `fill` has filled; groups keep the order of their making with `track_order`."""
-    with h5py.File("in memory", "w", driver="core", backing_store=False, track_order=track_order) as file:
-        fill(file)
-        file.flush()
-        image: bytes = file.id.get_file_image()
-    return sealed(image)
+    with _in_memory(track_order=track_order) as file:
+        return _filled(file, fill)
+
+
+class GrowingImage:
+    """An HDF5 file in memory whose bytes are asked for again and again while it grows."""
+
+    def __init__(self) -> None:
+        """Of an empty file."""
+        self._file = _in_memory()
+
+    def filled(self, fill: Callable[[h5py.File], None]) -> bytes:
+        """The bytes once `fill` has added to what is there."""
+        return _filled(self._file, fill)
+
+
+def _in_memory(*, track_order: bool = False) -> h5py.File:
+    # HDF5 knows open files by their names.
+    return h5py.File(f"in memory {next(_NUMBERS)}", "w", driver="core", backing_store=False, track_order=track_order)
+
+
+def _filled(file: h5py.File, fill: Callable[[h5py.File], None]) -> bytes:
+    fill(file)
+    file.flush()
+    return sealed(file.id.get_file_image())
 
 
 def sealed(image: bytes) -> bytes:

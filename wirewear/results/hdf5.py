@@ -26,23 +26,25 @@ reader, or a run killed at any moment, never meets half a file.
 """
 
 import json
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
 
 from geometry import Elastic
 from wirewear.base.errors import ResultError
-from wirewear.base.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
 from wirewear.base.recognised import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
+
+T = TypeVar("T")
 
 FORMAT = 3
 KIND = "wirewear result"
@@ -59,13 +61,15 @@ SCAR_ATTRIBUTES = ("cycle", "body", "diameter_mm", "axis_angle_deg")
 _SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 
 
-def write_result(path: str | Path, result: RunResult) -> None:
+def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | None = None) -> None:
     """Write `result` to `path`, replacing what is there in one step; the folder is made if need be.
+
+    so_far: the file of a run that goes on, in which logged cycles stay as they are.
 
     Raises:
         ResultError: a table holds what JSON cannot, or the file cannot be written.
     """
-    path, image = Path(path), hdf5_image(lambda file: _fill(file, result))
+    path, image = Path(path), (hdf5_image if so_far is None else so_far.filled)(lambda file: _fill(file, result))
     with writing(ResultError, f"cannot write the result file {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, image)
@@ -110,17 +114,16 @@ def read_results(path: str | Path) -> tuple[RunResult, ...]:
 def _fill(file: h5py.File, result: RunResult) -> None:
     file.attrs["format"] = FORMAT
     file.attrs["kind"] = KIND
+    for name in ("header", *TABLES, "evolution"):
+        file.pop(name, None)
     file["header"] = _json("header", {name: getattr(result, name) for name in HEADER})
     for name in TABLES:
         file[name] = _json(name, getattr(result, name))
-    loops, scars = file.create_group("loops"), file.create_group("scars")
-    for index, loop in enumerate(result.loops):
-        group = loops.create_group(f"{index:04d}")
+    for group, loop in _added(file, "loops", result.loops):
         group.attrs["cycle"] = loop.cycle
         _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
     _write_arrays(file.create_group("evolution", track_order=True), result.evolution)
-    for index, scar in enumerate(result.scars):
-        group = scars.create_group(f"{index:04d}")
+    for group, scar in _added(file, "scars", result.scars):
         for name in SCAR_ATTRIBUTES:
             group.attrs[name] = getattr(scar, name)
         for name, usual in _SELDOM.items():
@@ -128,11 +131,17 @@ def _fill(file: h5py.File, result: RunResult) -> None:
                 group.attrs[name] = value
         _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
-    forces = file.create_group("contact_forces")
     # While a run goes on, its file is written anew after every loop, and compressing takes longer than the rest.
     compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
-    for index, one in enumerate(result.contact_forces):
-        _write_forces(forces.create_group(f"{index:04d}"), one, compression)
+    for group, one in _added(file, "contact_forces", result.contact_forces):
+        _write_forces(group, one, compression)
+
+
+def _added(file: h5py.File, name: str, members: Sequence[T]) -> Iterator[tuple[h5py.Group, T]]:
+    """New groups of those members that the file does not hold yet."""
+    parent = file.require_group(name)
+    for index in range(len(parent), len(members)):
+        yield parent.create_group(f"{index:04d}"), members[index]
 
 
 def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping[str, Any]) -> None:

@@ -7,6 +7,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Protocol, TypeVar
 
@@ -16,7 +17,7 @@ from numpy.typing import NDArray
 
 from solvers import ContactProblem, ContactState, Guide, WearState
 from wirewear.base.errors import ResultError, RunError
-from wirewear.base.hdf5 import hdf5_image, opened_hdf5
+from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
@@ -225,6 +226,10 @@ class RunFolder:
     identity: Identity
     derived: tuple[str, ...] = ()
 
+    @cached_property
+    def _so_far(self) -> GrowingImage:
+        return GrowingImage()
+
     def found(self, *, begun: bool) -> Found:
         """What is left of the run; no mesh is loaded for it.
 
@@ -285,7 +290,7 @@ class RunFolder:
 
     def write(self, result: RunResult) -> None:
         """Write or replace the result."""
-        write_result(self.path / RESULT_FILE_NAME, result)
+        write_result(self.path / RESULT_FILE_NAME, result, self._so_far if result.status == "running" else None)
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         """Write or replace the checkpoint."""
