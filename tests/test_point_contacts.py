@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from wirewear import record_of_result, reference
-from wirewear.base.errors import RecordError, StudyError
+from wirewear import reference
+from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import run_study
 from wirewear.simulation.discretisation import discretise
@@ -139,12 +139,6 @@ def test_a_result_of_a_ball_is_kept_with_its_unworn_shape(ball: RunResult) -> No
     assert again.forces(20, "ball").meshed == ball.forces(20, "ball").meshed
     r = 100.0
     assert again.scar(20, "ball").unworn_height_um(0.6 * r, 0.8 * r) == pytest.approx(-0.5 * r**2 / 6350.0, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_there_are_no_records_of_a_ball_yet_and_that_is_said(ball: RunResult) -> None:
-    with pytest.raises(RecordError, match="is of a ball on flat, of which there are no experiment records yet"):
-        record_of_result(ball)
 
 
 @pytest.mark.slow

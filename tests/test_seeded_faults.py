@@ -195,7 +195,7 @@ FAULTS: dict[str, tuple[Change, str, bool]] = {
     "both scars turned": (scars(turned, "moving", "fixed"), "are x and y exchanged", True),
     "moving scar turned": (scars(turned, "moving"), "are x and y exchanged", True),
     "fixed scar turned": (scars(turned, "fixed"), "are x and y exchanged", True),
-    "scars of the other wires": (other_wire, "a map of the other wire", True),
+    "scars of the other wires": (other_wire, "a map of the other body", True),
     "scars twice as long": (
         scars(lambda scar: replace(scar, x_um=2.0 * scar.x_um), "moving", "fixed"), "of another scale", True
     ),

@@ -61,7 +61,7 @@ def run() -> RunResult:
 
 
 REFUSED = [
-    pytest.param(depths(lambda d: d + 1e4), "more than the wire's diameter of 450 µm", id="too deep"),
+    pytest.param(depths(lambda d: d + 1e4), "more than the smallest diameter of 450 µm", id="too deep"),
     pytest.param(depths(lambda d: d - 1e4), "their sign seems wrong", id="all negative"),
     pytest.param(depths(lambda d: -d), "their sign seems wrong", id="turned depths"),
     pytest.param(loops(tangential_force_N=-1.0), "as if its sign were wrong, in 12 of 12 loops", id="turned force"),

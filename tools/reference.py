@@ -18,6 +18,7 @@ from wirewear.planar.tables import PlanarStudy
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.point_tables import BallRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
@@ -54,6 +55,11 @@ HEADS: tuple[tuple[str, str, type[BaseModel]], ...] = (
         "experiment.toml of a line contact",
         "The head of a line contact's record; [line contacts](../line_contacts.md) says what lies beside it.",
         LineRecordTables,
+    ),
+    (
+        "experiment.toml of a ball on a flat",
+        "The head of a record of a ball on a flat, and of a contact at a point but for the shapes of `[bodies]`.",
+        BallRecordTables,
     ),
     ("mapping.toml", "What `wirewear import` reads; [records](../records.md) has an example.", RecordMapping),
     (

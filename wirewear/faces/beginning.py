@@ -1,7 +1,8 @@
 """Commands that begin: a study or a mapping to start from, and parameters fitted to a record."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -12,6 +13,9 @@ from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, gi
 from wirewear.kinds import KINDS, Kind
 from wirewear.study import FIDELITIES
 
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -21,14 +25,14 @@ from wirewear.study import FIDELITIES
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
 @click.option("--output", metavar="FILE.toml", type=OutputFile(),
               help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
-@click.option("--diameter", metavar="MM", type=float, help="Of the wires, for a mapping.")
+@click.option("--diameter", metavar="MM", type=float, help="Of the wires, or the ball, for a mapping.")
 @click.option("--length", metavar="MM", type=float, help="Of a line contact, for a mapping of one.")
 @click.option("--radius", metavar="MM", type=float, help="Of a line contact's cylinder, for a mapping.")
 @click.option("--face-half-width", metavar="MM", type=float, help="Of a flat pad's flat part, for a mapping.")
 @click.option("--edge-radius", metavar="MM", type=float, help="Of a flat pad's rounded edges, for a mapping.")
 @click.option("--crossing-angle", metavar="DEG", type=float, help="Between the wires, for a mapping.  [default: 90]")
 @click.option("--material", metavar="NAME", help="Of both bodies, for a mapping.  [default: steel]")
-@click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, where it differs.")
+@click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, or of the ball.")
 @click.option("--normal-load", metavar="N", type=float, help="For a mapping.  [default: the measured one]")
 @click.option("--amplitude", metavar="UM", type=float, help="Half the stroke asked for.  [default: the measured one]")
 @click.option("--frequency", metavar="HZ", type=float, help="For a mapping.  [default: by the column of time]")
@@ -49,35 +53,36 @@ def new(
         return
     if record_path is not None:
         raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
-    known = {_TOLD[option]: _sensible(option, value) for option, value in told.items() if value is not None}
+    known = {_TOLD[option]: value for option, value in told.items() if value is not None}
     lines = KINDS["line-contact"]
-    own = lines if pad_material is not None or known.keys() & lines.options else KINDS[kind]
-    foreign = {key for other in KINDS.values() if other is not own for key in other.options & known.keys()}
+    by_options = not given("kind") and (pad_material is not None or known.keys() & lines.options)
+    own = lines if by_options else KINDS[kind]
+    foreign = {key for other in KINDS.values() for key in other.options & known.keys()} - own.options
     for option in (option.replace("_", "-") for option, key in _TOLD.items() if key in foreign):
-        raise RecordError(f"--{option} is that of crossed wires, and does not go with the options of a line contact.")
+        raise RecordError(f"--{option} does not go with the options of a {own.name}.")
+    for option in (option for option, key in _TOLD.items() if key in known):
+        _require_sensible(option, known[_TOLD[option]], own)
     _new_mapping(names, output, (material, pad_material or material), known, own)
 
 
-def _sensible(option: str, value: float) -> float:
-    """What an option states, in the range of its key of a record.
+def _require_sensible(option: str, value: float, kind: Kind) -> None:
+    """See that an option is in the range of its key of a mapping of that kind.
 
     Raises:
         RecordError: it lies outside; the sentence names the unit that it seems to be in.
     """
-    from wirewear.planar.tables import PadFace
-    from wirewear.records.line_tables import RecordContact
-    from wirewear.records.tables import RecordConditions, RecordWires
-    from wirewear.study.keys import quantity_of
+    from wirewear.records.importing.mapping import MAPPINGS
+    from wirewear.study.keys import Table, quantity_of, table_of
 
-    key = _TOLD[option]
-    fields = [table.model_fields[key] for table in (RecordWires, RecordConditions, RecordContact, PadFace)
-              if key in table.model_fields]  # fmt: skip
+    def fields(table: type[Table]) -> "Iterator[FieldInfo]":
+        for key, field in table.model_fields.items():
+            yield from (field,) if key == _TOLD[option] else fields(own) if (own := table_of(field)) else ()
+
     try:
-        if quantity := quantity_of(fields[0]):
+        for quantity in filter(None, map(quantity_of, fields(MAPPINGS[kind.name]))):
             quantity(value)
     except ValueError as problem:
         raise RecordError(as_sentence(f"--{option.replace('_', '-')} {problem}")) from None
-    return value
 
 
 #: Keys of a record that options tell.

@@ -13,6 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.fitting.values import FittedParameter
 from wirewear.records import AnyRecord
 from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.results.scar import called
 
 #: Wear coefficient of both bodies with which wear states are made where the record does not tell it: steel on steel's.
 ANY_WEAR_mm3_per_J = 3e-5
@@ -58,15 +59,15 @@ def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: M
             per_J = total / np.array([energies_J[repeat] for repeat in both])
             fitted[key] = FittedParameter.of_repeats(per_J, "mm3_per_J")
             if len(bodies) > 1:
-                fitted[f"{bodies[0]}_share"] = FittedParameter.of_repeats(own[0] / total, "1")
+                fitted["moving_share"] = FittedParameter.of_repeats(own[0] / total, "1")
         elif known:
             alone, repeats = next(iter(known.items()))
-            share = tables.stated.shares[alone]
+            share = tables.shares[alone]
             per_J = np.array([volumes[alone][repeat] / energies_J[repeat] for repeat in repeats])
             fitted[key] = FittedParameter.of_repeats(per_J / share, "mm3_per_J")
             notes.append(
-                f"only the {alone} wire's {name} is known: the wear coefficient of both takes its share of {share:g} "
-                f"for granted; measure the other wire's {name}, too"
+                f"only the {called(alone)}'s {name} is known: the wear coefficient of both takes its share of "
+                f"{share:g} for granted; measure the other {name}, too"
             )
     missing = [body for key, bodies in tables.wear.items() if key not in fitted for body in bodies]
     if fitted and missing:
@@ -78,7 +79,7 @@ def _worn(tables: Any, volumes: Mapping[str, Mapping[int, float]], energies_J: M
 
 def parted(tables: Any, total: FittedParameter) -> Worn:
     """A wear coefficient of both bodies together as parameters, in the proportion that is stated."""
-    shares = {key: sum(tables.stated.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
+    shares = {key: sum(tables.shares[body] for body in bodies) for key, bodies in tables.wear.items()}
     low, high = total.interval95
     parts = {
         key: FittedParameter(share * total.value, (share * low, share * high), total.unit, total.repeats)
@@ -87,7 +88,7 @@ def parted(tables: Any, total: FittedParameter) -> Worn:
     if len(parts) == 1:
         return parts, []
     proportion = " to ".join(f"{share:.2g}" for share in shares.values())
-    return parts, [f"it is parted between {' and '.join(tables.bodies)} as {proportion}"]
+    return parts, [f"it is parted between {' and '.join(tables.body_names)} as {proportion}"]
 
 
 def total_of(tables: Any, parameters: Mapping[str, FittedParameter]) -> float | None:
@@ -110,7 +111,7 @@ def stated_wear(tables: Any) -> str | None:
 def where_volumes(tables: Any) -> str:
     """How a laboratory gets the worn volumes into its record, for a sentence."""
     names = f"{tables.worn.name}s"
-    return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.bodies)} of the mapping)"
+    return f"measure both {names} ({' and '.join(f'[{names}.{body}]' for body in tables.body_names)} of the mapping)"
 
 
 def wear_given(

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.records.exporting import Surface
+    from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.results import RunResult
     from wirewear.study import Study
     from wirewear.study.template import Template
@@ -97,6 +99,14 @@ class AtAPoint:
             averaging_length_um=asked.averaging_length_um,
         )
 
+    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
+        """Scar maps in each body's own frame."""
+        import numpy as np
+
+        from wirewear.records.exporting import scar_surfaces
+
+        return scar_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
+
     def drawings(self, results: Sequence[RunResult]) -> Mapping[str, Callable[[], Figure]]:
         """Loops, evolution and scars."""
         from wirewear.pictures import drawings
@@ -123,7 +133,14 @@ class AnyBodies(AtAPoint):
     def _not_yet(self, *_: Any) -> NoReturn:
         raise RecordError(f"records of tests of a {self.name.replace('-', ' ')} are not supported yet.")
 
-    checked_model = states = setup = guessed_mapping = surfaces = _not_yet
+    checked_model = states = setup = _not_yet
+
+    def guessed_mapping(self, *_: Any) -> GuessedMapping:
+        """No options tell shapes; RecordError says so."""
+        raise RecordError(
+            f"no options tell the shapes of a {self.name}: write [contact] and [bodies] of a mapping yourself "
+            "(docs/records.md), or take --kind ball-on-flat or crossed-wires."
+        )
 
 
 class BallOnFlat(AnyBodies):
@@ -132,6 +149,7 @@ class BallOnFlat(AnyBodies):
     name: ClassVar[str] = "ball-on-flat"
     names: ClassVar[tuple[str, ...]] = (name,)
     bodies: ClassVar[tuple[str, str]] = ("flat", "ball")
+    options: ClassVar[frozenset[str]] = frozenset(("diameter_mm",))
 
     @property
     def template(self) -> Template:
@@ -139,3 +157,11 @@ class BallOnFlat(AnyBodies):
         from wirewear.study.points import BALL
 
         return BALL
+
+    def guessed_mapping(
+        self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
+    ) -> GuessedMapping:
+        """The ball may be of another material."""
+        from wirewear.records.importing.guessing import ball_on_flat, guessed_mapping
+
+        return guessed_mapping(files, dict(known), ball_on_flat(known, own, pad))

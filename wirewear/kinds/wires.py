@@ -13,9 +13,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.records import ExperimentRecord, RecordTables
-    from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.results import RunResult
     from wirewear.study import Study
     from wirewear.study.template import Template
 
@@ -63,15 +61,7 @@ class CrossedWires(AtAPoint):
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """Wires are alike; there is no pad."""
-        from wirewear.records.importing.guessing import guessed_mapping
+        from wirewear.records.importing.guessing import crossed_wires, guessed_mapping
 
         del pad
-        return guessed_mapping(files, {**known, **own})
-
-    def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Scar maps in each wire's own frame."""
-        import numpy as np
-
-        from wirewear.records.exporting import scar_surfaces
-
-        return scar_surfaces(result, noise_um, np.random.default_rng([seed, 1]))
+        return guessed_mapping(files, dict(known), crossed_wires(known, own))

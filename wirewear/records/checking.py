@@ -15,6 +15,7 @@ from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.values import AnyRecord, MeasuredLoop
+from wirewear.results.scar import called
 
 #: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
 RESOLVED = 4
@@ -108,11 +109,11 @@ def _channels(record: AnyRecord) -> list[tuple[bool, str]]:
 
 def _wear(record: AnyRecord) -> list[tuple[bool, str]]:
     worn = record.tables.worn
-    present = [body for body in record.tables.bodies if record.scars_of(body)]
-    absent = [body for body in record.tables.bodies if body not in present]
+    present = [body for body in record.tables.body_names if record.scars_of(body)]
+    absent = [body for body in record.tables.body_names if body not in present]
     verdicts = [(True, worn.support.format(" and ".join(present)))] if len(present) >= worn.fewest else []
     if absent:
-        verdicts.append((False, worn.lacking.format(" and the ".join(absent))))
+        verdicts.append((False, worn.lacking.format(" and the ".join(map(called, absent)))))
     if record.evolution:
         verdicts.append((True, "The course of amplitudes, force and energy between the logged loops."))
     else:

@@ -14,6 +14,7 @@ from wirewear.records.course_checks import figure_at
 from wirewear.records.remarks import CheckedRecord, Remark, plural
 from wirewear.records.surfaces import MeasuredScar
 from wirewear.records.values import MeasuredEvolution
+from wirewear.results.scar import called
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
@@ -207,8 +208,8 @@ def copied_evolution(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def copied_scars(scars: Iterable[MeasuredScar]) -> Iterator[str]:
-    """Maps that are those of another repeat or wire, a sentence."""
-    if pair := _first_copy((f"the {scar.body} wire's of repeat {scar.repeat}", (scar.depth_um,)) for scar in scars):
+    """Maps that are those of another repeat or body, a sentence."""
+    if pair := _first_copy((f"the {called(scar.body)}'s of repeat {scar.repeat}", (scar.depth_um,)) for scar in scars):
         yield f"A scar stands twice: {pair[1]} is {pair[0]}, point by point, so that one is a copy, or without noise."
 
 

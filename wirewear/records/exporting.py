@@ -18,10 +18,10 @@ from wirewear.base.writing import prepared_folder, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.sensor import Sensor
 from wirewear.planar.tables import FACE_KEYS, PadFace
-from wirewear.records.line_tables import TABLES, LineRecordTables
+from wirewear.records.point_tables import TABLES, AnyTables
 from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
-from wirewear.records.tables import Noise, RecordTables, known_of
+from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.results import BODIES, Loop, RunResult, age_at, sensor_of
 from wirewear.study.keys import Table
@@ -30,7 +30,7 @@ from wirewear.study.messages import validated
 if TYPE_CHECKING:
     from wirewear.results import RunResult, Scar
 
-#: The map reaches this many times as far as the scar, so that most of it is unworn; of a wire's radius at most a share,
+#: The map reaches this many times as far as the scar, so that most of it is unworn; of a body's radius at most a share,
 #: beyond which no instrument sees its flanks.
 REACH, FLANK = 1.6, 0.9
 
@@ -54,10 +54,10 @@ def write_as_heights(
 
 
 def scar_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
-    """Both wires of a run at its end, by names of files."""
+    """Both bodies of a run at its end, by names of files."""
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
-    return {f"scar_{scar.body}": surface_of_wire(scar, noise_um, random) for scar in ends}
+    return {f"scar_{scar.body}": surface_of_body(scar, noise_um, random) for scar in ends}
 
 
 def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
@@ -71,14 +71,17 @@ def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Gener
     return found
 
 
-def surface_of_wire(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:
-    """A worn wire in its own frame: x along its axis, y across."""
+def surface_of_body(scar: Scar, noise_um: float, random: np.random.Generator) -> Surface:
+    """A worn body in its own frame: x along its axis, y across."""
     worn = scar.depth_um > 0.01 * scar.max_depth_um
     axial, transverse = (
         _lines(float(np.abs(line[worn.any(axis=axis)]).max(initial=SCAR_STEP_um)))
         for line, axis in ((scar.axial_um, 1), (scar.transverse_um, 0))
     )
-    transverse = transverse[np.abs(transverse) <= FLANK * scar.radius_um]
+    axial, transverse = (
+        line[np.abs(line) <= FLANK * 500.0 * diameter]
+        for line, diameter in ((axial, scar.diameter_along_mm), (transverse, scar.diameter_mm))
+    )
     a, t = np.meshgrid(axial, transverse, indexing="ij")
     height = (scar.unworn_height_um(a, t) - scar.depth_at(*scar.sliding_coordinates(a, t))).ravel()
 
@@ -132,7 +135,7 @@ def record_of_result(
         RecordError: the result has logged no loops, its study says too little or has unequal wires, or the length of a
             line contact is missing, or that of another one is given.
     """
-    _model_of(result).require_length(length_mm, result.label)
+    TABLES[result.contact_kind].require_length(length_mm, result.label)
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     # Studies of line contacts state effects, as of sensors, as they are of one millimetre.
@@ -188,16 +191,8 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
         )
 
 
-def _model_of(result: RunResult) -> type[RecordTables | LineRecordTables]:
-    """The tables of a record of that kind of contact; RecordError where there are none yet."""
-    if result.contact_kind not in TABLES:
-        kind = result.contact_kind.replace("-", " ")
-        raise RecordError(f"the result {result.label!r} is of a {kind}, of which there are no experiment records yet.")
-    return TABLES[result.contact_kind]
-
-
-def _tables(result: RunResult, sensor: Sensor) -> RecordTables | LineRecordTables:
-    study, model = result.study, _model_of(result)
+def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
+    study, model = result.study, TABLES[result.contact_kind]
     stated = model.stated_by(study, result.length_mm)
     conditions, believed = (cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated"))
     data = {

@@ -17,7 +17,6 @@ from wirewear.records.tables import (
     FileName,
     Noise,
     RecordConditions,
-    RecordTables,
     StatedFriction,
     StatedRig,
     StatedScatter,
@@ -26,7 +25,6 @@ from wirewear.records.tables import (
 )
 from wirewear.results.scar import BODIES
 from wirewear.study.keys import (
-    FORMAT,
     ArchardCoefficient,
     MaterialName,
     OfMaterial,
@@ -34,8 +32,6 @@ from wirewear.study.keys import (
     Table,
     WearCoefficient,
     YoungsModulus,
-    checked_format,
-    checked_text,
     one_of,
 )
 
@@ -113,13 +109,6 @@ class LineStated(StatedRig, LineStatedWear, StatedFriction):
         "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'
     )
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Parts of the worn volume that either body loses: as is stated, or even."""
-        stated = {body: getattr(self, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
-        total = sum(stated.values())
-        return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}
-
     def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
         """The same; a body that wears by the energy does not by Archard's law as well, and a fitted rig is its own."""
         energy, archard = "energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m"
@@ -148,18 +137,9 @@ class LineFiles(Table):
 class LineTest(OfRecord):
     """What is said of a line contact's test beside its data."""
 
-    contact_kind, described_by, bodies = KINDS[0], "contact", BODIES
+    contact_kind, body_names = KINDS[0], BODIES
     worn, needs_loops = PROFILES, False
-    wear: ClassVar[Mapping[str, tuple[str, ...]]] = {
-        f"{body}_energy_wear_coefficient_mm3_per_J": (body,) for body in BODIES
-    }
 
-    format: Annotated[int, PlainValidator(checked_format)] = Field(
-        description="version of the record's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the experiment", examples=["test 3"]
-    )
     contact: RecordContact = Field(description="what touches")
     pad: RecordPad = Field(description="the pad")
     specimen: RecordBody = Field(description="the flat")
@@ -169,6 +149,18 @@ class LineTest(OfRecord):
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
+
+    @property
+    def wear(self) -> dict[str, tuple[str, ...]]:
+        """Each body has its own."""
+        return {f"{body}_energy_wear_coefficient_mm3_per_J": (body,) for body in BODIES}
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """As is stated, or even."""
+        stated = {body: getattr(self.stated, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
+        total = sum(stated.values())
+        return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}
 
     @property
     def length_mm(self) -> float:
@@ -304,9 +296,3 @@ class LineRecordTables(LineTest):
     """The whole of a line contact's experiment.toml."""
 
     files: LineFiles = Field(description="names of the data files")
-
-
-#: Tables of records by the names of kinds of contact.
-TABLES: dict[str, type[RecordTables | LineRecordTables]] = {
-    model.contact_kind: model for model in (RecordTables, LineRecordTables)
-}

@@ -2,11 +2,13 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Annotated, Any, ClassVar
+
+from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
 from wirewear.records.surfaces import WornSurfaces
-from wirewear.study.keys import Table
+from wirewear.study.keys import FORMAT, Table, checked_format, checked_text
 
 
 class OfTest(Table):
@@ -14,17 +16,22 @@ class OfTest(Table):
 
     Attributes:
         contact_kind: its name.
-        described_by: the table that only records of the kind have.
-        bodies: their names.
+        body_names: of the one that is driven and the other.
         worn: how the worn surfaces stand in the record.
         needs_loops: whether there is no record without loops.
     """
 
     contact_kind: ClassVar[str]
-    described_by: ClassVar[str]
-    bodies: ClassVar[tuple[str, str]]
+    body_names: ClassVar[tuple[str, str]]
     worn: ClassVar[WornSurfaces]
     needs_loops: ClassVar[bool]
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of the file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the experiment", examples=["steel on steel, test 3"]
+    )
 
     @property
     def length_mm(self) -> float | None:
@@ -40,7 +47,7 @@ class OfTest(Table):
     def require_length(cls, length_mm: float | None, label: str) -> None:
         """See that a length is given of a contact that has one alone; RecordError otherwise."""
         if length_mm:
-            raise RecordError(f"--length does not apply to {label}, which is a run of crossed wires.")
+            raise RecordError(f"--length does not apply to {label}, which is a run of {cls.contact_kind}.")
 
     def require_whole(self, where: str) -> None:
         """See that the tables of a file say all that they must; RecordError where they do not."""
@@ -51,13 +58,17 @@ class OfTest(Table):
 
 
 class OfRecord(OfTest, ABC):
-    """What the tables of an experiment.toml are asked besides: how a study and a result of the kind say the same.
+    """What the tables of an experiment.toml are asked besides: how a study and a result of the kind say the same."""
 
-    Attributes:
-        wear: coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each.
-    """
+    @property
+    @abstractmethod
+    def wear(self) -> Mapping[str, tuple[str, ...]]:
+        """Coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each."""
 
-    wear: ClassVar[Mapping[str, tuple[str, ...]]]
+    @property
+    @abstractmethod
+    def shares(self) -> Mapping[str, float]:
+        """Parts of the worn volume that either body loses, as is stated."""
 
     @classmethod
     @abstractmethod

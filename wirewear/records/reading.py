@@ -17,6 +17,7 @@ from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.columns import Array, Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
+from wirewear.records.point_tables import TABLES, AnyTables, BallRecordTables
 from wirewear.records.surfaces import SCARS, MeasuredProfile, MeasuredScar, WornSurfaces
 from wirewear.records.tables import RecordTables
 from wirewear.records.toml_file import read_tables, require_unchanged, with_checksums
@@ -51,15 +52,18 @@ EVOLUTION_COLUMNS = (
 RECORD_COLUMNS = {column.name: column for column in (*LOOP_COLUMNS, *EVOLUTION_COLUMNS, *SCARS.columns)}
 
 
-def tables_of_file(path: Path) -> type[RecordTables | LineRecordTables]:
+def tables_of_file(path: Path) -> type[AnyTables]:
     """The tables of a record's folder, its experiment.toml or a mapping, by the kind of contact that it describes."""
     table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
         found = read_toml(table, RecordError) if table.is_file() else {}
     except RecordError:
         found = {}  # to be told by whoever reads it
-    # A study has such a table, too, and says of which kind it is.
-    return LineRecordTables if LineRecordTables.described_by in found and "kind" not in found else RecordTables
+    # A study has such tables, too, and says of which kind it is.
+    if "kind" in found or not {"contact", "bodies"} & found.keys():
+        return RecordTables
+    contact, other = found.get("contact"), BallRecordTables if "bodies" in found else LineRecordTables
+    return TABLES.get(str(contact.get("kind")), other) if isinstance(contact, dict) else other
 
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
@@ -92,7 +96,7 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
     loops, turned = pressing(tuple(loops_in(columns("loops", LOOP_COLUMNS))) if "loops" in given else ())
     evolution = tuple(evolution_in(columns("evolution", EVOLUTION_COLUMNS))) if "evolution" in given else ()
     scars: list[Any] = []
-    for body in tables.bodies:
+    for body in tables.body_names:
         if (key := f"{tables.worn.name}_{body}") in given:
             scars += map(tables.placed, _surfaces(columns(key, tables.worn.columns), tables.worn, body))
     return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned), folder)
@@ -211,7 +215,7 @@ def write_record(folder: str | Path, record: AnyRecord) -> Path:
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}
     if record.evolution:
         frames["evolution"] = evolution_frame(record.evolution)
-    for body in tables.bodies:
+    for body in tables.body_names:
         if own := record.scars_of(body):
             frames[f"{tables.worn.name}_{body}"] = _write_surfaces(own)
     if not frames or (tables.needs_loops and not record.loops):

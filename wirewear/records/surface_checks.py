@@ -1,10 +1,11 @@
 """What is odd about worn surfaces, and what their sizes must have in common as the bodies wore each other.
 
-Two cylinders that overlap by a depth d_t, the sum of both scars' depths, touch where their gap is below it. Across the
-motion, which runs along the moving wire, this spot reaches y² = 2R·d_t at any crossing angle, on both wires. Along the
-motion it is longer by 1/sin θ · √(1 + cos² θ), and on the moving wire by the stroke. It leans towards the bisector of
-the wires' axes: its mixed moment is cot θ of that across, which the stroke leaves alone. Sizes are second moments of
-what lies deeper than a quarter of the deepest point, of a paraboloid 1/8 of its squared half width.
+Two bodies that overlap by a depth d_t, the sum of both scars' depths, touch where their gap rᵀHr is below it: a spot
+whose second moments go with d_t H⁻¹. Of wires, the moving one along the motion, it reaches y² = 2R·d_t across at any
+crossing angle, on both. Along the motion it is longer by 1/sin θ · √(1 + cos² θ), and on the moving wire by the stroke.
+It leans towards the bisector of the wires' axes: its mixed moment is cot θ of that across, which the stroke leaves
+alone. Sizes are moments of what lies deeper than a quarter of the deepest point, of a paraboloid 1/8 of its squared
+half width. A ball on a flat is as wires at 90°.
 
 In the records of the frozen blind batches, with every effect that rigs have, and in kinematic wear at 30° to 90°, the
 moment across is 0.74 to 1.04 of that, both wires' differ by 3 %, along the motion the fixed wire's is 0.73 to 0.86 of
@@ -29,8 +30,14 @@ from wirewear.records.exchanges import copied_scars
 from wirewear.records.remarks import CheckedRecord, Remark, listed
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.values import ExperimentRecord, LineRecord
-from wirewear.reference.hertz import contact_modulus, hertz_crossed_cylinders, hertz_line
-from wirewear.results.scar import WIRES
+from wirewear.reference.hertz import contact_modulus, hertz_line
+from wirewear.results.scar import called
+from wirewear.study.bodies import Body, hertz_of
+
+Array = NDArray[np.float64]
+
+#: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
+STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9
 
 #: Of the deepest point: what is less deep may be noise.
 LEVEL = 0.25
@@ -47,7 +54,7 @@ LONGEST_FIXED, SHORTEST_MOVING = 1.15, 0.9
 #: By what crossing angles may be wrong [deg].
 ASKEW_deg = 6.0
 
-_WHY = "are x and y exchanged, or is a map of the other wire, of another scale or of another test?"
+_WHY = "are x and y exchanged, or is a map of the other body, of another scale or of another test?"
 
 
 @dataclass(frozen=True)
@@ -79,62 +86,67 @@ class ScarSize:
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
     """What the scars of each repeat cannot be, sentences."""
-    # Across its own axis the moving wire carries the contact about on the fixed one.
-    for repeat in record.repeats if not record.tables.wires.motion_angle_deg else ():
+    driven, held = record.tables.bodies_of_test
+    # What is curved along the motion carries the contact about on the held body.
+    along_motion = driven.curvature_per_mm()[:, 0]
+    for repeat in record.repeats if np.abs(along_motion).max() < STRAIGHT_per_mm else ():
         sizes = {scar.body: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
-        known = {wire: size for wire, size in sizes.items() if size is not None}
-        if found := next(_unlike_shapes(record, known), None):
+        known = {body: size for body, size in sizes.items() if size is not None}
+        spots = _spots_mm(driven, held)
+        if found := next(_unlike_shapes(record, known, spots), None):
             yield f"{found} in repeat {repeat}: {_WHY}"
-        for mirrored in _mirrored(record, known):
+        for mirrored in _mirrored(known, spots):
             yield f"{mirrored}, in repeat {repeat}."
 
 
-def _unlike_shapes(record: ExperimentRecord, sizes: dict[str, ScarSize]) -> Iterator[str]:
-    wires, amplitude = record.tables.wires, record.tables.conditions.displacement_amplitude_um
-    elastic = _elastic_um2(record)
+def _spots_mm(driven: Body, held: Body) -> Array:
+    """Moments (3, 2, 2) along and across the motion, over its depth, of a spot rᵀHr < d as angles may be wrong."""
+    askew = -ASKEW_deg, 0.0, ASKEW_deg
+    forms = [0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned)) for turned in askew]
+    return np.asarray(np.linalg.inv(forms), dtype=np.float64)
+
+
+def _unlike_shapes(record: ExperimentRecord, sizes: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
+    elastic, amplitude = _elastic_um2(record), record.tables.conditions.displacement_amplitude_um
+    driven = record.tables.body_names[0]
     if len(sizes) == 2:
         first, second = (size.across_um2 for size in sizes.values())
         if not 1.0 / UNLIKE < first / second < UNLIKE:
             ratio = max(first, second) / min(first, second)
-            yield f"One wire's scar is {ratio**0.5:.2g} times as wide across the motion as the other's that wore it"
-        worn = 1e3 * wires.diameter_mm * sum(size.depth_um for size in sizes.values())
+            yield f"One scar is {ratio**0.5:.2g} times as wide across the motion as the other, of the body that wore it"
+        worn = 1e3 * float(spots_mm[1, 1, 1]) * sum(size.depth_um for size in sizes.values())
         expected = (1.0 - LEVEL) * worn / 6.0
-        for wire, size in sizes.items():
+        for body, size in sizes.items():
             if not NARROWEST * expected < size.across_um2 < WIDEST * expected + elastic:
                 ratio = float(np.sqrt(size.across_um2 / expected))
-                yield f"The {wire} wire's scar is {ratio:.2g} times as wide as both scars' depths make it"
-    angles = np.radians(np.clip(wires.crossing_angle_deg + np.array([-ASKEW_deg, 0.0, ASKEW_deg]), 1.0, 90.0))
-    longer = (1.0 + np.cos(angles) ** 2) / np.sin(angles) ** 2
-    for wire, size in sizes.items():
+                yield f"The {called(body)}'s scar is {ratio:.2g} times as wide as both scars' depths make it"
+    longer = spots_mm[:, 0, 0] / spots_mm[:, 1, 1]
+    for body, size in sizes.items():
         shortest, longest = (float(end) * size.across_um2 for end in (longer.min(), longer.max()))
-        reach = amplitude / np.sqrt(2.0) if wire == "moving" else 0.0
+        reach = amplitude / np.sqrt(2.0) if body == driven else 0.0
         if size.along_um2 > (np.sqrt(LONGEST_FIXED * longest + elastic) + reach) ** 2:
-            yield f"The {wire} wire's scar is longer along the motion than its width and the stroke make it"
-        if wire == "moving" and size.along_um2 < SHORTEST_MOVING * shortest:
-            yield "The moving wire's scar is shorter along the motion than its width makes it"
+            yield f"The {called(body)}'s scar is longer along the motion than its width and the stroke make it"
+        if body == driven and size.along_um2 < SHORTEST_MOVING * shortest:
+            yield f"The {called(body)}'s scar is shorter along the motion than its width makes it"
 
 
-def _mirrored(record: ExperimentRecord, scars: dict[str, ScarSize]) -> Iterator[str]:
-    """Scars that lean to the wrong side; where wires cross at 90° within what angles may be wrong, none leans."""
-    crossing = record.tables.wires.crossing_angle_deg
-    if crossing + ASKEW_deg < 90.0:
-        lean = 1.0 / float(np.tan(np.radians(crossing)))
-        for wire in (wire for wire, size in scars.items() if size.mixed_um2 < -0.5 * lean * size.across_um2):
-            yield (
-                f"The {wire} wire's scar leans away from the other wire, which crosses at {crossing:g}°, as one does "
-                "whose x or y is mirrored"
-            )
+def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
+    """Scars that lean to the wrong side; where none leans at some angle of those that may be, none is judged."""
+    leans = spots_mm[:, 0, 1] / spots_mm[:, 1, 1]
+    if float((leans * leans[1]).min()) > UPRIGHT:
+        for body, size in scars.items():
+            if size.mixed_um2 * np.sign(leans[1]) < -0.5 * abs(leans[1]) * size.across_um2:
+                yield (
+                    f"The {called(body)}'s scar leans away from the other body's axis, as one does whose x or y is "
+                    "mirrored"
+                )
 
 
 def _elastic_um2(record: ExperimentRecord) -> float:
     """Square of the unworn contact's larger half width [µm²]: where little is worn, scars may be rings of that size."""
-    wires, load = record.tables.wires, record.tables.conditions.normal_load_N
-    body, radius = Elastic(wires.youngs_modulus_MPa, wires.poissons_ratio), 0.5 * wires.diameter_mm
-    contact = hertz_crossed_cylinders(load, radius, radius, wires.crossing_angle_deg, first=body, second=body)
+    contact = hertz_of(record.tables.conditions.normal_load_N, *record.tables.bodies_of_test)
     return (1e3 * contact.major_semi_axis_mm) ** 2
 
-
-Array = NDArray[np.float64]
 
 #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
 CUT_OFF = 0.2
@@ -156,14 +168,14 @@ OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
 def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
     """What is odd, one after another."""
     record = checked.record
-    diameter_um = 1e3 * record.tables.wires.diameter_mm
-    for wire in WIRES:
-        scars = record.scars_of(wire)
+    diameter_um = 1e3 * min(min(body.diameters_mm) for body in record.tables.bodies_of_test)
+    for body in record.tables.body_names:
+        scars = record.scars_of(body)
         without = sorted(set(record.repeats) - {scar.repeat for scar in scars})
         if not scars:
-            yield Remark("note", "scars", f"There is no scar of the {wire} wire.")
+            yield Remark("note", "scars", f"There is no scar of the {called(body)}.")
         elif without:
-            yield Remark("note", "scars", f"There is no scar of the {wire} wire for the repeats {listed(without)}.")
+            yield Remark("note", "scars", f"There is no scar of the {called(body)} for the repeats {listed(without)}.")
         for scar in scars:
             yield from _findings(scar, diameter_um)
     for text in unlike_sizes(record):
@@ -180,7 +192,7 @@ def _unlike_wear(record: ExperimentRecord) -> Iterator[Remark]:
     stated = record.tables.stated.energy_wear_coefficient_mm3_per_J
     for repeat in record.repeats if stated else ():
         volumes = [scar.volume_mm3 for scar in record.scars if scar.repeat == repeat]
-        energy_J = accumulated_energy_J(record, repeat) if len(volumes) == len(WIRES) else None
+        energy_J = accumulated_energy_J(record, repeat) if len(volumes) == 2 else None
         if not stated or not energy_J or not sum(volumes) > 0.0:
             continue
         ratio = sum(volumes) / (stated * energy_J)
@@ -193,7 +205,7 @@ def _unlike_wear(record: ExperimentRecord) -> Iterator[Remark]:
 
 
 def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
-    name = f"the {scar.body} wire's scar of repeat {scar.repeat}"
+    name = f"the {called(scar.body)}'s scar of repeat {scar.repeat}"
     depth = scar.depth_um
     if not np.isfinite(depth).any():
         yield Remark("problem", "scars", f"All depths are missing in {name}.")
@@ -203,7 +215,7 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
     # A single wild point should neither make nor hide a scar.
     lowest, deepest = (float(np.nanpercentile(depth, share)) for share in (0.5, 99.5))
     if deepest > diameter_um:
-        text = f"Depths reach {deepest:.3g} µm in {name}, more than the wire's diameter of {diameter_um:.3g} µm."
+        text = f"Depths reach {deepest:.3g} µm in {name}, more than the smallest diameter of {diameter_um:.3g} µm."
         yield Remark("problem", "scars", text, refuses=True)
         return
     if lowest < -BEYOND_NOISE_um and -lowest > deepest:

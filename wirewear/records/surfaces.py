@@ -1,4 +1,4 @@
-"""Worn surfaces as they were measured at the end of a test: maps of wires' scars, profiles across a line's."""
+"""Worn surfaces as they were measured at the end of a test: maps of scars, profiles across a line's."""
 
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from wirewear.base.errors import RecordError
 from wirewear.records.columns import Column
-from wirewear.results.scar import Scar, worn_volume_mm3
+from wirewear.results.scar import Scar, called, worn_volume_mm3
 
 Array = NDArray[np.float64]
 
@@ -24,7 +24,7 @@ LEAST_FILLED = 0.25
 
 @dataclass(frozen=True, eq=False)
 class MeasuredScar:
-    """Worn depth of one repeat's wire at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
+    """Worn depth of one repeat's body at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
 
     x is the sliding direction. NaN stands where the map has no point.
     """
@@ -119,7 +119,7 @@ class MeasuredScar:
         depth[fill] = means[fill]
         depth.setflags(write=False)
         told = (
-            f"{np.mean(fill):.1%} of the points of the {self.body} wire's map, repeat {self.repeat}, were not "
+            f"{np.mean(fill):.1%} of the points of the {called(self.body)}'s map, repeat {self.repeat}, were not "
             f"measured: gaps of up to {WIDEST} points are interpolated"
         )
         return replace(self, depth_um=depth), told
@@ -361,7 +361,7 @@ SCARS = WornSurfaces(
     MeasuredScar,
     "Worn volume, depth and shape of both scars at the end; the crossing angle by their skew.",
     2,
-    "Worn volume and shape, and the crossing angle: there is no scar of the {} wire. A profilometer's map of it, or "
+    "Worn volume and shape, and the crossing angle: there is no scar of the {}. A profilometer's map of it, or "
     "its points x, y, height, can be imported ([scars.*] of a mapping).",
 )
 PROFILES = WornSurfaces(

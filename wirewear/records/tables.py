@@ -1,6 +1,8 @@
 """The tables of experiment.toml: every key with its unit, sensible range, default and meaning."""
 
+from abc import abstractmethod
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
@@ -8,13 +10,12 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
-from wirewear.records.of_test import OfRecord
+from wirewear.records.of_test import OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
-from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results.scar import WIRES
 from wirewear.study import Study, study_from_tables
+from wirewear.study.bodies import Body, Wire, unworn_stiffness_N_per_um
 from wirewear.study.keys import (
-    FORMAT,
     Amplitude,
     CrossingAngle,
     Cycles,
@@ -35,7 +36,6 @@ from wirewear.study.keys import (
     Table,
     WearCoefficient,
     YoungsModulus,
-    checked_format,
     checked_text,
 )
 from wirewear.study.tables import Wires
@@ -96,12 +96,13 @@ class RecordWires(Table):
         None, description='stiffness of the grip per area, a number or "rigid"; without it rigid'
     )
 
-    def axis_angle_deg(self, wire: str) -> float:
-        """Angle from the direction of motion to the axis of the "moving" or the "fixed" wire, about the upward normal.
-
-        Every worn surface of a test is turned between its wire's frame and the test's by this angle.
-        """
-        return (self.crossing_angle_deg if wire == "fixed" else 0.0) - self.motion_angle_deg
+    def of_test(self) -> tuple[Body, Body]:
+        """The moving and the fixed wire; every worn surface is turned between its wire's frame and the test's."""
+        held = self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3 or "rigid"
+        moving = Wire(
+            "moving", *held, -self.motion_angle_deg, self.diameter_mm, None, self.grip_angle_deg or 90.0, None
+        )
+        return moving, replace(moving, name="fixed", axis_angle_deg=self.crossing_angle_deg - self.motion_angle_deg)
 
 
 class RecordConditions(Table):
@@ -180,11 +181,6 @@ class StatedWear(Table):
 class Stated(StatedRig, StatedWear, StatedFriction):
     """What the rig's owner states; what is not stated is taken as ideal."""
 
-    @property
-    def shares(self) -> dict[str, float]:
-        """Parts of the worn volume that either body loses."""
-        return {"moving": self.moving_share, "fixed": 1.0 - self.moving_share}
-
 
 class Noise(Table):
     """Standard deviations of one sample; None where the owner does not know."""
@@ -220,17 +216,25 @@ class Tolerance(Table):
 class Frames(Table):
     """What x of each scar's map runs along, from the point of first contact."""
 
-    scar_moving: Frame = Field("test", description='"test", x along the motion, or "wire", x along the wire\'s axis')
+    scar_moving: Frame = Field("test", description='"test", x along the motion, or "wire", x along the body\'s axis')
     scar_fixed: Frame = Field("test", description="the same of the fixed wire")
+    scar_flat: Frame = Field("test", description="of the flat")
+    scar_ball: Frame = Field("test", description="of the ball")
+    scar_lower: Frame = Field("test", description="of the lower body")
+    scar_upper: Frame = Field("test", description="of the upper body")
 
 
 class Files(Table):
-    """Where the data stand, beside experiment.toml."""
+    """Where the data stand, beside experiment.toml; of scars those of the record's bodies."""
 
     loops: FileName = Field(description="file of the loops", examples=["loops.csv"])
     evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
     scar_moving: FileName | None = Field(None, description="file of the moving wire's scars")
     scar_fixed: FileName | None = Field(None, description="file of the fixed wire's scars")
+    scar_flat: FileName | None = Field(None, description="file of the flat's scars")
+    scar_ball: FileName | None = Field(None, description="file of the ball's scars")
+    scar_lower: FileName | None = Field(None, description="file of the lower body's scars")
+    scar_upper: FileName | None = Field(None, description="file of the upper body's scars")
     frames: Frames = Field(Frames(), description="what x of the scars runs along")
 
 
@@ -239,20 +243,54 @@ def known_of(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
-class RecordTables(OfRecord):
-    """The whole of experiment.toml."""
+#: Names of the bodies of all kinds of contact at a point.
+ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.model_fields)
 
-    contact_kind, described_by, bodies = "crossed-wires", "wires", WIRES
+
+class PointTest(OfTest):
+    """What any file about a test of a contact at a point is asked."""
+
     worn, needs_loops = SCARS, True
-    wear: ClassVar[Mapping[str, tuple[str, ...]]] = {"energy_wear_coefficient_mm3_per_J": WIRES}
 
-    format: Annotated[int, PlainValidator(checked_format)] = Field(
-        description="version of the record's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the experiment", examples=["steel wires, test 3"]
-    )
+    @property
+    @abstractmethod
+    def bodies_of_test(self) -> tuple[Body, Body]:
+        """The driven body, which lies below, and the held one above it."""
+
+    def body(self, name: str) -> Body:
+        """One of them."""
+        return self.bodies_of_test[self.body_names.index(name)]
+
+    def require_bodies(self, where: str, *given: Table) -> None:
+        """See that tables with a key for each body of any kind of contact give those of the test's own bodies alone.
+
+        Raises:
+            RecordError: one is of another kind's.
+        """
+        for key in (key for table in given for key in table.model_fields_set):
+            name = key.removeprefix(f"{SCARS.name}_")
+            if name in ALL_BODIES and name not in self.body_names:
+                raise RecordError(
+                    f"{where}: {key} is given, but a {self.contact_kind} has a {' and a '.join(self.body_names)}."
+                )
+
+
+class WiresTest(PointTest):
+    """A test of crossed wires as its file states it."""
+
+    contact_kind, body_names = "crossed-wires", WIRES
+
     wires: RecordWires = Field(description="the two wires")
+
+    @property
+    def bodies_of_test(self) -> tuple[Body, Body]:
+        """The moving and the fixed wire."""
+        return self.wires.of_test()
+
+
+class PointRecordTables(OfRecord, PointTest):
+    """The tables that the experiment.toml of any contact at a point has besides those of its bodies and files."""
+
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner states")
     noise: Noise = Field(Noise(), description="noise of one sample")
@@ -260,6 +298,60 @@ class RecordTables(OfRecord):
     tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
     files: Files = Field(description="names of the data files")
+
+    def require_whole(self, where: str) -> None:
+        """See that all scars are of its own bodies."""
+        super().require_whole(where)
+        self.require_bodies(f"[files] of {where}", self.files, self.files.frames)
+
+    @property
+    def wear(self) -> dict[str, tuple[str, ...]]:
+        """One coefficient of both bodies together."""
+        return {"energy_wear_coefficient_mm3_per_J": self.body_names}
+
+    @property
+    def shares(self) -> dict[str, float]:
+        """That of the driven body, and the rest."""
+        return dict(zip(self.body_names, (self.stated.moving_share, 1.0 - self.stated.moving_share), strict=True))
+
+    @classmethod
+    def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
+        """A study of whole bodies."""
+        return study_from_tables(data, where)
+
+    @property
+    def of_study(self) -> dict[str, float | None]:
+        """Load and amplitude."""
+        asked = self.conditions
+        return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
+
+    @property
+    def contact_stiffness_N_per_um(self) -> float:
+        """Mindlin's 2G*a of the unworn bodies under the asked load."""
+        return unworn_stiffness_N_per_um(self.conditions.normal_load_N, *self.bodies_of_test)
+
+    def placed(self, surface: MeasuredScar) -> MeasuredScar:
+        """The map turned where its file has it along the body's axis."""
+        of_body = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
+        return surface.turned(self.body(surface.body).axis_angle_deg if of_body else 0.0)
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """Keys of [stated] without which there is no simulation."""
+        needs = {
+            "friction": self.stated.final_friction,
+            "energy_wear_coefficient_mm3_per_J": self.stated.energy_wear_coefficient_mm3_per_J,
+        }
+        return tuple(key for key, value in needs.items() if value is None)
+
+    @property
+    def assumed(self) -> str:
+        """What a simulation takes of the bodies that is not stated, after a semicolon."""
+        return ""
+
+
+class RecordTables(PointRecordTables, WiresTest):
+    """The whole of the experiment.toml of crossed wires."""
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
@@ -277,22 +369,11 @@ class RecordTables(OfRecord):
         own = known_of(RecordWires, described)
         return {"wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default}}
 
-    @classmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
-        """A study of crossed wires."""
-        return study_from_tables(data, where)
-
     @property
     def of_study(self) -> dict[str, float | None]:
-        """Load, amplitude and how the wires lie."""
-        wires, asked = self.wires, self.conditions
-        return {
-            "normal_load_N": asked.normal_load_N,
-            "displacement_amplitude_um": asked.displacement_amplitude_um,
-            "diameter_mm": wires.diameter_mm,
-            "crossing_angle_deg": wires.crossing_angle_deg,
-            "motion_angle_deg": wires.motion_angle_deg,
-        }
+        """And how the wires lie."""
+        own = {key: getattr(self.wires, key) for key in ("diameter_mm", "crossing_angle_deg", "motion_angle_deg")}
+        return {**super().of_study, **own}
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Two wires; the motion has an angle to the moving one."""
@@ -301,28 +382,6 @@ class RecordTables(OfRecord):
         return data | {"wires": wires, "conditions": data["conditions"] | (angle if any(angle.values()) else {})}
 
     @property
-    def contact_stiffness_N_per_um(self) -> float:
-        """Mindlin's 2G*a of the unworn wires under the asked load."""
-        radius, body = 0.5 * self.wires.diameter_mm, Elastic(self.wires.youngs_modulus_MPa, self.wires.poissons_ratio)
-        load, angle = self.conditions.normal_load_N, self.wires.crossing_angle_deg
-        hertz = hertz_crossed_cylinders(load, radius, radius, angle, first=body, second=body)
-        return 1e-3 * mindlin_stiffness(tangential_contact_modulus(body, body), hertz.contact_radius_mm)
-
-    def placed(self, surface: MeasuredScar) -> MeasuredScar:
-        """The map turned where its file has it along the wire."""
-        of_wire = getattr(self.files.frames, f"{SCARS.name}_{surface.body}") == "wire"
-        return surface.turned(self.wires.axis_angle_deg(surface.body) if of_wire else 0.0)
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Keys of [stated] without which there is no simulation."""
-        needs = {
-            "friction": self.stated.final_friction,
-            "energy_wear_coefficient_mm3_per_J": self.stated.energy_wear_coefficient_mm3_per_J,
-        }
-        return tuple(key for key, value in needs.items() if value is None)
-
-    @property
     def assumed(self) -> str:
-        """What a simulation takes of the bodies that is not stated, after a semicolon."""
+        """How wires are held where that is not stated."""
         return "" if self.wires.grip_angle_deg else "; wires are held rigidly over 90° of their backs, all along"

@@ -13,6 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.loops.signals import LoopSignals
 from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.point_tables import AnyTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables
 
@@ -91,7 +92,7 @@ class MeasuredEvolution:
 
 
 #: Tables of a record and its worn surfaces; where nothing is said, those of crossed wires.
-Tables = TypeVar("Tables", bound="RecordTables | LineRecordTables", default=RecordTables)
+Tables = TypeVar("Tables", bound="AnyTables", default=RecordTables)
 Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=MeasuredScar)
 
 
@@ -155,7 +156,9 @@ class ExperimentRecord(Generic[Tables, Surface]):
     def worn_volumes_mm3(self) -> dict[str, dict[int, float]]:
         """Worn volumes by body and repeat, of the whole contact."""
         length = self.tables.length_mm
-        return {body: {one.repeat: one.volume_of(length) for one in self.scars_of(body)} for body in self.tables.bodies}
+        return {
+            body: {one.repeat: one.volume_of(length) for one in self.scars_of(body)} for body in self.tables.body_names
+        }
 
 
 LineRecord: TypeAlias = ExperimentRecord[LineRecordTables, MeasuredProfile]

@@ -11,14 +11,9 @@ import numpy as np
 
 from solvers import WearRates
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
-from wirewear.reference import (
-    PointContact,
-    gap_curvatures,
-    hertz_bodies,
-    partial_slip_point,
-    tangential_contact_modulus,
-)
+from wirewear.reference import PointContact, gap_curvatures, partial_slip_point, tangential_contact_modulus
 from wirewear.study import Study
+from wirewear.study.bodies import hertz_of
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -176,10 +171,9 @@ class ExpectedContact:
 def expected_contact(study: Study) -> ExpectedContact:
     """What is expected of a study."""
     driven, held = study.bodies
-    pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg)
-    gap = gap_curvatures(*pair)
+    gap = gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
     conditions = study.conditions
-    hertz = hertz_bodies(conditions.normal_load_N, *pair, first=driven.material, second=held.material)
+    hertz = hertz_of(conditions.normal_load_N, driven, held)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     flattened = _flattened_volume(study, gap)
     volume = max(_worn_volume(study, factors), flattened)

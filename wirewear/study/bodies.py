@@ -2,11 +2,15 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from math import radians
+from math import cos, radians, sin
 from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
 from wirewear.base.errors import StudyError
+from wirewear.reference import PointContact, hertz_bodies, mindlin_stiffness, tangential_contact_modulus
 
 _COARSE_PER_DIAMETER = 0.155
 #: Largest element of a block far from the contact, as a share of its smaller extent.
@@ -38,10 +42,22 @@ class Body(ABC):
         """One over the radii of its surface along its axis and across, 0 where it is straight."""
 
     @property
+    def has_axis(self) -> bool:
+        """Whether its surface tells how it is turned."""
+        along, across = self.curvatures_per_mm
+        return along != across
+
+    @property
     def diameters_mm(self) -> tuple[float, float]:
         """Along its axis and across, infinite where it is straight."""
         along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
         return along, across
+
+    def curvature_per_mm(self, turned_deg: float = 0.0) -> NDArray[np.float64]:
+        """Curvature K (2, 2) of its surface ½ rᵀKr along and across the motion, with its axis turned further."""
+        angle = radians(self.axis_angle_deg + turned_deg)
+        turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+        return np.asarray(turn @ np.diag(self.curvatures_per_mm) @ turn.T)
 
     @property
     def bedding_N_per_mm3(self) -> float | None:
@@ -158,3 +174,15 @@ class BlockBody(Body):
                 "[mesh]"
             )
         return width
+
+
+def hertz_of(normal_load_N: float, driven: Body, held: Body) -> PointContact:
+    """The contact of two unworn bodies; its angle is that of its major axis from the driven body's."""
+    pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
+    return hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
+
+
+def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
+    """Mindlin's of a circle as large as that contact."""
+    modulus = tangential_contact_modulus(driven.material, held.material)
+    return 1e-3 * mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)

@@ -76,6 +76,16 @@ class BallAndFlat(Table):
     ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
     flat: GrippedBody = Field(description="the flat, which is driven")
 
+    def of_test(self) -> tuple[BlockBody, BlockBody]:
+        """The flat and the ball."""
+        radius = 0.5 * self.ball.diameter_mm
+        flat = self.flat.block("flat", (0.0, 0.0), radius)
+        return flat, self.ball.block("ball", (1.0 / radius, 1.0 / radius), radius)
+
+    def contradiction(self) -> Inconsistency | None:
+        """Nothing: any ball touches a flat at a point."""
+        return None
+
 
 class _Shape(Table):
     """What is stated first of a body of any shape."""
@@ -127,6 +137,26 @@ class LowerAndUpper(Table):
     lower: ShapedBody = Field(description="the lower body, which is driven")
     upper: ShapedBody = Field(description="the upper body, whose holder carries the rig's compliance")
 
+    def of_test(self) -> tuple[Body, Body]:
+        """The lower and the upper one."""
+        size = 1.0 / max(*self.lower.curvatures_per_mm, *self.upper.curvatures_per_mm)
+        return self.lower.body("lower", size), self.upper.body("upper", size)
+
+    def contradiction(self) -> Inconsistency | None:
+        """Shapes without their diameters, or bodies that touch along a line."""
+        for name, body in (("lower", self.lower), ("upper", self.upper)):
+            if (problem := body.missing()) is not None:
+                return Inconsistency(("bodies", name, "diameter_mm"), problem)
+        crossing = radians(self.upper.axis_angle_deg - self.lower.axis_angle_deg)
+        small, large, _ = gap_curvatures(self.lower.curvatures_per_mm, self.upper.curvatures_per_mm, crossing)
+        if small > FLATTEST * large:
+            return None
+        return Inconsistency(
+            ("bodies", "upper", "shape"),
+            "and its angle make the bodies touch along a line or nearly so: a contact at a point has a ball or a "
+            "barrel, or two cylinders or wires whose axes are some 5° apart or more",
+        )
+
 
 class _OfBallAndFlat(StatesItsKind):
     """What a study of a ball on a flat states first."""
@@ -147,9 +177,7 @@ class BallOnFlatTables(ContactTables, _OfBallAndFlat):
 
     def bodies_of_test(self) -> tuple[BlockBody, BlockBody]:
         """The flat and the ball."""
-        ball, flat = self.bodies.ball, self.bodies.flat
-        radius = 0.5 * ball.diameter_mm
-        return flat.block("flat", (0.0, 0.0), radius), ball.block("ball", (1.0 / radius, 1.0 / radius), radius)
+        return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:
         """A key of crossed wires, or a stroke longer than the ball is thick."""
@@ -163,25 +191,11 @@ class PointTables(ContactTables, _OfBodies):
 
     def bodies_of_test(self) -> tuple[Body, Body]:
         """The lower and the upper one."""
-        lower, upper = self.bodies.lower, self.bodies.upper
-        size = 1.0 / max(*lower.curvatures_per_mm, *upper.curvatures_per_mm)
-        return lower.body("lower", size), upper.body("upper", size)
+        return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:
-        """Shapes without their diameters, bodies that touch along a line, or what `BallOnFlatTables` refuses."""
-        for name, body in (("lower", self.bodies.lower), ("upper", self.bodies.upper)):
-            if (problem := body.missing()) is not None:
-                return Inconsistency(("bodies", name, "diameter_mm"), problem)
-        lower, upper = self.bodies.lower, self.bodies.upper
-        crossing = radians(upper.axis_angle_deg - lower.axis_angle_deg)
-        small, large, _ = gap_curvatures(lower.curvatures_per_mm, upper.curvatures_per_mm, crossing)
-        if small <= FLATTEST * large:
-            return Inconsistency(
-                ("bodies", "upper", "shape"),
-                "and its angle make the bodies touch along a line or nearly so: a contact at a point has a ball or a "
-                "barrel, or two cylinders or wires whose axes are some 5° apart or more",
-            )
-        return _of_wires(self) or _too_far(self)
+        """What `LowerAndUpper` or `BallOnFlatTables` refuses."""
+        return self.bodies.contradiction() or _of_wires(self) or _too_far(self)
 
 
 def _of_wires(tables: ContactTables) -> Inconsistency | None:

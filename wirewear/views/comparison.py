@@ -17,6 +17,7 @@ from wirewear.base.quantity import counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.records import AnyRecord
 from wirewear.records.checking import problems_told
+from wirewear.records.point_tables import curved
 from wirewear.records.remarks import unlike_conditions
 from wirewear.records.values import Array
 from wirewear.results import RunResult
@@ -120,6 +121,7 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
 
 def _unlike(result: RunResult, record: AnyRecord) -> str | None:
     own = {key: value for name in ("wires", "pad", "conditions") for key, value in result.study.get(name, {}).items()}
+    own |= curved(result.study.get("bodies", {}))
     asked = record.tables.conditions.cycles
     pairs = {key: (own.get(key), value) for key, value in record.tables.of_study.items()}
     return unlike_conditions(pairs, (float(own.get("cycles", asked)), float(asked)))

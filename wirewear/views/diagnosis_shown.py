@@ -238,7 +238,7 @@ def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
 def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
     """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
     found = []
-    for place, body in enumerate(diagnosed.record.tables.bodies):
+    for place, body in enumerate(diagnosed.record.tables.body_names):
         scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
         if courses[0].profiles:
             measured = [(one.x_um, one.depth_um) for one in map(read_profile, scars)]

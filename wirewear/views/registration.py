@@ -189,7 +189,7 @@ def scar_pairs(result: RunResult, record: AnyRecord) -> tuple[tuple[ScarPair, ..
     """Pairs of the bodies of which both have a scar at the end, and sentences about what was left out."""
     pairs, notes = [], []
     length_mm, worn = record.tables.length_mm, record.tables.worn.name
-    for body in record.tables.bodies:
+    for body in record.tables.body_names:
         measured = [scar for scar in record.scars_of(body) if np.isfinite(scar.depth_um).any()]
         if not measured:
             notes.append(f"the record has no {worn} of the {called(body)}")

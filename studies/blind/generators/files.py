@@ -134,7 +134,7 @@ def write_traceless(folder: Path, record: AnyRecord) -> str:
         if record.evolution:
             names["evolution"] = _evolution(partial, record)
         worn = record.tables.worn
-        for body in record.tables.bodies:
+        for body in record.tables.body_names:
             if own := record.scars_of(body):
                 names[f"{worn.name}_{body}"] = _surfaces(partial, f"{worn.name}_{body}.csv", own)
         tables = record.tables.model_copy(update={"files": type(record.tables.files)(**names)})

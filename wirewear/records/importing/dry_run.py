@@ -15,8 +15,9 @@ from wirewear.pictures.style import WIDTH_in, new_figure, save
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.remarks import listed, plural
 from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
-from wirewear.records.tables import RecordTables
+from wirewear.records.tables import PointRecordTables
 from wirewear.records.values import AnyRecord, MeasuredLoop
+from wirewear.results.scar import called
 
 FEW = 5
 
@@ -71,15 +72,15 @@ def draw_import(record: AnyRecord, output: Path) -> list[Path]:
     if record.loops:
         drawn.append(save(lambda: _picture(record.loops[0]), output.with_name(f"{output.name}_first_loop.png")))
     name = record.tables.worn.name
-    for body in record.tables.bodies:
+    for body in record.tables.body_names:
         if own := record.scars_of(body)[:MOST_DRAWN]:
             path = output.with_name(f"{output.name}_{name}_{body}.png")
             drawn.append(save(partial(_PICTURES[name], own, body, record.tables), path))
     return drawn
 
 
-def _scar_picture(scars: Sequence[MeasuredScar], wire: str, tables: RecordTables) -> Figure:
-    """Depth below the fitted cylinder, on one scale."""
+def _scar_picture(scars: Sequence[MeasuredScar], body: str, tables: PointRecordTables) -> Figure:
+    """Depth below the fitted surface, on one scale."""
     # As wide as its panels: one alone would stand aside.
     figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
@@ -87,11 +88,11 @@ def _scar_picture(scars: Sequence[MeasuredScar], wire: str, tables: RecordTables
     for axes, scar in zip(panels, scars, strict=True):
         image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
         axes.set_aspect("equal")
-        along = np.radians(tables.wires.axis_angle_deg(wire))
+        along = np.radians(tables.body(body).axis_angle_deg)
         axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
         axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
         axes.set_xlabel("x, along the motion [µm]")
-    panels[0].set_ylabel(f"{wire} wire (its axis dash-dotted), y [µm]")
+    panels[0].set_ylabel(f"{called(body)} (its axis dash-dotted), y [µm]")
     figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
     return figure
 

@@ -1,6 +1,7 @@
 """Scars guessed from a laboratory's files: points in texts, with names or without, and profilometers' maps."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,66 +10,76 @@ from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.mapping import PROFILOMETER
 from wirewear.records.importing.mistaken import OPEN
-from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points, wire_direction_deg
+from wirewear.records.importing.profilometry import ASKEW_deg, direction_deg, grid_of_points
 from wirewear.records.values import Array
+from wirewear.results.scar import called
+from wirewear.study.bodies import Body
 
 #: Words in a file's name that tell whose scar it holds.
-WIRE_WORDS = {
+WORDS = {
     "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
     "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
+    "flat": ("flat", "disc", "disk", "plane", "ebene", "platte", "scheibe", "lower", "unten"),
+    "ball": ("ball", "sphere", "kugel", "upper", "oben"),
 }
 
 
+@dataclass(frozen=True)
+class Touching:
+    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known."""
+
+    tables: Mapping[str, Any]
+    names: tuple[str, str]
+    remarks: tuple[str, ...]
+    bodies: Mapping[str, Body]
+
+
 def scars_of(
-    points: Sequence[GuessedFile], maps: Sequence[Path], wires: Mapping[str, Any]
+    points: Sequence[GuessedFile], maps: Sequence[Path], touching: Touching
 ) -> tuple[dict[str, Any], list[str]]:
-    """The tables `[scars.*]` of texts of points and of maps of such wires, and what was assumed."""
+    """The tables `[scars.*]` of texts of points and of maps of such bodies, and what was assumed."""
     scars: dict[str, Any] = {}
     remarks = []
     for text in points:
         if not {"x_um", "y_um"} <= text.columns.keys() or not {"depth_um", "height_um"} & text.columns.keys():
             remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
             continue
-        wire = _wire(text.path, scars, remarks)
+        body = _body(text.path, touching.names, scars, remarks)
         columns, told = mapped_columns(text)
         remarks += told
         if not text.named:
             units = ", ".join(unit.replace("um", "µm") for _, unit in text.columns.values())
             remarks.append(f"{text.path.name} names no columns: they are taken for x, y and height in {units}")
-        if wire in scars:
-            scars[wire]["files"] = [*listed(scars[wire]["files"]), text.path.name]
+        if body in scars:
+            scars[body]["files"] = [*listed(scars[body]["files"]), text.path.name]
             continue
-        scars[wire] = {"files": text.path.name, **text.spelling, "columns": columns}
+        scars[body] = {"files": text.path.name, **text.spelling, "columns": columns}
         if any(OPEN in own.values() for own in columns.values()):
             continue
         if "height_um" in columns:
             found = text.read(columns)
             surface = grid_of_points(text.path, (found["x_um"], found["y_um"], found["height_um"]))
-            scars[wire] |= _told(_laid(text.path, wire, wires, surface), remarks)
+            scars[body] |= _told(_laid(text.path, body, touching, surface), remarks)
         else:
-            scars[wire]["frame"] = "test"
-            remarks.append(
-                f"{text.path.name}: x is taken to run along the motion; where it runs along the {wire} wire, write "
-                'frame = "wire"'
-            )
-    _add_maps(scars, maps, wires, remarks)
+            scars[body] |= _told(_along_motion(text.path, body), remarks)
+    _add_maps(scars, maps, touching, remarks)
     return scars, remarks
 
 
-def _add_maps(scars: dict[str, Any], maps: Sequence[Path], wires: Mapping[str, Any], remarks: list[str]) -> None:
+def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, remarks: list[str]) -> None:
     for path in maps:
         if (found := map_source(path, remarks)) is None:
             continue
         surface, keys = found
-        wire = _wire(path, scars, remarks)
-        if wire in scars:
-            scars[wire]["files"] = [*listed(scars[wire]["files"]), path.name]
+        body = _body(path, touching.names, scars, remarks)
+        if body in scars:
+            scars[body]["files"] = [*listed(scars[body]["files"]), path.name]
             continue
-        scars[wire] = {"files": path.name, **keys}
+        scars[body] = {"files": path.name, **keys}
         if surface.left_open:
-            scars[wire] |= _told(_along_x(path, wire, "once its scale is told, the import sees it"), remarks)
+            scars[body] |= _told(_along_x(path, body, "once its scale is told, the import sees it"), remarks)
         else:
-            scars[wire] |= _told(_laid(path, wire, wires, surface.scaled(path, MapScale())), remarks)
+            scars[body] |= _told(_laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
 
 
 def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any]] | None:
@@ -106,33 +117,38 @@ def listed(files: str | list[str]) -> list[str]:
     return [files] if isinstance(files, str) else files
 
 
-def _wire(path: Path, scars: dict[str, Any], remarks: list[str]) -> str:
+def _body(path: Path, names: tuple[str, str], scars: dict[str, Any], remarks: list[str]) -> str:
     name = path.stem.lower()
-    for wire, words in WIRE_WORDS.items():
-        if any(word in name for word in words):
-            return wire
-    wire = "moving" if "moving" not in scars else "fixed"
-    remarks.append(f"{path.name}: nothing in its name tells whose scar it is; it is taken for the {wire} wire's")
-    return wire
+    for body in names:
+        if any(word in name for word in WORDS[body]):
+            return body
+    body = names[0] if names[0] not in scars else names[1]
+    remarks.append(f"{path.name}: nothing in its name tells whose scar it is; it is taken for the {called(body)}'s")
+    return body
 
 
-def _along_x(path: Path, wire: str, later: str) -> tuple[dict[str, Any], str]:
-    return {"frame": "wire", "axis": "x"}, f"{path.name}: the {wire} wire is taken to run along the map's x; {later}"
+def _along_motion(path: Path, body: str) -> tuple[dict[str, Any], str]:
+    told = f"x is taken to run along the motion; where it runs along the {called(body)}"
+    return {"frame": "test"}, f'{path.name}: {told}, write frame = "wire"'
 
 
-def _laid(
-    path: Path, wire: str, wires: Mapping[str, Any], surface: tuple[Array, Array, Array]
-) -> tuple[dict[str, Any], str]:
-    """How a wire lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
-    if wires["diameter_mm"] == OPEN:
-        return _along_x(path, wire, "with --diameter its heights show it")
-    found = wire_direction_deg(*surface, 500.0 * wires["diameter_mm"])
-    crossing = wires["crossing_angle_deg"] if wire == "fixed" else 0.0
-    ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (crossing, "x", "test"))
+def _along_x(path: Path, body: str, later: str) -> tuple[dict[str, Any], str]:
+    told = f"the {called(body)} is taken to run along the map's x; {later}"
+    return {"frame": "wire", "axis": "x"}, f"{path.name}: {told}"
+
+
+def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
+    """How a body lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
+    if (body := touching.bodies.get(name)) is None:
+        return _along_x(path, name, "with --diameter its heights show it")
+    if not body.has_axis:
+        return _along_motion(path, name)
+    found = direction_deg(*surface, body.curvatures_per_mm)
+    ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (body.axis_angle_deg, "x", "test"))
     offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]
     off, (angle, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
     keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
-    told = f"{path.name}: by its shape the {wire} wire lies at {found:.0f}° to the map's x"
+    told = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
     if off > ASKEW_deg:
         return (
             keys,

@@ -12,9 +12,13 @@ from wirewear.base.quantity import as_sentence
 from wirewear.base.reading import toml_text
 from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
-from wirewear.records.importing.guessed_scars import listed, scars_of
+from wirewear.records.importing.guessed_scars import Touching, listed, scars_of
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.mistaken import OPEN, open_lines
+from wirewear.records.point_tables import BallTest
+from wirewear.records.tables import RecordWires
+from wirewear.results.scar import WIRES
+from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
 
 #: Words in a file's name that tell which number is a cycle's or a repeat's.
 NUMBER_WORDS = {
@@ -34,12 +38,13 @@ class GuessedMapping:
     remarks: tuple[str, ...]
 
 
-def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> GuessedMapping:
+def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touching) -> GuessedMapping:
     """The mapping that files of one folder seem to ask for.
 
     Args:
         files: loops, and perhaps an evolution and scars.
-        known: what the user says: keys of `[wires]` and `[conditions]`, and `name`.
+        known: what the user says: keys of `[conditions]`, and `name`.
+        touching: what the user says of the bodies.
 
     Raises:
         RecordError: no file holds loops, or one of them cannot be read; one sentence.
@@ -49,20 +54,19 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any]) -> GuessedMapp
     if not loops:
         raise no_loops(kinds)
     source, conditions, remarks = loop_source(loops, known)
-    wires, told = _wires(known)
     tables: dict[str, Any] = {
         "format": 1,
         "name": known.get("name", name_of_folder(files)),
-        "wires": wires,
+        **touching.tables,
         "conditions": conditions,
         "loops": source,
     }
-    scars, of_scars = scars_of(kinds.surfaces, kinds.maps, wires)
+    scars, of_scars = scars_of(kinds.surfaces, kinds.maps, touching)
     evolution, of_evolution = evolution_source(kinds.evolution)
     tables |= {"scars": scars} if scars else {}
     tables |= {"evolution": evolution} if evolution else {}
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return GuessedMapping(tables, (*told, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
+    return GuessedMapping(tables, (*touching.remarks, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
 
 
 @dataclass(frozen=True)
@@ -203,16 +207,27 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
     return pattern
 
 
-def _wires(known: dict[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """The table `[wires]`, and what is assumed or left open in it."""
-    told = {key: known[key] for key in ("youngs_modulus_MPa", "poissons_ratio") if known.get(key) is not None}
+def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float]) -> Touching:
+    """Wires of such constants, and what is assumed or left open of them."""
     remarks = []
     if "diameter_mm" not in known:
         remarks.append("no file tells the wires' diameter, in millimetres: --diameter does it, too")
     if "crossing_angle_deg" not in known:
         remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
     angle = known.get("crossing_angle_deg", 90.0)
-    return {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle} | told, remarks
+    wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
+    bodies = RecordWires.model_validate(wires).of_test() if "diameter_mm" in known else ()
+    return Touching({"wires": wires}, WIRES, tuple(remarks), {body.name: body for body in bodies})
+
+
+def ball_on_flat(known: Mapping[str, Any], elastic: Mapping[str, float], of_ball: Mapping[str, float]) -> Touching:
+    """A ball and a flat of such constants, and what is left open of them."""
+    tables = {"ball": {"diameter_mm": known.get("diameter_mm", OPEN), **of_ball}, "flat": dict(elastic)}
+    told = "diameter_mm" in known
+    remarks = () if told else ("no file tells the ball's diameter, in millimetres: --diameter does it, too",)
+    bodies = BallAndFlat.model_validate(tables).of_test() if told else ()
+    touching = {"contact": {"kind": BALL_ON_FLAT}, "bodies": tables}
+    return Touching(touching, BallTest.body_names, remarks, {body.name: body for body in bodies})
 
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:

@@ -23,8 +23,8 @@ from wirewear.records.importing.sources import (
     require_recorded,
     wanted_columns,
 )
-from wirewear.records.line_tables import TABLES
 from wirewear.records.normal_force import pressing
+from wirewear.records.point_tables import TABLES
 from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
@@ -66,14 +66,14 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
         loops, turned = mapped_loops(mapping.loops, path, conditions.frequency_Hz, length)
     evolution = () if mapping.evolution is None else tuple(_evolution(mapping.evolution, home, length))
     found: list[Any] = []
-    for body in mapping.bodies:
+    for body in mapping.body_names:
         if (source := getattr(mapping.surfaces, body)) is not None:
             found += surfaces_of(source, body, home, mapping)
     scars, told = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
     if not loops and not evolution and not scars:
         raise RecordError(
-            f"{path} maps nothing: give [loops], [evolution], [{mapping.worn.name}s.{mapping.bodies[0]}] or "
-            f"[{mapping.worn.name}s.{mapping.bodies[1]}] with its files."
+            f"{path} maps nothing: give [loops], [evolution], [{mapping.worn.name}s.{mapping.body_names[0]}] or "
+            f"[{mapping.worn.name}s.{mapping.body_names[1]}] with its files."
         )
     taken_over = {name: getattr(mapping, name) for name in model.model_fields if hasattr(mapping, name)}
     files = {"loops": "loops.csv"} if loops else {}

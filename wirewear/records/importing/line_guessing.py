@@ -121,7 +121,7 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
             remarks.append(f'{path.name}: axis = "x" says that the motion runs along the map\'s x; see the dry run')
         files.setdefault(body, []).append(path.name)
     sources = {}
-    for body in (one for one in LineTest.bodies if one in found):
+    for body in (one for one in LineTest.body_names if one in found):
         names = sorted(files[body])
         pattern = name_pattern(names, has_cycle=True)
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})

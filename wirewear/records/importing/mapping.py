@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
@@ -14,9 +14,9 @@ from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata
-from wirewear.records.of_test import OfTest
-from wirewear.records.tables import Frame, Noise, RecordConditions, RecordTables, RecordWires, Stated, StatedScatter
-from wirewear.study.keys import FORMAT, NormalLoad, Table, checked_format, checked_text
+from wirewear.records.point_tables import BallTest, ShapesTest
+from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
+from wirewear.study.keys import NormalLoad, Table, checked_text
 
 #: Kind of the files that hold a height map, which SurfaceTopography reads.
 PROFILOMETER = "profilometer"
@@ -214,41 +214,35 @@ class MapSource(Source):
 
 
 class ScarSource(MapSource):
-    """A wire's scars: points with columns, or a profilometer's maps, one file a repeat."""
+    """A body's scars: points with columns, or a profilometer's maps, one file a repeat."""
 
     columns: PointColumns | None = Field(None, description="columns of the points")
     frame: Frame | None = Field(
         None,
-        description='what x runs along: "test", the motion (of depths without a word), or "wire", that wire\'s axis',
+        description='what x runs along: "test", the motion (of depths without a word), or "wire", the body\'s axis',
     )
     axis: Annotated[str, one_of_words("x", "y")] = Field(
-        "x", description='direction of a map along which the wire runs, where its frame is "wire"'
+        "x", description='direction of a map along which the body\'s axis runs, where its frame is "wire"'
     )
     subtract_wire: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
-        True, description="whether the unworn cylinder is fitted and subtracted"
+        True, description="whether the unworn surface (a cylinder, a ball, a flat) is fitted and subtracted"
     )
 
 
 class Scars(Table):
-    """Scar maps."""
+    """Scar maps, those of the test's own bodies."""
 
     moving: ScarSource | None = Field(None, description="scars of the moving wire")
     fixed: ScarSource | None = Field(None, description="scars of the fixed wire")
+    flat: ScarSource | None = Field(None, description="scars of the flat")
+    ball: ScarSource | None = Field(None, description="scars of the ball")
+    lower: ScarSource | None = Field(None, description="scars of the lower body")
+    upper: ScarSource | None = Field(None, description="scars of the upper body")
 
 
-class Mapping(OfTest):
-    """A whole mapping file."""
+class PointMapping(PointTest):
+    """What the mapping file of any contact at a point states besides its bodies and scars."""
 
-    contact_kind, described_by, bodies = RecordTables.contact_kind, RecordTables.described_by, RecordTables.bodies
-    worn, needs_loops = RecordTables.worn, RecordTables.needs_loops
-
-    format: Annotated[Literal[1], PlainValidator(checked_format)] = Field(
-        description="version of this file's format", examples=[FORMAT]
-    )
-    name: Annotated[str, PlainValidator(checked_text)] = Field(
-        description="title of the experiment", examples=["steel wires, test 3"]
-    )
-    wires: RecordWires = Field(description="the two wires")
     conditions: RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: Stated = Field(Stated(), description="what the rig's owner states")
     noise: Noise = Field(Noise(), description="noise of one sample")
@@ -262,10 +256,27 @@ class Mapping(OfTest):
         """Where the worn surfaces are."""
         return self.scars
 
+    def require_whole(self, where: str) -> None:
+        """See that all scars are of its own bodies."""
+        super().require_whole(where)
+        self.require_bodies(f"[scars] of {where}", self.scars)
+
     def asked(self, path: Path) -> RecordConditions:
         """The conditions of the record."""
         del path
         return self.conditions
+
+
+class Mapping(PointMapping, WiresTest):
+    """A whole mapping file of crossed wires."""
+
+
+class BallMapping(PointMapping, BallTest):
+    """A whole mapping file of a ball on a flat."""
+
+
+class ShapesMapping(PointMapping, ShapesTest):
+    """A whole mapping file of bodies of any shapes."""
 
 
 def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = None) -> float:
@@ -329,9 +340,6 @@ class Profiles(Table):
 class LineMapping(LineTest):
     """A whole mapping file of a line contact."""
 
-    format: Annotated[Literal[1], PlainValidator(checked_format)] = Field(
-        description="version of this file's format", examples=[1]
-    )
     conditions: MappedConditions = Field(description="load, stroke, frequency and length of the test")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
@@ -363,4 +371,6 @@ class LineMapping(LineTest):
 
 
 #: Mappings by the names of kinds of contact.
-MAPPINGS: dict[str, type[Mapping | LineMapping]] = {model.contact_kind: model for model in (Mapping, LineMapping)}
+MAPPINGS: dict[str, type[PointMapping | LineMapping]] = {
+    model.contact_kind: model for model in (Mapping, LineMapping, BallMapping, ShapesMapping)
+}

@@ -1,4 +1,4 @@
-"""Worn depths from heights: of a wire's map the unworn cylinder is fitted and subtracted, of a line the unworn face."""
+"""Worn depths from heights: of a map the body's unworn surface is fitted and subtracted, of a line the unworn face."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
-from geometry import Cylinder, Flat
+from geometry import Barrel, Cylinder, Flat
 from wirewear.base.errors import RecordError
 from wirewear.planar.tables import Face
 from wirewear.records.importing.height_maps import height_map
-from wirewear.records.importing.mapping import PROFILOMETER, Mapping, ProfileSource, ScarSource
+from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
 from wirewear.records.line_tables import LineTest
 from wirewear.records.surfaces import PROFILES, SCARS, Array, MeasuredProfile, MeasuredScar
-from wirewear.records.tables import RecordWires
+from wirewear.results.scar import called
+from wirewear.study.bodies import Body, Wire
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 MOST_POINTS = 20_000
@@ -35,32 +36,47 @@ ABOUT, LEAST_UNWORN = 1.25, 0.2
 FEWEST_POINTS = 100
 
 
-#: Share of the wire's radius beyond which its flanks are too steep to be measured.
-STEEP = 0.95
+#: Share of a body's radius beyond which its flanks are too steep to be measured; beyond any map of a straight one.
+STEEP, BEYOND_um = 0.95, 1e9
 
 #: A wire that lies farther off than this from where the mapping says is another one: half of the least crossing angle.
 ASKEW_deg = 15.0
 
 
 @dataclass(frozen=True)
-class MapOfWire:
-    """Whose surface a file holds: the `wire` of a repeat's test, and how the mapping says that it lies there."""
+class MapOfBody:
+    """Whose surface a file holds: a body of a repeat's test, and how the mapping says that it lies there."""
 
     file: Path
     source: ScarSource
-    wires: RecordWires
-    wire: str
+    body: Body
     repeat: int
 
     @property
     def axis_deg(self) -> float:
-        """Direction of the wire's axis from the map's x, as the mapping says."""
+        """Direction of the body's axis from the map's x, as the mapping says."""
         if self.source.frame == "test":
-            return self.wires.axis_angle_deg(self.wire)
+            return self.body.axis_angle_deg
         return 90.0 if self.source.axis == "y" else 0.0
 
+    @property
+    def crown_unknown(self) -> bool:
+        """Whether the scar alone tells where a body was touched: a tilt moves the crown of all but thin ones far."""
+        return not isinstance(self.body, Wire)
 
-def scar_of_map(of: MapOfWire) -> MeasuredScar:
+    def require_direction(self, x: Array, y: Array, height: Array) -> None:
+        """See that the body lies in its map (n_x, n_y) as the mapping says; RecordError where it does not."""
+        found = direction_deg(x, y, height, self.body.curvatures_per_mm)
+        askew = (found - self.axis_deg + 90.0) % 180.0 - 90.0
+        if abs(askew) > ASKEW_deg:
+            raise RecordError(
+                f"{self.file}: the {called(self.body.name)} lies at {self.axis_deg + askew:.0f}° to the map's x, not "
+                f'at {self.axis_deg:.0f}° as the mapping says: give its frame ("test": x along the motion; "wire": x '
+                'along its axis, or y with axis = "y"), and the angles of the axes.'
+            )
+
+
+def scar_of_map(of: MapOfBody) -> MeasuredScar:
     """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
 
     Raises:
@@ -69,11 +85,11 @@ def scar_of_map(of: MapOfWire) -> MeasuredScar:
     return _scar(of, *height_map(of.file, of.source.scale))
 
 
-def scar_of_heights(of: MapOfWire, points: tuple[Array, Array, Array]) -> MeasuredScar:
+def scar_of_heights(of: MapOfBody, points: tuple[Array, Array, Array]) -> MeasuredScar:
     """The scar of points x, y, height (n,) in µm; points off a grid are laid on one as dense as they are.
 
     Raises:
-        RecordError: the points are too few, or lie beyond the wire.
+        RecordError: the points are too few, or lie beyond the body.
     """
     return _scar(of, *grid_of_points(of.file, points))
 
@@ -106,71 +122,78 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], np.asarray(griddata((x, y), height, tuple(places)))
 
 
-def _scar(of: MapOfWire, x: Array, y: Array, height: Array) -> MeasuredScar:
+def _scar(of: MapOfBody, x: Array, y: Array, height: Array) -> MeasuredScar:
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
-    crown, axis_deg = 0.0, of.axis_deg
+    crown, axis_deg = None if of.crown_unknown else 0.0, of.axis_deg
     if of.source.subtract_wire:
-        height, crown, turn_deg = _unrolled(of, x, y, height)
+        height, crown, turn_deg = _levelled(of, x, y, height)
         if of.source.frame != "test":
-            # A wire's own frame is that of the wire as it lies there.
+            # A body's own frame is that of the body as it lies there.
             axis_deg += turn_deg
     depth = -height
-    cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
     weight = np.maximum(np.nan_to_num(depth), 0.0) ** 2
-    along = x[:, None] * cosine + y[None, :] * sine
-    middle = float(np.sum(weight * along)) / float(weight.sum()) if weight.any() else 0.0
-    x, y = x - (middle * cosine - crown * sine), y - (middle * sine + crown * cosine)
-    askew_deg = 0.0 if of.source.frame == "test" else of.wires.axis_angle_deg(of.wire) - axis_deg
-    return MeasuredScar(of.repeat, of.wire, x, y, depth).turned(askew_deg)
+    places = _along_and_across(x, y, axis_deg)
+    along, across = (
+        [float(np.sum(weight * one)) / float(weight.sum()) for one in places] if weight.any() else (0.0, 0.0)
+    )
+    across = across if crown is None else crown
+    cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
+    x, y = x - (along * cosine - across * sine), y - (along * sine + across * cosine)
+    askew_deg = 0.0 if of.source.frame == "test" else of.body.axis_angle_deg - axis_deg
+    return MeasuredScar(of.repeat, of.body.name, x, y, depth).turned(askew_deg)
 
 
-def _unrolled(of: MapOfWire, x: Array, y: Array, height: Array) -> tuple[Array, float, float]:
-    """Height above the unworn cylinder, the crown's place across its axis, and by how much [deg] the axis is turned.
+def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
+    """Places (2, n_x, n_y) of a grid along an axis at an angle to its x, and across."""
+    cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
+    return np.stack([x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine])
+
+
+def _levelled(of: MapOfBody, x: Array, y: Array, height: Array) -> tuple[Array, float | None, float]:
+    """Height above the unworn surface, its crown's place across its axis, and by how much [deg] the axis is turned.
 
     Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
+    Where the surface is curved its crown is sought, where it is straight its tilt; both are alike to second order.
     """
-    radius_um = 500.0 * of.wires.diameter_mm
-    cosine, sine = np.cos(np.radians(of.axis_deg)), np.sin(np.radians(of.axis_deg))
-    along, across = x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine
-    # A point farther off than the wire is thick is none of its surface: a spike, or a number written for "nothing".
+    face, radii_um = Barrel(*of.body.curvatures_per_mm), 500.0 * np.array(of.body.diameters_mm)
+    curved, limit = np.isfinite(radii_um), np.minimum(STEEP * radii_um, BEYOND_um)[:, None]
+    places = _along_and_across(x, y, of.axis_deg).reshape(2, -1)
+    # A point farther off than the body is thick is none of its surface: a spike, or a number written for "nothing".
     middle = float(np.median(height[np.isfinite(height)])) if np.isfinite(height).any() else 0.0
-    height = np.where(np.abs(height - middle) < 2.0 * radius_um, height, np.nan)
-    known = np.isfinite(height)
-    top = float(np.percentile(height[known], 95)) if known.any() else 0.0
-    ridge = float(np.median(across[known & (height >= top)])) if known.any() else 0.0
-    seen = np.flatnonzero((known & (np.abs(across - ridge) < STEEP * radius_um)).ravel())
+    height = np.where(np.abs(height - middle) < 2.0 * radii_um.min(), height, np.nan)
+    known = np.isfinite(height).ravel()
+    top = known & (height.ravel() >= (np.percentile(height.ravel()[known], 95) if known.any() else 0.0))
+    ridge = np.where(curved, np.median(places[:, top], axis=1) if known.any() else 0.0, 0.0)
+    seen = np.flatnonzero(known & (np.abs(places - ridge[:, None]) < limit).all(axis=0))
     if seen.size < FEWEST_POINTS:
         raise RecordError(
-            f"{of.file}: the map must lie within the wire's width, {2.0 * radius_um:g} µm, and hold "
-            f"{FEWEST_POINTS} points."
+            f"{of.file}: the map must lie within the width of the {called(of.body.name)}, {2.0 * radii_um.min():g} µm, "
+            f"and hold {FEWEST_POINTS} points."
         )
-    askew = (wire_direction_deg(x, y, height, radius_um) - of.axis_deg + 90.0) % 180.0 - 90.0
-    if abs(askew) > ASKEW_deg:
-        raise RecordError(
-            f"{of.file}: the {of.wire} wire lies at {of.axis_deg + askew:.0f}° to the map's x, not at "
-            f'{of.axis_deg:.0f}° as the mapping says: give its frame ("test": x along the motion; "wire": x along the '
-            'wire, or y with axis = "y"), and crossing_angle_deg.'
-        )
+    if of.body.has_axis:
+        of.require_direction(x, y, height)
     chosen = seen[:: max(seen.size // MOST_POINTS, 1)]
-    at_u, at_v, z = along.ravel()[chosen], across.ravel()[chosen], height.ravel()[chosen]
-    length, width = float(np.ptp(at_u)), float(np.ptp(at_v))
-    extent = np.array([1.0, width, 1.0 / length, width / length])
+    at, z = places[:, chosen], height.ravel()[chosen]
+    size = np.ptp(at, axis=1)
+    extent = np.array([1.0, *np.where(curved, size, 1.0 / size), size[1] / size[0]])
 
-    def cylinder(parameters: Array, u: Array, v: Array) -> Array:
-        level, crown, tilt, turn = parameters * extent
-        beside = np.clip(v - crown - turn * u, -radius_um, radius_um)
-        surface: Array = level + tilt * u + np.sqrt(radius_um**2 - beside**2) - radius_um
-        return surface
+    def surface(parameters: Array, at: Array) -> Array:
+        level, along, across, turn = extent * np.append(parameters, np.zeros(4 - parameters.size))
+        moved, tilt = (np.where(wanted, (along, across), 0.0) for wanted in (curved, ~curved))
+        beside = at - moved[:, None] - turn * np.stack([-at[1], at[0]])
+        return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T))
 
-    start = np.array([float(np.nanpercentile(z, 99)), ridge / width, 0.0, 0.0])
-    fit = least_squares(lambda p: z - cylinder(p, at_u, at_v), start, loss="cauchy", f_scale=1.0)
-    found = least_squares(lambda p: z - cylinder(p, at_u, at_v), fit.x, loss="cauchy", f_scale=0.2).x
+    start = np.array([float(np.nanpercentile(z, 99)), *ridge / extent[1:3], *([0.0] if of.body.has_axis else [])])
+    fit = least_squares(lambda p: z - surface(p, at), start, loss="cauchy", f_scale=1.0)
+    found = least_squares(lambda p: z - surface(p, at), fit.x, loss="cauchy", f_scale=0.2).x
     for _ in range(ROUNDS):
-        bare = _unworn(at_u, at_v, z - cylinder(found, at_u, at_v))
-        found = least_squares(lambda p, u, v, h: h - cylinder(p, u, v), found, args=(at_u[bare], at_v[bare], z[bare])).x
-    crown, turn = float(found[1] * extent[1]), float(found[3] * extent[3])
-    steep = np.abs(across - crown - turn * along) > STEEP * radius_um
-    return np.where(steep, np.nan, height - cylinder(found, along, across)), crown, float(np.degrees(np.arctan(turn)))
+        bare = _unworn(at[0], at[1], z - surface(found, at))
+        found = least_squares(lambda p, at, z: z - surface(p, at), found, args=(at[:, bare], z[bare])).x
+    _, along, across, turn = extent * np.append(found, np.zeros(4 - found.size))
+    crown = np.where(curved, (along, across), 0.0)[:, None] + turn * np.stack([-places[1], places[0]])
+    steep = (np.abs(places - crown) >= limit).any(axis=0)
+    rest = np.where(steep, np.nan, height.ravel() - surface(found, places)).reshape(height.shape)
+    return rest, None if of.crown_unknown else float(across), float(np.degrees(np.arctan(turn)))
 
 
 def _unworn(u: Array, v: Array, rest: Array) -> NDArray[np.bool_]:
@@ -195,8 +218,8 @@ def deviation(rest_um: Array) -> float:
     return max(1.4826 * float(np.median(np.abs(rest_um - np.median(rest_um)))), FINEST_um)
 
 
-def wire_direction_deg(x: Array, y: Array, height: Array, radius_um: float) -> float:
-    """Direction [deg] from x, of (−90°, 90°], of the axis of a wire of that radius with this surface (n_x, n_y).
+def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
+    """Direction [deg] from x, of (−90°, 90°], of the axis of a body so curved along and across, of surface (n_x, n_y).
 
     That about which a parabola and a plane leave the least, by the median: no scar on less than half of the map counts.
     """
@@ -204,11 +227,11 @@ def wire_direction_deg(x: Array, y: Array, height: Array, radius_um: float) -> f
     known = np.flatnonzero(np.isfinite(height.ravel()))
     known = known[:: max(known.size // FEWER_POINTS, 1)]
     u, v, z = places[0][known], places[1][known], height.ravel()[known]
-    plane = np.column_stack([np.ones_like(u), u, v])
+    plane, (k, m) = np.column_stack([np.ones_like(u), u, v]), curvatures_per_mm
 
     def left(angle_deg: float) -> float:
-        across = v * np.cos(np.radians(angle_deg)) - u * np.sin(np.radians(angle_deg))
-        flat = z + across**2 / (2.0 * radius_um)
+        cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+        flat = z + 5e-4 * (k * (u * cosine + v * sine) ** 2 + m * (v * cosine - u * sine) ** 2)
         rest = flat - plane @ np.linalg.lstsq(plane, flat, rcond=None)[0]
         for _ in range(ROUNDS):
             keep = np.abs(rest) <= np.median(np.abs(rest))
@@ -240,21 +263,21 @@ def surfaces_of(
             yield one
 
 
-def _scars_in(file: Path, source: ScarSource, wire: str, tables: Mapping, repeat: int) -> Iterator[MeasuredScar]:
-    wires = tables.wires
+def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, repeat: int) -> Iterator[MeasuredScar]:
+    body = tables.body(name)
     if source.kind == PROFILOMETER:
-        yield scar_of_map(MapOfWire(file, source, wires, wire, repeat))
+        yield scar_of_map(MapOfBody(file, source, body, repeat))
         return
-    given, columns = columns_of_levels(file, source, source.columns, f"scars.{wire}", repeat)
+    given, columns = columns_of_levels(file, source, source.columns, f"scars.{name}", repeat)
     for number in np.unique(columns["repeat"]):
         own: NDArray[np.bool_] = columns["repeat"] == number
         x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
         if given == "height_um":
-            yield scar_of_heights(MapOfWire(file, source, wires, wire, int(number)), (x, y, level))
+            yield scar_of_heights(MapOfBody(file, source, body, int(number)), (x, y, level))
             continue
         try:
-            scar = MeasuredScar.from_points(int(number), wire, x, y, level)
-            yield scar.turned(wires.axis_angle_deg(wire) if source.frame == "wire" else 0.0)
+            scar = MeasuredScar.from_points(int(number), name, x, y, level)
+            yield scar.turned(body.axis_angle_deg if source.frame == "wire" else 0.0)
         except RecordError as problem:
             raise RecordError(f"{file}: {problem}") from None
 
@@ -323,7 +346,7 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
 def _profiles_in(
     file: Path, source: ProfileSource, body: str, tables: LineTest, repeat: int
 ) -> Iterator[MeasuredProfile]:
-    face = dict(zip(tables.bodies, (tables.pad.profile, Flat()), strict=True))[body]
+    face = dict(zip(tables.body_names, (tables.pad.profile, Flat()), strict=True))[body]
     if source.kind == PROFILOMETER:
         heights = _line_of_map(file, source)
         yield levelled(file, repeat, body, face, heights, subtract=source.subtract_face)

@@ -1,0 +1,264 @@
+"""Experiment records of contacts at a point: written, read, checked, and imported from heights for any two bodies."""
+
+import dataclasses
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+from click.testing import CliRunner
+
+from tests.synthetic_results import AMPLITUDE_um, bowl, result
+from tests.test_point_contacts import STEEL
+from wirewear import RecordError, read_record, record_of_result, write_record, write_result
+from wirewear.faces import cli
+from wirewear.records import ExperimentRecord, check_record
+from wirewear.records.importing import import_record
+from wirewear.records.tables import RecordTables
+from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
+from wirewear.results import Evolution, RunResult, Scar
+from wirewear.study import study_from_tables
+from wirewear.views.comparison import compare
+
+RADIUS_mm, NOISE_um = 1.5, 0.02
+
+#: Both wear by so much; overlapping by the sum they touch within this radius.
+DEPTH_um = 2.0
+SPOT_um = float(np.sqrt(2e3 * RADIUS_mm * 2.0 * DEPTH_um))
+
+SHAPES: dict[str, dict[str, Any]] = {
+    "ball-on-flat": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": {"material": "steel"}},
+    "point-contact": {
+        "lower": {"shape": "cylinder", "diameter_mm": 2 * RADIUS_mm, "axis_angle_deg": 0.0, **STEEL},
+        "upper": {"shape": "cylinder", "diameter_mm": 2 * RADIUS_mm, "axis_angle_deg": 90.0, **STEEL},
+    },
+}
+
+
+def scar(body: str, driven: bool, radii_mm: tuple[float, float], axis_angle_deg: float) -> Scar:
+    """Worn by the other body, along the motion by the stroke longer if it is driven."""
+    length, width = SPOT_um + AMPLITUDE_um * driven, SPOT_um
+    sides = (width, length) if axis_angle_deg == 90.0 else (length, width)
+    plain = bowl(body, DEPTH_um, *sides, axis_angle_deg=axis_angle_deg)
+    return dataclasses.replace(plain, diameter_along_mm=2 * radii_mm[0], diameter_mm=2 * radii_mm[1])
+
+
+def run_of(kind: str) -> RunResult:
+    """A made-up run of bodies that make the same contact: a ball on a flat, or crossed cylinders of its radius."""
+    plain = result("", 2000.0)
+    energy = float(plain.evolution["accumulated_energy_J"][-1])
+    names = {"ball-on-flat": ("flat", "ball"), "point-contact": ("lower", "upper")}[kind]
+    scars = {
+        "ball-on-flat": (scar("flat", True, (np.inf, np.inf), 0.0), scar("ball", False, (RADIUS_mm, RADIUS_mm), 0.0)),
+        "point-contact": (scar("lower", True, (np.inf, RADIUS_mm), 0.0), scar("upper", False, (np.inf, RADIUS_mm), 90)),
+    }[kind]
+    worn = sum(one.volume_mm3 for one in scars)
+    tables = {
+        "format": 1,
+        "name": "made-up bodies",
+        "kind": kind,
+        "bodies": deepcopy(SHAPES[kind]),
+        "conditions": {
+            "normal_load_N": 2.0,
+            "displacement_amplitude_um": AMPLITUDE_um,
+            "frequency_Hz": 3.0,
+            "cycles": 100_000,
+        },
+        "contact": {"friction": 0.62},
+        "holder": {"tangential_stiffness_N_per_mm": 2000.0},
+        "wear": {"energy_wear_coefficient_mm3_per_J": worn / energy, "moving_share": scars[0].volume_mm3 / worn},
+    }
+    columns = {
+        name.replace("moving", names[0]).replace("fixed", names[1]): column
+        for name, column in plain.evolution.columns.items()
+    }
+    return dataclasses.replace(
+        plain,
+        study=study_from_tables(tables, "s.toml").resolved(),
+        contact_kind=kind,
+        bodies=names,
+        scars=scars,
+        evolution=Evolution(columns),
+    )
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path: Path, kind: str) -> None:
+    run = run_of(kind)
+    record = read_record(write_record(tmp_path / "record", record_of_result(run, depth_noise_um=NOISE_um)))
+    assert record.contact_kind == kind
+    assert [problem.text for problem in check_record(record).problems] == []
+    assert record.tables.study_of(believed(record), "s").bodies == study_from_tables(run.study, "s").bodies
+    for body in run.bodies:
+        assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.01)
+
+
+def believed(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:
+    from wirewear.records.believed import believed_tables
+
+    return believed_tables(record.tables, 0.62)
+
+
+def test_a_ball_is_as_stiff_as_hertz_and_mindlin_make_it_and_as_crossed_cylinders() -> None:
+    ball, crossed = (record_of_result(run_of(kind)).tables for kind in SHAPES)
+    steel = Elastic(STEEL["youngs_modulus_MPa"], STEEL["poissons_ratio"])
+    radius = hertz_point(2.0, RADIUS_mm, contact_modulus(steel, steel)).contact_radius_mm
+    expected = 1e-3 * mindlin_stiffness(tangential_contact_modulus(steel, steel), radius)
+    assert ball.contact_stiffness_N_per_um == pytest.approx(expected, rel=1e-3)
+    assert crossed.contact_stiffness_N_per_um == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("spoil", "says"),
+    [
+        (
+            lambda scar: dataclasses.replace(scar, x_um=scar.y_um, y_um=scar.x_um, depth_um=scar.depth_um.T),
+            "across the motion as the other",
+        ),
+        (lambda scar: dataclasses.replace(scar, depth_um=1e4 * scar.depth_um), "more than the smallest diameter"),
+        (lambda scar: dataclasses.replace(scar, depth_um=10.0 * scar.depth_um), "times as wide as both scars' depths"),
+    ],
+)
+def test_scars_of_a_ball_that_cannot_be_are_told(spoil: Any, says: str) -> None:
+    record = record_of_result(run_of("ball-on-flat"))
+    flat, ball = record.scars
+    told = check_record(dataclasses.replace(record, scars=(spoil(flat), ball))).problems
+    assert any(says.lower() in problem.text.lower() for problem in told), told
+
+
+def test_maps_of_two_bodies_that_touch_alike_are_judged_alike() -> None:
+    """To second order a ball on a flat is crossed cylinders: what is odd about the one's scars is about the other's."""
+    told = []
+    for kind in SHAPES:
+        record = record_of_result(run_of(kind))
+        driven, held = record.scars
+        record = dataclasses.replace(record, scars=(dataclasses.replace(driven, depth_um=9.0 * driven.depth_um), held))
+        texts = " ".join(problem.text for problem in check_record(record).problems)
+        told.append(texts.replace("flat's", "lower body's").replace("ball's", "upper body's"))
+    assert told[0] == told[1] != ""
+
+
+@pytest.mark.parametrize("kind", SHAPES)
+def test_heights_of_any_bodies_come_back_as_their_scars(tmp_path: Path, kind: str) -> None:
+    """Tilted, raised and off the middle, as a profilometer has them."""
+    run = run_of(kind)
+    write_result(tmp_path / "result.h5", run)
+    noise = f"depth_um={NOISE_um},displacement_um=0.1,tangential_force_N=0.01"
+    call = ["export", str(tmp_path / "result.h5"), "--as-heights", str(tmp_path), "--samples", "128", "--noise", noise]
+    assert (found := CliRunner().invoke(cli, call)).exit_code == 0, found.output
+    for path in tmp_path.glob("scar_*.csv"):
+        table = pl.read_csv(path)
+        tilted = table["height_um"] + 0.01 * table["x_um"] - 0.02 * table["y_um"] + 7.0
+        table.with_columns(tilted, table["x_um"] + 40.0).write_csv(path)
+    if kind == "ball-on-flat":
+        files = [str(path) for path in sorted(tmp_path.glob("*.csv"))]
+        told = ["--kind", kind, "--diameter", str(2 * RADIUS_mm), "--frequency", "3"]
+        guessed = CliRunner().invoke(cli, ["new", "--mapping", *files, *told])
+        assert guessed.exit_code == 0, guessed.output
+    else:
+        (tmp_path / "mapping.toml").write_text(MAPPING, encoding="utf-8")
+    record = import_record(tmp_path / "mapping.toml")
+    assert record.contact_kind == kind
+    for body in run.bodies:
+        assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.03), body
+    assert [one.text for one in check_record(record).problems] == []
+    shifts = [pair.registrations[0] for pair in compare(run, record).scars]
+    assert max(abs(one.shift_x_um) + abs(one.shift_y_um) for one in shifts) < 5.0
+
+
+def test_a_run_of_another_ball_is_not_of_the_records_test() -> None:
+    run = run_of("ball-on-flat")
+    record = record_of_result(run)
+    other = deepcopy(run.study)
+    other["bodies"]["ball"]["diameter_mm"] = 6.0
+    assert compare(run, record).unlike is None
+    told = compare(dataclasses.replace(run, study=other), record).unlike
+    assert told is not None
+    assert "diameter_mm of the ball is 6 in the run and 3 in the record" in told
+
+
+MAPPING = f"""
+format = 1
+name = "crossed cylinders"
+[contact]
+kind = "point-contact"
+[bodies.lower]
+shape = "cylinder"
+diameter_mm = {2 * RADIUS_mm}
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[bodies.upper]
+shape = "cylinder"
+diameter_mm = {2 * RADIUS_mm}
+axis_angle_deg = 90.0
+youngs_modulus_MPa = 210000.0
+poissons_ratio = 0.3
+[conditions]
+normal_load_N = 2.0
+displacement_amplitude_um = {AMPLITUDE_um}
+frequency_Hz = 3.0
+cycles = 100000
+[loops]
+files = "loops.csv"
+columns = {{ displacement_um = "displacement_um", tangential_force_N = "tangential_force_N", cycle = "cycle" }}
+[scars.lower]
+files = "scar_lower_1.csv"
+columns = {{ x_um = "x_um", y_um = "y_um", height_um = "height_um" }}
+[scars.upper]
+files = "scar_upper_1.csv"
+columns = {{ x_um = "x_um", y_um = "y_um", height_um = "height_um" }}
+"""
+
+
+def changed(folder: Path, old: str, new: str) -> Path:
+    write_record(folder, record_of_result(run_of("ball-on-flat")))
+    path = folder / "experiment.toml"
+    text = path.read_text(encoding="utf-8")
+    assert old in text
+    path.write_text(text.replace(old, new), encoding="utf-8")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "says"),
+    [
+        ('kind = "ball-on-flat"', 'kind = "ball-on-ball"', "'ball-on-ball'"),
+        ("diameter_mm = 3.0", "diameter_mm = 3000.0", "diameter_mm"),
+        ("diameter_mm = 3.0", "", "diameter_mm"),
+        ("[bodies.ball]", "[bodies.bal]", "bodies"),
+        ('scar_ball = "scar_ball.csv"', 'scar_bal = "scar_ball.csv"', "scar_bal"),
+        ('[contact]\nkind = "ball-on-flat"', "", "contact"),
+        ('scar_ball = "scar_ball.csv"', 'scar_fixed = "scar_ball.csv"', "a ball-on-flat has a flat and a ball"),
+    ],
+)
+def test_what_a_record_of_bodies_says_wrongly_is_told_in_one_sentence(
+    tmp_path: Path, old: str, new: str, says: str
+) -> None:
+    with pytest.raises(RecordError) as caught:
+        read_record(changed(tmp_path / "record", old, new))
+    assert says in str(caught.value)
+    assert "\n" not in str(caught.value)
+
+
+def test_bodies_that_touch_along_a_line_are_no_record_of_a_point(tmp_path: Path) -> None:
+    write_record(tmp_path, record_of_result(run_of("point-contact")))
+    path = tmp_path / "experiment.toml"
+    text = path.read_text(encoding="utf-8").replace("axis_angle_deg = 90.0", "axis_angle_deg = 0.5")
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(RecordError, match="touch along a line"):
+        read_record(tmp_path)
+
+
+def test_a_record_without_a_kind_is_still_one_of_crossed_wires(tmp_path: Path) -> None:
+    wires = dataclasses.replace(result("", 167.0), scars=(bowl("moving", 6.0, 110.0, 60.0), bowl("fixed", 8.0, 60, 60)))
+    wires = dataclasses.replace(wires, study=STUDY_OF_WIRES)
+    assert isinstance(read_record(write_record(tmp_path, record_of_result(wires))).tables, RecordTables)
+
+
+STUDY_OF_WIRES: dict[str, Any] = {
+    "wires": {"diameter_mm": 0.45, "crossing_angle_deg": 90.0, **STEEL},
+    "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000},
+    "contact": {"friction": 0.62},
+}
