@@ -36,7 +36,7 @@ PICTURES = (
 ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 
-class PointRecordTables(Recorded):
+class PointRecord(Recorded):
     """The record of one run of a contact at a point."""
 
     length_mm = None
@@ -142,7 +142,7 @@ def run_study(
     return run_planned(
         study,
         RunPlan.of,
-        PointRecordTables,
+        PointRecord,
         fidelity,
         Path(output),
         engine_for,
@@ -206,7 +206,7 @@ def simulate(study: Study, *, fidelity: str = "standard", observer: Observer | N
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)
     kept = InMemory(plan.identity)
-    return cycle_through(plan.test, PointRecordTables(plan), kept, observer or NoObserver(), resume=False)
+    return cycle_through(plan.test, PointRecord(plan), kept, observer or NoObserver(), resume=False)
 
 
 def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
