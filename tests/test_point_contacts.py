@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geometry import WireGeometry
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
@@ -65,6 +66,13 @@ def test_its_hertz_contact_is_that_of_a_sphere_and_of_crossed_cylinders() -> Non
         assert hertz.approach_mm == pytest.approx(sphere.approach_mm)
 
 
+def test_a_tube_is_meshed_with_its_bore_and_held_where_it_is_said_to_be() -> None:
+    tube = cylinder(90.0, shape="tube", bore_mm=10.0, held_at="ends")
+    held = discretise(study(bodies(cylinder(0.0), tube)), "quick").fixed
+    assert isinstance(held, WireGeometry)
+    assert (held.diameter_mm, held.bore_mm, held.gripped_at_ends) == (12.7, 10.0, True)
+
+
 @pytest.mark.parametrize("angle_deg", [5.0, 15.0, 90.0])
 def test_cylinders_cross_at_any_angle_from_5_degrees(angle_deg: float) -> None:
     long = discretise(study(bodies(cylinder(0.0), cylinder(angle_deg)), wear=None), "quick")
@@ -83,6 +91,10 @@ def test_cylinders_cross_at_any_angle_from_5_degrees(angle_deg: float) -> None:
         (bodies(cylinder(0.0), cylinder(90.0, shape="barrel")), {}, "diameter_along_mm"),
         (bodies(cylinder(0.0), {"shape": "ball", **STEEL}), {}, "diameter_mm"),
         (bodies(cylinder(0.0, shape="cube"), cylinder(90.0)), {}, "shape"),
+        (bodies(cylinder(0.0), cylinder(90.0, shape="tube")), {}, "bore_mm"),
+        (bodies(cylinder(0.0), cylinder(90.0, shape="wire", bore_mm=3.0)), {}, "bore_mm"),
+        (bodies(cylinder(0.0), cylinder(90.0, shape="tube", bore_mm=12.6)), {}, "a bore of at most 12.19 mm"),
+        (bodies(cylinder(0.0), cylinder(90.0, held_at="ends")), {}, "held_at"),
         (BALL, {"conditions": TEST["conditions"] | {"motion_angle_deg": 20.0}}, "motion_angle_deg"),
         (BALL, {"scatter": {"crossing_angle_deg": 1.0}}, "crossing_angle_deg"),
         (BALL, {"effects": [{"name": "crossing_angle_error", "angle_deg": 2.0}]}, "crossing_angle_error"),

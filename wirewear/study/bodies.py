@@ -75,12 +75,14 @@ class Body(ABC):
 
 @dataclass(frozen=True)
 class Wire(Body):
-    """A wire, with `[wires]` and its own table put together; a length of None leaves it to the program."""
+    """A wire or, with a bore, a tube: its tables put together; a length of None leaves it to the program."""
 
     diameter_mm: float
     length_mm: float | None
     grip_angle_deg: float
     grip_length_mm: float | None
+    held_at: Literal["back", "ends"] = "back"
+    bore_mm: float = 0.0
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
@@ -88,7 +90,7 @@ class Wire(Body):
         return 0.0, 2.0 / self.diameter_mm
 
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> WireGeometry:
-        """A round bar held about its back."""
+        """A round bar held about its back or at its ends."""
         reach, limit = transverse.half_extent_mm, 0.42 * self.diameter_mm
         if reach > limit:
             raise StudyError(
@@ -114,6 +116,8 @@ class Wire(Body):
             grip_half_length_mm=None if self.grip_length_mm is None else 0.5 * self.grip_length_mm,
             grip_stiffness_N_per_mm3=self.bedding_N_per_mm3,
             layering=layering,
+            gripped_at_ends=self.held_at == "ends",
+            bore_mm=self.bore_mm,
         )
 
 

@@ -26,7 +26,11 @@ BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"
 
 #: Shapes that are blocks: whether they are curved along and across.
 _CURVED = {"ball": (True, True), "flat": (False, False), "cylinder": (False, True), "barrel": (True, True)}
-SHAPES = (*_CURVED, "wire")
+#: Those that are round bars.
+_ROUND = ("wire", "tube")
+SHAPES = (*_CURVED, *_ROUND)
+#: Thinnest wall of a tube, as a share of its diameter.
+_THINNEST_WALL = 0.02
 
 #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 FLATTEST = 1e-3
@@ -91,10 +95,11 @@ class _Shape(Table):
     """What is stated first of a body of any shape."""
 
     shape: Annotated[str, PlainValidator(one_of(*SHAPES))] = Field(
-        description="ball, flat, cylinder (a block with a cylindrical face), barrel or wire (a round bar)"
+        description="ball, flat, cylinder (a block with a cylindrical face), barrel, wire (a round bar) or tube"
     )
     diameter_mm: Diameter | None = Field(None, description="diameter, of a barrel across its axis; a flat has none")
     diameter_along_mm: Diameter | None = Field(None, description="diameter of a barrel's profile along its axis")
+    bore_mm: Diameter | None = Field(None, description="inner diameter of a tube")
     axis_angle_deg: AxisAngle = Field(
         0.0, description="angle of its axis to the motion, about the normal that points upwards"
     )
@@ -103,7 +108,12 @@ class _Shape(Table):
 class ShapedBody(GrippedBody, _Shape):
     """A body of any shape."""
 
-    grip_angle_deg: GripAngle = Field(90.0, description="part of a wire's circumference, about its back, that is held")
+    grip_angle_deg: GripAngle = Field(
+        90.0, description="part of a wire's or tube's circumference, about its back, that is held"
+    )
+    held_at: Annotated[Literal["back", "ends"], PlainValidator(one_of("back", "ends"))] = Field(
+        "back", description="where a wire or tube is held"
+    )
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
@@ -112,23 +122,36 @@ class ShapedBody(GrippedBody, _Shape):
         own = self.diameter_along_mm or self.diameter_mm
         return 2.0 / own if along and own else 0.0, 2.0 / self.diameter_mm if across and self.diameter_mm else 0.0
 
-    def missing(self) -> str | None:
+    def missing(self) -> Inconsistency | None:
         """What is to be given or left out for that shape."""
         if (self.diameter_mm is None) != (self.shape == "flat"):
-            return f"is {'missing' if self.diameter_mm is None else 'given'}, but a {self.shape} has " + (
-                "no diameter" if self.shape == "flat" else "one"
+            return Inconsistency(
+                ("diameter_mm",),
+                f"is {'missing' if self.diameter_mm is None else 'given'}, but a {self.shape} has "
+                + ("no diameter" if self.shape == "flat" else "one"),
             )
-        if (self.diameter_along_mm is None) == (self.shape == "barrel"):
-            return "needs diameter_along_mm beside it if it is a barrel's, and none otherwise"
+        for key, shape in (("diameter_along_mm", "barrel"), ("bore_mm", "tube")):
+            if (getattr(self, key) is None) == (self.shape == shape):
+                return Inconsistency((key,), f"belongs to a {shape} and to no other shape")
+        if self.held_at == "ends" and self.shape not in _ROUND:
+            return Inconsistency(("held_at",), f'is "ends", but a {self.shape} is held at its back and sides')
+        widest = (1.0 - 2.0 * _THINNEST_WALL) * (self.diameter_mm or 0.0)
+        if self.bore_mm and self.bore_mm > widest:
+            return Inconsistency(
+                ("bore_mm",),
+                f"is {self.bore_mm:g}, but a tube of {self.diameter_mm:g} mm is meshed with a bore of at most "
+                f"{widest:.4g} mm",
+            )
         return None
 
     def body(self, name: str, size_mm: float) -> Body:
         """As simulations take it."""
-        if self.shape != "wire":
+        if self.shape not in _ROUND:
             return self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
         length = None if self.half_width_mm is None else 2.0 * self.half_width_mm
-        return Wire(name, *held, self.axis_angle_deg, self.diameter_mm or 0.0, length, self.grip_angle_deg, None)
+        across, bore = self.diameter_mm or 0.0, self.bore_mm or 0.0
+        return Wire(name, *held, self.axis_angle_deg, across, length, self.grip_angle_deg, None, self.held_at, bore)
 
 
 class LowerAndUpper(Table):
@@ -145,8 +168,8 @@ class LowerAndUpper(Table):
     def contradiction(self) -> Inconsistency | None:
         """Shapes without their diameters, or bodies that touch along a line."""
         for name, body in (("lower", self.lower), ("upper", self.upper)):
-            if (problem := body.missing()) is not None:
-                return Inconsistency(("bodies", name, "diameter_mm"), problem)
+            if (unfit := body.missing()) is not None:
+                return Inconsistency(("bodies", name, *unfit.keys), unfit.problem)
         crossing = radians(self.upper.axis_angle_deg - self.lower.axis_angle_deg)
         small, large, _ = gap_curvatures(self.lower.curvatures_per_mm, self.upper.curvatures_per_mm, crossing)
         if small > FLATTEST * large:
