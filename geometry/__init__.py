@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from geometry.mesh_motion import mirror_images
     from geometry.patch import ContactPatch
     from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
-    from geometry.profiles import Barrel, Cylinder, EvenProfile, Flat, Profile, RoundedFlat
+    from geometry.profiles import Barrel, Cylinder, Flat, Profile, RoundedFlat, TabledProfile
     from geometry.quadmesh import QuadMesh
     from geometry.wire import WireGeometry
 
@@ -30,7 +30,6 @@ __all__ = [
     "Cylinder",
     "EdgeGradedAxis",
     "Elastic",
-    "EvenProfile",
     "Flat",
     "GeometryError",
     "GradedAxis",
@@ -41,6 +40,7 @@ __all__ = [
     "Profile",
     "QuadMesh",
     "RoundedFlat",
+    "TabledProfile",
     "WireGeometry",
     "build_body",
     "build_planar",

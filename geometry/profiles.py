@@ -151,10 +151,15 @@ class Flat:
 
 @dataclass(frozen=True)
 class RoundedFlat:
-    """A flat face of half-width b along the body's axis whose edges are rounded with a radius."""
+    """A flat face of half-width b along the body's axis whose edges are rounded with a radius.
+
+    cut: the edges are what a flat cut off a cylinder of that radius leaves of it, with a corner at b, in place of arcs
+    that begin level there.
+    """
 
     half_width_mm: float
     edge_radius_mm: float
+    cut: bool = False
 
     def __post_init__(self) -> None:
         if not (self.half_width_mm >= 0.0 and self.edge_radius_mm > 0.0):
@@ -162,18 +167,23 @@ class RoundedFlat:
                 "a flat face with rounded edges needs a half-width of at least 0 and a positive edge radius, but has "
                 f"{self.half_width_mm} and {self.edge_radius_mm} mm"
             )
+        if self.cut and not self.half_width_mm < _REACH * self.edge_radius_mm:
+            raise GeometryError(
+                f"a flat of half-width {self.half_width_mm} mm is no face cut off a radius of {self.edge_radius_mm} mm"
+            )
 
     def height(self, plane_mm: Array) -> Array:
         """Zero on the flat, that of the rounding beside it."""
-        return self._edge.height(self._beyond(plane_mm))
+        brink = self._edge.height(np.array([[self.half_width_mm - self._centre_mm, 0.0]]))
+        return np.asarray(self._edge.height(self._beyond(plane_mm)) - brink)
 
     def slope(self, plane_mm: Array) -> Array:
         """Zero on the flat, that of the rounding beside it."""
-        return self._edge.slope(self._beyond(plane_mm))
+        return self._edge.slope(self._beyond(plane_mm)) * (np.abs(plane_mm[:, :1]) > self.half_width_mm)
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
         """GeometryError when the patch reaches the end of the rounding."""
-        if along_mm >= self.half_width_mm + self.edge_radius_mm:
+        if along_mm >= self._centre_mm + self.edge_radius_mm:
             raise GeometryError(
                 f"a contact patch {along_mm} mm to the side does not fit on a face of half-width {self.half_width_mm} "
                 f"mm with edges rounded by {self.edge_radius_mm} mm"
@@ -181,36 +191,62 @@ class RoundedFlat:
 
     def scaled(self, factor: float) -> RoundedFlat:
         """The same face in another unit of length."""
-        return RoundedFlat(factor * self.half_width_mm, factor * self.edge_radius_mm)
+        return RoundedFlat(factor * self.half_width_mm, factor * self.edge_radius_mm, self.cut)
 
     @property
     def _edge(self) -> Cylinder:
         return Cylinder(self.edge_radius_mm, curved_along=True)
 
+    @property
+    def _centre_mm(self) -> float:
+        """Where the arcs' centres lie to each side of the middle."""
+        return 0.0 if self.cut else self.half_width_mm
+
     def _beyond(self, plane_mm: Array) -> Array:
         x = plane_mm[:, 0]
-        beyond = np.sign(x) * np.maximum(np.abs(x) - self.half_width_mm, 0.0)
+        beyond = np.copysign(np.maximum(np.abs(x), self.half_width_mm) - self._centre_mm, x)
         return np.column_stack([beyond, plane_mm[:, 1]])
 
 
 @dataclass(frozen=True)
-class EvenProfile:
-    """A face given by points (x, fall) in mm on one side of its highest line, from (0, 0) on; the other side is alike.
+class TabledProfile:
+    """A face given by points (x, fall) in mm along the body's axis, x increasing, the least fall being 0.
 
-    Between the points it is a smooth curve without bumps (monotone cubics), level in the middle.
+    From x = 0 on they stand for both sides, which are alike; else there are points on either side. Between them the
+    face is a smooth curve without bumps of its own (monotone cubics), where both sides are alike level in the middle.
     """
 
     points_mm: tuple[tuple[float, float], ...]
 
     def __post_init__(self) -> None:
         x, fall = np.array(self.points_mm, dtype=float).reshape(-1, 2).T
-        if not (len(x) >= 3 and x[0] == fall[0] == 0.0 and (np.diff(x) > 0.0).all() and (np.diff(fall) >= 0.0).all()):
+        sided = len(x) >= 3 and (x[0] == 0.0 or x[0] < 0.0 < x[-1])
+        if not (sided and (np.diff(x) > 0.0).all() and fall.min() == 0.0):
             raise GeometryError(
-                "a profile needs at least three points (x, fall), the first of them (0, 0), with x increasing and the "
-                "fall nowhere decreasing"
+                "a profile needs at least three points (x, fall) with x increasing from 0, or from below to above it, "
+                "and a least fall of 0"
             )
-        if not fall[-1] > 0.0:
+        if not self._hull[1][-1] > 0.0:
             raise GeometryError("a profile that falls nowhere has no edge; give its points as far as it falls")
+
+    @property
+    def is_even(self) -> bool:
+        """Whether both sides are alike because one stands for both."""
+        return self.points_mm[0][0] == 0.0
+
+    @property
+    def reach_mm(self) -> float:
+        """How far it goes to both sides."""
+        first, last = self.points_mm[0][0], self.points_mm[-1][0]
+        return last if self.is_even else min(-first, last)
+
+    @property
+    def even(self) -> TabledProfile:
+        """The face, alike on both sides, that has fallen as much where this one has everywhere beyond, on either side.
+
+        A contact with this face lies within the one with that.
+        """
+        return TabledProfile(tuple(zip(*(values.tolist() for values in self._hull), strict=True)))
 
     def height(self, plane_mm: Array) -> Array:
         """Minus the fall."""
@@ -223,23 +259,37 @@ class EvenProfile:
 
     def require_within(self, along_mm: float, across_mm: float) -> None:  # noqa: ARG002 - the face is straight across
         """GeometryError when the patch reaches beyond the points."""
-        if along_mm > self.points_mm[-1][0]:
+        if along_mm > self.reach_mm:
             raise GeometryError(
-                f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at "
-                f"{self.points_mm[-1][0]} mm"
+                f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at {self.reach_mm} mm"
             )
 
-    def scaled(self, factor: float) -> EvenProfile:
+    def scaled(self, factor: float) -> TabledProfile:
         """The same face in another unit of length."""
-        return EvenProfile(tuple((factor * x, factor * fall) for x, fall in self.points_mm))
+        return TabledProfile(tuple((factor * x, factor * fall) for x, fall in self.points_mm))
+
+    @cached_property
+    def _both_sides(self) -> tuple[Array, Array]:
+        x, fall = np.array(self.points_mm, dtype=float).T
+        if not self.is_even:
+            return x, fall
+        return np.concatenate([-x[:0:-1], x]), np.concatenate([fall[:0:-1], fall])
+
+    @cached_property
+    def _hull(self) -> tuple[Array, Array]:
+        """Distances from the middle, and the least fall from there on."""
+        x, fall = self._both_sides
+        inwards = np.argsort(-np.abs(x), kind="stable")
+        least = np.minimum.accumulate(fall[inwards])
+        far = np.unique(np.append(0.0, np.abs(x)[np.abs(x) <= self.reach_mm]))
+        return far, least[np.searchsorted(-np.abs(x)[inwards], -far, side="right") - 1]
 
     @cached_property
     def _fall(self) -> PchipInterpolator:
         from scipy.interpolate import PchipInterpolator
 
-        x, fall = np.array(self.points_mm, dtype=float).T
-        return PchipInterpolator(np.concatenate([-x[:0:-1], x]), np.concatenate([fall[:0:-1], fall]))
+        return PchipInterpolator(*self._both_sides)
 
     def _clipped(self, plane_mm: Array) -> Array:
-        most = self.points_mm[-1][0]
-        return np.clip(plane_mm[:, 0], -most, most)
+        x = self._both_sides[0]
+        return np.clip(plane_mm[:, 0], x[0], x[-1])

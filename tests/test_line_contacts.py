@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import Cylinder, EvenProfile, RoundedFlat
+from geometry import Cylinder, RoundedFlat, TabledProfile
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
@@ -92,7 +92,7 @@ def worn_flat() -> RunResult:
 
 def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None:
     x = np.linspace(0.0, 1.5, 301)
-    by_points = EvenProfile(tuple(zip(x, x**2 / 12.0, strict=True)))
+    by_points = TabledProfile(tuple(zip(x, x**2 / 12.0, strict=True)))
     hertz = reference.hertz_line(120.0, 6.0, MODULUS)
     for face, tolerance in ((Cylinder(6.0, curved_along=True), 2e-4), (by_points, 2e-3)):
         contact = reference.even_line_contact(face, 120.0, MODULUS, 1.0)

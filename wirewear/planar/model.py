@@ -10,11 +10,11 @@ from geometry import (
     Cylinder,
     EdgeGradedAxis,
     Elastic,
-    EvenProfile,
     Flat,
     GradedAxis,
     PlanarGeometry,
     RoundedFlat,
+    TabledProfile,
     build_planar,
 )
 from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
@@ -22,9 +22,10 @@ from wirewear import reference
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import counted
-from wirewear.planar.tables import Face, PlanarHolder, PlanarStudy
+from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
+from wirewear.study.faces import Face
 from wirewear.study.fidelity import LINE_LEVELS, level_of
 
 _ACROSS_RADIUS = 0.8
@@ -48,9 +49,9 @@ def half_width_of(face: Face) -> float:
         case Cylinder(radius_mm=radius):
             return min(_WIDEST_mm, _ACROSS_RADIUS * radius)
         case RoundedFlat(half_width_mm=flat, edge_radius_mm=radius):
-            return flat + min(_WIDEST_mm, _ACROSS_RADIUS * radius)
-        case EvenProfile(points_mm=points):
-            return min(_WIDEST_mm, points[-1][0])
+            return min(flat + _WIDEST_mm, _ACROSS_RADIUS * radius + (0.0 if face.cut else flat))
+        case TabledProfile():
+            return min(_WIDEST_mm, face.reach_mm)
 
 
 def fresh_contact(
@@ -83,8 +84,8 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
             return contact.half_width_mm + radius * tilt_rad
         case RoundedFlat(half_width_mm=flat, edge_radius_mm=radius):
             return flat + reach_mm + radius * tilt_rad
-        case EvenProfile(points_mm=points):
-            x = np.linspace(0.0, points[-1][0], 400)
+        case TabledProfile():
+            x = np.linspace(0.0, face.reach_mm, 400)
             steep = -face.slope(np.column_stack([x, np.zeros_like(x)]))[:, 0] >= tilt_rad
             return contact.half_width_mm + float(x[steep][0] if steep.any() else x[-1])
 
@@ -151,7 +152,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     Raises:
         StudyError: the patch does not fit on a body.
     """
-    level, mesh, conditions, face = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
+    level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
+    face = stated.even if isinstance(stated, TabledProfile) else stated
     load, stroke = conditions.normal_load_N_per_mm, 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
     pad_half = study.pad.half_width_mm or half_width_of(face)
@@ -188,7 +190,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     length = study.log.pressure_length_um
     far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
     return PlanarPlan(
-        pad=study.pad.held(PlanarGeometry(face, pad_half, study.pad.height_mm, along(0.0), far)),
+        pad=study.pad.held(PlanarGeometry(stated, pad_half, study.pad.height_mm, along(0.0), far)),
         specimen=study.specimen.held(
             PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far)
         ),

@@ -6,7 +6,7 @@ from typing import Any
 from solvers import Coulomb
 from wirewear.base.errors import StudyError
 from wirewear.effects import Seam
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.tables import CYLINDER_ON_FLAT, PlanarStudy
 from wirewear.study.consistency import log_within, merged
 from wirewear.study.messages import validated
 from wirewear.study.reading import variants_in
@@ -35,7 +35,7 @@ def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
 
 
 def _require_one_face(study: PlanarStudy, where: str) -> None:
-    if (wanted := study.pad.missing_face(study.kind)) is not None:
+    if (wanted := study.pad.missing_face(round_alone=study.kind == CYLINDER_ON_FLAT)) is not None:
         raise StudyError(f"[pad] in {where} does not say which face the pad has: {wanted}.")
 
 

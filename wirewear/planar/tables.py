@@ -4,13 +4,14 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import BeforeValidator, Field, PlainValidator, PrivateAttr
+from pydantic import Field, PlainValidator, PrivateAttr
 
-from geometry import Cylinder, Elastic, EvenProfile, GeometryError, PlanarGeometry, RoundedFlat
+from geometry import Elastic, PlanarGeometry
 from solvers import Coulomb
 from wirewear.base.errors import StudyError
-from wirewear.base.quantity import Quantity, shown
+from wirewear.base.quantity import Quantity
 from wirewear.effects import Effect
+from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import (
     Amplitude,
     ArchardCoefficient,
@@ -41,9 +42,6 @@ from wirewear.study.template import Template
 CYLINDER_ON_FLAT = "cylinder-on-flat"
 KINDS = ("line-contact", CYLINDER_ON_FLAT)
 
-Face = Cylinder | RoundedFlat | EvenProfile
-
-Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
 LineLoad = Annotated[float, PlainValidator(Quantity("N_per_mm", 1e-3, 1e5))]
 LineStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm2", 1.0, 1e8, words=("rigid",)))]
@@ -60,25 +58,6 @@ _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2"
 
 #: An alloy like Ti-6Al-4V.
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}
-
-
-def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
-    points = []
-    for item in value if isinstance(value, list | tuple) else [None]:
-        pair = item if isinstance(item, list | tuple) else []
-        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) for x in pair):
-            raise ValueError(
-                f"is {shown(value)}, but must be a list of pairs such as [[0, 0], [0.5, 0.001], [1, 0.02]]"
-            )
-        points.append((float(pair[0]), float(pair[1])))
-    try:
-        EvenProfile(tuple(points))
-    except GeometryError as problem:
-        raise ValueError(f"does not describe a face: {problem}") from None
-    return tuple(points)
-
-
-ProfilePoints = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_profile)]
 
 
 class MaterialTable(OfMaterial):
@@ -124,44 +103,7 @@ class HeldTable(MaterialTable):
         )
 
 
-class PadFace(Table):
-    """The face of a pad: a cylinder, a flat with rounded edges, or any even profile."""
-
-    radius_mm: Radius | None = Field(None, description="radius of a cylindrical pad", examples=[40.0])
-    face_half_width_mm: Extent | None = Field(
-        None, description="half-width of the flat part of a flat pad's face", examples=[1.9]
-    )
-    edge_radius_mm: Radius | None = Field(None, description="radius of a flat pad's rounded edges", examples=[3.0])
-    profile_points_mm: ProfilePoints | None = Field(
-        None,
-        description="any other pad: pairs [x, fall below the middle] from [0, 0] on, in mm, the same to both sides",
-    )
-
-    @property
-    def profile(self) -> Face:
-        """The face itself; a pad has exactly one."""
-        if self.profile_points_mm is not None:
-            return EvenProfile(self.profile_points_mm)
-        if self.face_half_width_mm is not None and self.edge_radius_mm is not None:
-            return RoundedFlat(self.face_half_width_mm, self.edge_radius_mm)
-        return Cylinder(self.radius_mm or 0.0, curved_along=True)
-
-    def missing_face(self, kind: str) -> str | None:
-        """What is to be given so that a pad of that kind of contact has one face; None where it has."""
-        flat = self.face_half_width_mm is not None, self.edge_radius_mm is not None
-        faces = (self.radius_mm is not None, any(flat), self.profile_points_mm is not None)
-        if sum(faces) == 1 and any(flat) == all(flat) and (kind != CYLINDER_ON_FLAT or faces[0]):
-            return None
-        if kind == CYLINDER_ON_FLAT:
-            return "give radius_mm, the radius of the cylinder, and no other face"
-        return "give radius_mm, or face_half_width_mm and edge_radius_mm, or profile_points_mm"
-
-
-#: The keys of a face.
-FACE_KEYS = tuple(PadFace.model_fields)
-
-
-class Pad(PadFace, HeldTable):
+class Pad(PadFaceOrFile, HeldTable):
     """The pad, held by the rig, above the specimen."""
 
     height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")

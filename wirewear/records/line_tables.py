@@ -8,7 +8,7 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
 from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, Extent, Pad, PadFace, PlanarStudy, Specimen
+from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord
 from wirewear.records.surfaces import PROFILES
@@ -24,6 +24,7 @@ from wirewear.records.tables import (
     known_of,
 )
 from wirewear.results.scar import BODIES
+from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import (
     ArchardCoefficient,
     MaterialName,
@@ -276,7 +277,7 @@ class LineTest(OfRecord):
         Raises:
             RecordError: it has none, or several.
         """
-        if (wanted := self.pad.missing_face(self.contact.kind)) is not None:
+        if (wanted := self.pad.missing_face(round_alone=self.contact.kind == CYLINDER_ON_FLAT)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 
     @property

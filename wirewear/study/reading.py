@@ -13,6 +13,9 @@ from wirewear.study.consistency import checked_tables, merged
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS
 
+#: Keys that name a file.
+FILE_KEYS = ("profile_file",)
+
 
 def load_study(path: str | Path) -> Study:
     """Read a study from a TOML file.
@@ -30,7 +33,19 @@ def read_study(path: str | Path) -> dict[str, Any]:
         StudyError: it cannot be read, or is another file of ours or of a laboratory; the message is one sentence.
     """
     require_no_other(Path(path), StudyError, Held.STUDY)
-    return read_toml(Path(path), StudyError, "study file")
+    return _found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
+
+
+def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
+    """The table with the files that it names beside the study's own."""
+    return {
+        key: _found_from(folder, value)
+        if isinstance(value, dict)
+        else str(folder / value)
+        if key in FILE_KEYS and isinstance(value, str)
+        else value
+        for key, value in table.items()
+    }
 
 
 def parse_study(text: str, where: str) -> Study:

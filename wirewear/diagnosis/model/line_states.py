@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry import TabledProfile
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
@@ -27,8 +28,8 @@ from wirewear.diagnosis.model.loop_states import (
     travelled,
 )
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.planar.tables import Face
 from wirewear.reference import Elastic, contact_modulus
+from wirewear.study.faces import Face
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
@@ -101,8 +102,12 @@ class LineStates(WearStates):
         """States of a run of a line contact, of `length_mm` of it.
 
         Raises:
-            RunError: the run has no loops in gross slip.
+            RunError: the run has no loops in gross slip, or the face is not even.
         """
+        if isinstance(face, TabledProfile) and not face.is_even:
+            raise RunError(
+                f"the pad of {result.name!r} differs from side to side, and a diagnosis takes faces that are even."
+            )
         study, result = result.study, result.of_length(length_mm)
         friction = float(study["contact"]["friction"])
         load = length_mm * float(study["conditions"]["normal_load_N_per_mm"])
@@ -293,5 +298,5 @@ def _radius_mm(face: Face) -> float:
             return radius
         case RoundedFlat(edge_radius_mm=radius):
             return radius
-    x, fall = face.points_mm[-1]
+    x, fall = face.even.points_mm[-1]
     return x**2 / (2.0 * fall)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from solvers import OxygenSupply
 from wirewear.diagnosis.model.loop_states import crossings
-from wirewear.planar.tables import Face
+from wirewear.study.faces import Face
 
 Array = NDArray[np.float64]
 

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.tables import CYLINDER_ON_FLAT, FACE_KEYS, KINDS, PadFace
+from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.guessed_scars import map_source
 from wirewear.records.importing.guessing import (
@@ -20,6 +20,7 @@ from wirewear.records.importing.guessing import (
 )
 from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.line_tables import LineTest, RecordContact
+from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.messages import validated
 
 #: Words in a file's name that tell whose profile it holds.
@@ -53,7 +54,7 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
         raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
     validated(RecordContact, {"kind": KINDS[0], "length_mm": length}, "the options", RecordError)
     face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
-    if validated(PadFace, face, "the options", RecordError).missing_face(KINDS[0]) is not None:
+    if validated(PadFace, face, "the options", RecordError).missing_face() is not None:
         raise RecordError(
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
@@ -63,7 +64,7 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
     tables: dict[str, Any] = {
         "format": 1,
         "name": known.get("name", name_of_folder(files)),
-        "contact": {"kind": CYLINDER_ON_FLAT if "radius_mm" in face else KINDS[0], "length_mm": length},
+        "contact": {"kind": CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else KINDS[0], "length_mm": length},
         "pad": face | dict(known["pad"]),
         "specimen": dict(known["specimen"]),
     }

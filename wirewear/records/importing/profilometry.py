@@ -11,7 +11,6 @@ from scipy.optimize import least_squares
 
 from geometry import Barrel, Cylinder, Flat
 from wirewear.base.errors import RecordError
-from wirewear.planar.tables import Face
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
@@ -19,6 +18,7 @@ from wirewear.records.line_tables import LineTest
 from wirewear.records.surfaces import PROFILES, SCARS, Array, MeasuredProfile, MeasuredScar
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body, Wire
+from wirewear.study.faces import Face
 
 #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 MOST_POINTS = 20_000
