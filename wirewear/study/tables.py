@@ -403,5 +403,5 @@ def _wire(name: str, wires: Wires, own: WireOverride, axis_angle_deg: float) -> 
         override = getattr(own, key)
         return getattr(wires, key) if override is None else override
 
-    stated = {field.name: value(field.name) for field in fields(Wire) if field.name not in ("name", "axis_angle_deg")}
+    stated = {field.name: value(field.name) for field in fields(Wire) if field.name in WireOverride.model_fields}
     return Wire(name=name, axis_angle_deg=axis_angle_deg, **stated)
