@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from studies.blind import generator_of
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
-from studies.blind.generators.files import write_traceless
+from studies.blind.generators.files import record_tables, write_traceless
 from studies.blind.generators.finite_element import model
 from studies.blind.generators.finite_element.changes import changes_of
 from studies.blind.generators.finite_element.model import FIDELITY, NUMERICS, believed_study
 from studies.blind.generators.finite_element.readings import moments, read_test
+from studies.blind.generators.generator import POINT_TIERS
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
@@ -73,6 +74,17 @@ def test_the_two_tiers_differ_in_mesh_increments_and_contact_formulation() -> No
     plans = [discretise(study, FIDELITY) for study in (control, other)]
     assert plans[0].fixed != plans[1].fixed
     assert plans[0].increments_per_cycle < plans[1].increments_per_cycle
+
+
+@pytest.mark.parametrize("tier", POINT_TIERS)
+def test_records_of_other_contacts_state_the_bodies_of_their_runs(tier: str) -> None:
+    generator = generator_of(tier)
+    *_, case = planned_cases(6, 5, generator.library, generator.outside, 3, generator.nominals)
+    study, tables = believed_study(case.nominal, case.nuisances, NUMERICS["T1"]), record_tables(case)
+    assert tables.contact_kind == study.contact_kind
+    assert tables.bodies_of_test == study.bodies_of_test
+    turned = {one.nominal.crossing_angle_deg for one in planned_cases(40, 5, (), (), 9, generator.nominals)}
+    assert (len(turned) > 5) == (tier == "A1") == ("crossing_angle_error" in generator.library)
 
 
 def test_loops_are_logged_at_their_increments_and_at_the_times_of_the_waveform() -> None:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 import click
 
+from studies.blind.generators.generator import LINE_TIERS, OTHERS, POINT_TIERS, TIERS
 from studies.blind.options import outside_option, stated_scatter_option
 from wirewear.faces.group import Commands, OutputFile, OutputFolder, scheduler_option
 from wirewear.faces.streams import prepare_streams
@@ -22,8 +23,13 @@ exam.goes_on = dict.fromkeys(("make", "diagnose"), "the same command goes on wit
 @click.argument("output", metavar="OUT_DIR", type=OutputFolder())
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records to make.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed of everything that is drawn; keep it secret.")
-@click.option("--tier", type=click.Choice(("T0", "T1", "T2", "T3", "L1")), default="T2", show_default=True,
-              help="T3: simulators by others; L1: line contacts.")  # fmt: skip
+@click.option(
+    "--tier",
+    type=click.Choice((*TIERS, OTHERS, *LINE_TIERS, *POINT_TIERS)),
+    default="T2",
+    show_default=True,
+    help="T3: simulators by others; L1: line contacts; A1: wires at any angle; B1: balls on flats.",
+)
 @click.option("--law", help="Friction law of the tier T2: dahl, iwan, weakening or bouc; simulators of T3: "
               "development or scoring.  [default: dahl, development]")  # fmt: skip
 @outside_option

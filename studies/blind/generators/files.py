@@ -20,6 +20,8 @@ from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
 from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.point_tables import BallRecordTables
+from wirewear.records.tables import PointRecordTables
 
 Array = NDArray[np.float64]
 
@@ -40,15 +42,6 @@ EVOLUTION_FORMATS = {
 SCAR_FORMATS = {"x_um": "%+08.1f", "y_um": "%+08.1f", "depth_um": "%+09.3f"}
 
 
-def wire_table(nominal: Nominal) -> dict[str, Any]:
-    """Both wires, in the words of records and studies alike."""
-    return {
-        "diameter_mm": nominal.diameter_mm,
-        "youngs_modulus_MPa": nominal.youngs_modulus_MPa,
-        "poissons_ratio": nominal.poissons_ratio,
-    }
-
-
 def conditions_table(nominal: Nominal | LineNominal) -> dict[str, Any]:
     """Load, stroke and cycles, in the words of records and studies alike."""
     return {
@@ -59,7 +52,7 @@ def conditions_table(nominal: Nominal | LineNominal) -> dict[str, Any]:
     }
 
 
-def record_tables(case: Case) -> RecordTables:
+def record_tables(case: Case) -> PointRecordTables:
     """The tables of experiment.toml."""
     nominal, nuisances = case.nominal, case.nuisances
     stated: dict[str, Any] = {
@@ -69,11 +62,14 @@ def record_tables(case: Case) -> RecordTables:
     }
     if nominal.stiffness_N_per_mm is not None:
         stated["tangential_stiffness_N_per_mm"] = nominal.stiffness_N_per_mm
-    return RecordTables.model_validate(
+    of_wires = nominal.kind == RecordTables.contact_kind
+    model: type[PointRecordTables] = RecordTables if of_wires else BallRecordTables
+    return model.model_validate(
         {
             "format": 1,
             "name": case.name,
-            "wires": {**wire_table(nominal), "crossing_angle_deg": 90.0},
+            **({} if of_wires else {"contact": {"kind": nominal.kind}}),
+            **nominal.tables,
             "conditions": {**conditions_table(nominal), "drive": nuisances.drive},
             "stated": stated,
             "noise": nuisances.stated_noise,
@@ -110,11 +106,11 @@ def _elastic(constants: tuple[float, float]) -> dict[str, float]:
     return {"youngs_modulus_MPa": constants[0], "poissons_ratio": constants[1]}
 
 
-def scar_lines_um(nominal: Nominal, wire: str) -> tuple[Array, Array]:
+def scar_lines_um(nominal: Nominal, body: str) -> tuple[Array, Array]:
     """Lines of a scar map along and across the motion: of a size that follows from the statements alone."""
     half = 1e3 * MAP_MARGIN * nominal.expected_scar_mm
     step = float(np.ceil(half / MAP_POINTS))
-    along = half + (nominal.amplitude_um if wire == "moving" else 0.0)
+    along = half + (nominal.amplitude_um if body == nominal.bodies[0] else 0.0)
     return _lines(along, step), _lines(half, step)
 
 

@@ -34,6 +34,9 @@ LIBRARY_EFFECTS = (
 
 TIERS = ("T0", "T1", "T2")
 
+#: T1 of wires at other angles and of balls on flats.
+POINT_TIERS = ("A1", "B1")
+
 #: Those of line contacts.
 LINE_TIERS = ("L1",)
 
@@ -63,7 +66,7 @@ class Generator(Protocol):
 
     @property
     def tier(self) -> str:
-        """T0, T1, T2, T3 or L1."""
+        """T0, T1, T2, T3, A1, B1 or L1."""
         ...
 
     @property

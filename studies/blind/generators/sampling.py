@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import record_tables
 from studies.blind.generators.nuisances import Nuisances
-from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar
+from wirewear.records.tables import PointRecordTables
 
 Array = NDArray[np.float64]
 #: Displacement in µm, tangential and normal force in N over a cycle (n,).
@@ -31,9 +32,9 @@ class LoggedTest:
     scars: Sequence[MeasuredScar]
 
 
-def record_of(case: Case, tests: Sequence[LoggedTest]) -> ExperimentRecord:
+def record_of(case: Case, tests: Sequence[LoggedTest]) -> AnyRecord:
     """The record of a case: what it states, and all its repeats."""
-    return ExperimentRecord(
+    return ExperimentRecord[PointRecordTables, MeasuredScar](
         record_tables(case),
         tuple(loop for test in tests for loop in test.loops),
         tuple(rows for test in tests for rows in test.evolution),

@@ -1,7 +1,7 @@
 """The generator of each tier."""
 
 from studies.blind.errors import BlindError
-from studies.blind.generators.generator import LINE_TIERS, OTHERS, TIERS, Generator
+from studies.blind.generators.generator import LINE_TIERS, OTHERS, POINT_TIERS, TIERS, Generator
 
 #: The friction law of T2 where none is asked for: the one for development.
 DEFAULT_LAW = "dahl"
@@ -42,14 +42,14 @@ def generator_of(
     if tier == OTHERS:
         _require_set(tier, outside, ("first",))
         return _others(law or "development")
-    if tier in TIERS and law is not None:
+    if tier in (*TIERS, *POINT_TIERS) and law is not None:
         raise BlindError(f"the tier {tier} slides by Coulomb's law: leave out the friction law {law!r}, or take T2.")
     if tier in LINE_TIERS:
         _require_set(tier, outside, ("first",))
         from studies.blind.generators.lines.model import LineModel
 
         return LineModel()
-    if tier in TIERS:
+    if tier in (*TIERS, *POINT_TIERS):
         from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
         from studies.blind.generators.finite_element.model import FiniteElementModel
 

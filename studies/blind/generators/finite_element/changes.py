@@ -30,7 +30,8 @@ from wirewear.loops.sensor import Sensor
 
 T = TypeVar("T")
 
-_ANGLE = "crossing_angle_error"
+#: The effect that every run of wires has, for specimens are never mounted at the same angle.
+ANGLE = "crossing_angle_error"
 
 
 @dataclass(frozen=True)
@@ -261,10 +262,10 @@ def is_read_alone(effect: str) -> bool:
 def changes_of(effects: Sequence[TrueEffect], draw: SpecimenDraw) -> tuple[Effect[Any], ...]:
     """A case's effects and one repeat's specimens, but for what is read alone: see `readings`."""
     found = [_effect(true) for true in effects if not is_read_alone(true.effect)]
-    turned = draw.angle_deg + sum(true.parameters["angle_deg"] for true in effects if true.effect == _ANGLE)
+    turned = draw.angle_deg + sum(true.parameters["angle_deg"] for true in effects if true.effect == ANGLE)
     return (
-        *(effect for effect in found if effect.name != _ANGLE),
-        _effect(TrueEffect(_ANGLE, {"angle_deg": turned})),
+        *(effect for effect in found if effect.name != ANGLE),
+        _effect(TrueEffect(ANGLE, {"angle_deg": turned})),
         FrictionScatter(factor=draw.friction),
         LoadScatter(factor=draw.load),
         WearScatter(factor=draw.wear),

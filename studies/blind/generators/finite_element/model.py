@@ -1,9 +1,10 @@
-"""Tiers T0 and T1: records of cases made by the program's own finite elements, every repeat a run of its own.
+"""Records of cases made by the program's own finite elements, every repeat a run of its own.
 
-T0 has the mesh, increments and contact formulation of the nominal runs that a diagnosis makes; T1 has others of each.
+T0 has the mesh, increments and contact formulation of the nominal runs that a diagnosis makes; T1 has others of each,
+and so have A1, of wires that cross at 15 to 75°, and B1, of balls on flats.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory, gettempdir
@@ -12,12 +13,12 @@ from typing import Any
 import numpy as np
 
 from studies.blind.generators.cases import Case
-from studies.blind.generators.files import conditions_table, scar_lines_um, wire_table
-from studies.blind.generators.finite_element.changes import OUTSIDE_SETS, changes_of
+from studies.blind.generators.files import conditions_table, scar_lines_um
+from studies.blind.generators.finite_element.changes import ANGLE, OUTSIDE_SETS, changes_of
 from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
 from studies.blind.generators.independent.model import IndependentModel
-from studies.blind.generators.nominal import Nominal, drawn_nominals
+from studies.blind.generators.nominal import BallNominal, Nominal, TurnedWires, drawn_nominals
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import LoggedTest, logged_channels, logged_scar, record_of
 from wirewear.base.errors import RunError, WirewearError
@@ -57,11 +58,13 @@ NUMERICS = {
         primary_wire="moving",
     ),
 }
+#: The tests of tiers that are not of wires at right angles; all are resolved as T1.
+POINT_TESTS: Mapping[str, type[Nominal]] = {"A1": TurnedWires, "B1": BallNominal}
 
 
 @dataclass(frozen=True)
 class FiniteElementModel:
-    """The wires of the program, as the tier T0 or T1 resolves them.
+    """Contacts at a point of the program, as the tier resolves them.
 
     The drive imposes the true stroke without drift of its amplitude; a sample is taken at every increment. Most records
     have one specimen: a run for another one costs as much as another record, which tells more. A share of them,
@@ -71,23 +74,37 @@ class FiniteElementModel:
 
     tier: str
     several: float = SEVERAL
-    library: Sequence[str] = LIBRARY_EFFECTS
     outside: Sequence[str] = OUTSIDE_SETS["first"]
 
     @property
     def description(self) -> str:
         """What the manifest says of it."""
-        own = NUMERICS[self.tier]
+        own = self.numerics
         drawn = "" if tuple(self.outside) == OUTSIDE_SETS["first"] else ", causes of no library drawn from another set"
         return (
-            f"finite elements, {own.increments_per_cycle} increments a cycle, mesh refined by {own.mesh_refinement:g}, "
-            f"{own.formulation}, tractions on the {own.primary_wire} wire, up to three specimens in "
-            f"{self.several:.0%} of the records{drawn}"
+            f"finite elements of {self.contact.kind}, {own.increments_per_cycle} increments a cycle, mesh refined by "
+            f"{own.mesh_refinement:g}, {own.formulation}, tractions on the {own.primary_wire} wire, up to three "
+            f"specimens in {self.several:.0%} of the records{drawn}"
         )
 
+    @property
+    def contact(self) -> type[Nominal]:
+        """What is tested."""
+        return POINT_TESTS.get(self.tier, Nominal)
+
+    @property
+    def numerics(self) -> Numerics:
+        """How the tier resolves it."""
+        return NUMERICS.get(self.tier, NUMERICS["T1"])
+
+    @property
+    def library(self) -> tuple[str, ...]:
+        """Effects of the contract that such a contact has: wires alone can cross at another angle."""
+        return tuple(e for e in LIBRARY_EFFECTS if e != ANGLE or self.contact.kind == Nominal.kind)
+
     def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:
-        """Tests of wires."""
-        return drawn_nominals(number, random)
+        """Tests of that contact."""
+        return drawn_nominals(number, random, self.contact)
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.
@@ -96,7 +113,7 @@ class FiniteElementModel:
             RunError: the contact does not slip, does not converge, or cannot be meshed.
         """
         kept = np.random.default_rng((case.seed, _SPECIMENS)).random() < self.several
-        case = replace(case, nuisances=_affordable(case.nuisances, NUMERICS[self.tier], 3 if kept else 1))
+        case = replace(case, nuisances=_affordable(case.nuisances, self.numerics, 3 if kept else 1))
         random = np.random.default_rng(case.seed)
         differences = IndependentModel().differences(case)
         tests = [self._repeat(case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
@@ -104,10 +121,8 @@ class FiniteElementModel:
 
     def _repeat(self, case: Case, repeat: int, random: np.random.Generator) -> LoggedTest:
         draw = case.nuisances.specimen(random)
-        changes = changes_of(case.effects, draw)
-        result = run(
-            believed_study(case.nominal, case.nuisances, NUMERICS[self.tier]).with_effects(*changes), case.name
-        )
+        changes = [one for one in changes_of(case.effects, draw) if one.name in self.library or one.name != ANGLE]
+        result = run(believed_study(case.nominal, case.nuisances, self.numerics).with_effects(*changes), case.name)
         return logged(result, case, repeat, draw, random)
 
 
@@ -136,8 +151,8 @@ def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -
     data: dict[str, Any] = {
         "format": 1,
         "name": "blind",
-        "kind": "crossed-wires",
-        "wires": wire_table(nominal),
+        "kind": nominal.kind,
+        **nominal.tables,
         "conditions": conditions_table(nominal),
         "contact": {
             "friction": nominal.friction,
