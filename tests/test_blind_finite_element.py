@@ -82,8 +82,10 @@ def test_records_of_other_contacts_state_the_bodies_of_their_runs(tier: str) -> 
     *_, case = planned_cases(6, 5, generator.library, generator.outside, 3, generator.nominals)
     study, tables = believed_study(case.nominal, case.nuisances, NUMERICS["T1"]), record_tables(case)
     assert tables.contact_kind == study.contact_kind
-    assert tables.bodies_of_test == study.bodies_of_test
-    turned = {one.nominal.crossing_angle_deg for one in planned_cases(40, 5, (), (), 9, generator.nominals)}
+    assert tables.bodies_of_test == study.bodies
+    turned = {
+        one.nominal.crossing_angle_deg for one in planned_cases(40, 5, generator.library, (), 9, generator.nominals)
+    }
     assert (len(turned) > 5) == (tier == "A1") == ("crossing_angle_error" in generator.library)
 
 
