@@ -10,7 +10,7 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import guessed_mapping
+from wirewear.records.importing.guessing import crossed_wires, guessed_mapping
 from wirewear.records.importing.registry import readers
 
 
@@ -43,7 +43,8 @@ def test_files_that_a_package_knows_are_guessed_without_being_told_their_kind(ma
     rows = zip(time / FREQUENCY_Hz, displacement, force, strict=True)
     path = mapping.parent / "log.jsonl"
     path.write_text("\n".join(json.dumps(dict(zip("txQ", row, strict=True))) for row in rows), encoding="utf-8")
-    source = guessed_mapping([path], {"diameter_mm": 0.45, "normal_load_N": 2.0}).tables["loops"]
+    known = {"normal_load_N": 2.0}
+    source = guessed_mapping([path], known, crossed_wires(known, {})).tables["loops"]
     assert source["kind"] == "json-lines"
     assert {key: own["column"] for key, own in source["columns"].items()} == {
         "time_s": "t",

@@ -2,7 +2,9 @@
 
 import math
 import re
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,7 +17,7 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import guessed_mapping, mapping_text
+from wirewear.records.importing.guessing import GuessedMapping, crossed_wires, guessed_mapping, mapping_text
 from wirewear.records.importing.mistaken import open_lines
 from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops
@@ -140,10 +142,15 @@ def filled_in(text: str, answers: dict[str, str]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def guessed(files: Sequence[Path], known: dict[str, Any]) -> GuessedMapping:
+    """The mapping for tests of steel wires."""
+    return guessed_mapping(files, known, crossed_wires(known, STEEL))
+
+
 def imported(written: Written, folder: Path) -> ExperimentRecord:
     """What guess, answers and import make of the files."""
     files = write(written, folder)
-    text = mapping_text(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL | dict(written.known)))
+    text = mapping_text(guessed(files, {"diameter_mm": 0.45} | dict(written.known)))
     mapping = folder / "mapping.toml"
     mapping.write_text(text, encoding="utf-8")
     if left := open_lines(text):
@@ -203,7 +210,7 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
     (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
     (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
     others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
-    guess = guessed_mapping([*files, *others], {"diameter_mm": 0.45} | STEEL)
+    guess = guessed([*files, *others], {"diameter_mm": 0.45})
     told = " ".join(guess.remarks)
     assert re.search(r"notes.txt was left out: .*no table of numbers", told)
     assert "old.xls was left out" in told
@@ -213,9 +220,9 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
 
 def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
     files = write(KINDS["units in brackets"](ENGLISH), tmp_path)
-    told = " ".join(guessed_mapping(files, {"diameter_mm": 0.45} | STEEL).remarks)
+    told = " ".join(guessed(files, {"diameter_mm": 0.45}).remarks)
     assert "the wires are taken to cross at 90°" in told
-    crossed = guessed_mapping(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0} | STEEL)
+    crossed = guessed(files, {"diameter_mm": 0.45, "crossing_angle_deg": 60.0})
     assert crossed.tables["wires"]["crossing_angle_deg"] == 60.0
     assert "90°" not in " ".join(crossed.remarks)
 
@@ -229,5 +236,5 @@ def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_
     force = sign * (0.01 * strangers.X) + noise
     head = "Time (s),Displacement (um),Force (N)\n"
     files = write(strangers.plain(head, (strangers.TIME, strangers.X, force), ENGLISH), tmp_path)
-    guess = guessed_mapping(files, {"diameter_mm": 0.45, "normal_load_N": 2.0} | STEEL)
+    guess = guessed(files, {"diameter_mm": 0.45, "normal_load_N": 2.0})
     assert guess.tables["loops"]["columns"]["tangential_force_N"].get("factor", 1.0) == sign
