@@ -57,6 +57,14 @@ def test_half_spaces_have_the_pressure_and_approach_of_hertz() -> None:
     assert pressure.sum() * step**2 == pytest.approx(LOAD_N)
 
 
+def test_half_spaces_that_are_solved_at_once_have_a_pressure() -> None:
+    """Four cells of a soft layer on rigid bodies carry the load evenly: nothing is left to be improved."""
+    gap = np.ones((24, 24))
+    gap[11:13, 11:13] = 0.0
+    pressure, _ = HalfSpaces((24, 24), (0.01, 0.01), np.inf).press(gap, LOAD_N, 1e-9)
+    assert pressure[11:13, 11:13] == pytest.approx(0.25 * LOAD_N / 0.01**2)
+
+
 def test_half_spaces_agree_with_tamaas() -> None:
     tamaas = pytest.importorskip("tamaas")
     gap, step = paraboloid(48, 0.12)

@@ -54,6 +54,8 @@ class HalfSpaces:
                 pressure, keep = overlapping * (total / overlapping.sum()), 0.0
                 continue
             size = float((gap[touching] ** 2).sum())
+            if size == 0.0:
+                break
             along = np.where(touching, gap + keep * size / last * along, 0.0)
             last = size
             turned = self.give(along, local)
