@@ -11,8 +11,7 @@ import wirewear.diagnosis
 from wirewear.diagnosis import calibration
 from wirewear.diagnosis.calibration import FILE_NAME, all_constants, digest, sources
 from wirewear.effects import all_effects, registry
-from wirewear.effects.free_play import FreePlay
-from wirewear.effects.rotational_compliance import RotationalCompliance
+from wirewear.effects.holder import FreePlay, RotationalCompliance
 
 FOLDER = Path(wirewear.diagnosis.__file__).parent
 

@@ -13,7 +13,7 @@ from tests.diagnosis_cases import diagnosed, record
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.effects.tangential_compliance import TangentialCompliance
+from wirewear.effects.holder import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import write_record

@@ -16,8 +16,7 @@ from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Chain
-from wirewear.effects.roughness_compliance import RoughnessCompliance
-from wirewear.effects.third_body import ThirdBodyLayer
+from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.views.diagnosis_values import Cause, Estimate
 from wirewear.views.diagnosis_wording import sentence_of
 

@@ -122,7 +122,7 @@ def test_an_installed_package_adds_an_effect() -> None:
     [
         ("lost = no_such_module:Effect", "cannot be loaded from no_such_module:Effect"),
         ("list = builtins:list", "must be a subclass of wirewear.effects.Effect"),
-        ("twice = wirewear.effects.friction_offset:FrictionOffset", "there is one of that name already"),
+        ("twice = wirewear.effects.contact:FrictionOffset", "there is one of that name already"),
         ("nameless = nameless:Nameless", "lacks name, seam, signature, confused_with"),
     ],
 )

@@ -23,7 +23,7 @@ from wirewear.effects import (
     applied,
     measurements,
 )
-from wirewear.effects.rotational_compliance import RotationalCompliance
+from wirewear.effects.holder import RotationalCompliance
 from wirewear.loops.sensor import Sensor
 from wirewear.study.reading import study_from_tables
 

@@ -183,7 +183,7 @@ def _commands(group: click.Group, context: click.Context) -> Iterator[str]:
 def _effects_page() -> Iterator[str]:
     yield "# Every effect"
     yield ""
-    yield "[Effects](../effects.md) says how a study takes them. Each is one file in `wirewear/effects/`."
+    yield "[Effects](../effects.md) says how a study takes them. Each is a class in `wirewear/effects/`."
     for name, kind in all_effects().items():
         text = inspect.cleandoc(kind.__doc__ or "").split("\n\n", 1)
         yield from ("", f"## {name}", "", " ".join(text[0].split()))

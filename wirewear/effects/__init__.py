@@ -1,14 +1,12 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
 from wirewear.base.quantity import Quantity
-from wirewear.effects.chain import Chain, UnforeseenError
-from wirewear.effects.effect import Effect, Size
+from wirewear.effects.effect import Chain, Effect, Size, UnforeseenError
 from wirewear.effects.listing import all_measurements, splits, told_apart_by
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
-from wirewear.effects.problem import problem_with
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named, effects_of_tables, tables_of_effects
-from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied, problem_with
 
 __all__ = [
     "ENTRY_POINT_GROUP",

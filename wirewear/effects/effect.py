@@ -1,19 +1,177 @@
-"""What an effect is: a small immutable object that changes exactly one seam of the model."""
+"""What an effect is, a small immutable object that changes exactly one seam of the model, and how fast models take it.
+
+A test is a chain in series to them: drive, play and springs, contact, sensors. An effect enters by what it makes of it.
+Without further words that is what it does to its seam, read moment by moment.
+"""
+
+from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, fields, replace
 from inspect import getdoc
+from math import degrees, pi, radians
+from operator import attrgetter
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
+import numpy as np
+from numpy.typing import NDArray
+
+from solvers import Holder, WearRates
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
-from wirewear.effects.chain import Chain, through_its_seam
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
-from wirewear.effects.seams import Age, Ageing, Seam
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens
+from wirewear.loops.sensor import Sensor
 
+Array = NDArray[np.float64]
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
+
+
+class UnforeseenError(StudyError):
+    """An effect changes something of its seam that a chain does not hold."""
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,).
+
+    Attributes:
+        radius_um, fresh_area_um2: of the wires or the cylinder, and of their contact before any wear.
+        cycles, energy_J: how far the test has come.
+        worn_um3: volume that both wires have lost.
+        load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
+        friction: coefficient.
+        wear_um3_per_mJ: worn volume of both wires per friction energy.
+        retained_fraction, bed_MPa: share of the worn volume that stays in the scars as debris, and the bed's modulus,
+            zero of one that does not give way.
+        oxygen_W, starved_factor: supply of oxygen, zero for enough everywhere, and the factor on wear where it lacks.
+        compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
+        flattening_um: approach of the wires by flattening before any wear.
+        rough_um, bed_um: heights of rough layers that spread the contact's pressures: of asperities, and of one that
+            gives way like a bed of debris.
+        crossing_error_rad: of the wires' axes from the right angle.
+        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s, force_zero_N: of the sensors.
+        length_um: of a line contact; zero for crossed wires.
+    """
+
+    radius_um: float
+    fresh_area_um2: float
+    cycles: Array
+    energy_J: Array
+    worn_um3: Array
+    load_N: Array
+    misalignment_rad: Array
+    friction: Array
+    wear_um3_per_mJ: Array
+    retained_fraction: Array
+    bed_MPa: Array
+    oxygen_W: Array
+    starved_factor: Array
+    compliance_um_per_N: Array
+    free_play_um: Array
+    flattening_um: Array
+    rough_um: Array
+    bed_um: Array
+    crossing_error_rad: Array
+    gain: Array
+    linear_um_per_N: Array
+    quadratic_um_per_N2: Array
+    crosstalk: Array
+    lag_s: Array
+    force_lag_s: Array
+    force_zero_N: Array
+    length_um: float = 0.0
+
+    @property
+    def worn_area2_um4(self) -> Array:
+        """Square of the contact's area (n,) as wear leaves it: π R V of wires, (2 L w)² of lines, w³ = 3 R V/(2 L)."""
+        if self.length_um == 0.0:
+            return pi * self.radius_um * self.worn_um3
+        half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)
+        return np.asarray((2.0 * self.length_um * half_width) ** 2)
+
+    @property
+    def ages(self) -> list[Age]:
+        """How far the test has come at each moment."""
+        return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
+
+    def taken(self, moments: NDArray[np.intp]) -> Chain:
+        """Some moments only."""
+        return replace(self, **{name: getattr(self, name)[moments] for name in _COLUMNS})
+
+
+_COLUMNS = tuple(
+    field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um")
+)
+
+
+@dataclass(frozen=True)
+class _SeamView:
+    """How columns of a chain and a seam's description say the same: one row of columns to a description and back.
+
+    `unread` names the description's fields that the columns do not hold.
+    """
+
+    columns: tuple[str, ...]
+    unread: tuple[str, ...]
+    described: Callable[..., Any]
+    row: Callable[[Any], tuple[float, ...]]
+
+
+def _other(description: type[Any], *read: str) -> tuple[str, ...]:
+    """Names of a description's fields but for those that are read."""
+    return tuple(field.name for field in fields(description) if field.name not in read)
+
+
+_OF_SENSORS = (
+    "displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s", "force_lag_s",
+)  # fmt: skip
+
+_VIEWS: dict[Seam, _SeamView] = {
+    Seam.HOLDER: _SeamView(
+        ("load_N", "compliance_um_per_N", "free_play_um"),
+        _other(
+            Holder,
+            "normal_load_N",
+            "tangential_compliance_mm_per_N",
+            "rotational_compliance_rad_per_N_mm",
+            "pivot_height_mm",
+            "play_mm",
+        ),
+        lambda load, compliance, play: Holder(
+            load, tangential_compliance_mm_per_N=1e-3 * compliance, play_mm=1e-3 * play
+        ),
+        lambda holder: (holder.normal_load_N, 1e3 * holder.compliance_at_contact_mm_per_N, 1e3 * holder.play_mm),
+    ),
+    Seam.CONTACT: _SeamView(("friction",), _other(ContactLaw, "friction"), ContactLaw, lambda law: (law.friction,)),
+    Seam.WEAR: _SeamView(
+        ("wear_um3_per_mJ",),
+        _other(WearRates, "upper_mm3_per_mJ", "lower_mm3_per_mJ"),
+        lambda both: WearRates(0.5e-9 * both, 0.5e-9 * both),
+        lambda rates: (1e9 * (rates.upper_mm3_per_mJ + rates.lower_mm3_per_mJ),),
+    ),
+    Seam.SPECIMENS: _SeamView(
+        ("crossing_error_rad", "flattening_um"),
+        _other(Specimens, "crossing_angle_deg", "flattening_mm"),
+        lambda error, flattening: Specimens(90.0 + degrees(error), 1e-3 * flattening),
+        lambda wires: (radians(wires.crossing_angle_deg - 90.0), 1e3 * wires.flattening_mm),
+    ),
+    Seam.LOADING: _SeamView(
+        ("load_N", "misalignment_rad"),
+        _other(Loading, "normal_load_N", "misalignment_rad"),
+        Loading,
+        lambda loading: (loading.normal_load_N, loading.misalignment_rad),
+    ),
+    Seam.SENSOR: _SeamView(
+        ("gain", "linear_um_per_N", "quadratic_um_per_N2", "crosstalk", "lag_s", "force_lag_s"),
+        _other(Sensor, *_OF_SENSORS),
+        lambda *row: Sensor(**dict(zip(_OF_SENSORS, row, strict=True))),
+        attrgetter(*_OF_SENSORS),
+    ),
+}
 
 
 @dataclass(frozen=True)
@@ -69,7 +227,22 @@ class Effect(ABC, Generic[T]):
         Raises:
             UnforeseenError: it changes something there that a chain does not hold.
         """
-        return through_its_seam(self, chain)
+        view = _VIEWS[self.seam]
+        columns = np.stack([getattr(chain, name) for name in view.columns], axis=1)
+        once = self.ages is Ageing.NEVER and bool((columns == columns[0]).all())
+        rows, ages = (columns[:1], chain.ages[:1]) if once else (columns, chain.ages)
+        changed = []
+        for row, age in zip(rows.tolist(), ages, strict=True):
+            before = view.described(*row)
+            after = self.changed(before, age)
+            if any(getattr(after, name) != getattr(before, name) for name in view.unread):
+                raise UnforeseenError(
+                    f"{self.name} changes something of the {self.seam} that fast models do not know: let its method "
+                    "`foreseen` say what it does to a chain."
+                )
+            changed.append(view.row(after))
+        values = np.broadcast_to(np.array(changed), columns.shape)
+        return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
 
     def recognised_between(self, first_cycle: float, last_cycle: float) -> bool:  # noqa: ARG002
         """Whether it does, between two cycles, what tells it from another effect; it does unless it says otherwise."""

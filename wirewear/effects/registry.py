@@ -8,25 +8,12 @@ from typing import Any
 from solvers.plugins import installed
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
-from wirewear.effects.contact_oxygenation import ContactOxygenation
-from wirewear.effects.crossing_angle_error import CrossingAngleError
-from wirewear.effects.displacement_gain import DisplacementGain
-from wirewear.effects.displacement_load_coupling import DisplacementLoadCoupling
+from wirewear.effects.contact import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
 from wirewear.effects.effect import Effect
-from wirewear.effects.force_crosstalk import ForceCrosstalk
-from wirewear.effects.free_play import FreePlay
-from wirewear.effects.friction_evolution import FrictionEvolution
-from wirewear.effects.friction_offset import FrictionOffset
-from wirewear.effects.misalignment import Misalignment
-from wirewear.effects.normal_load_drift import NormalLoadDrift
-from wirewear.effects.plasticity import Plasticity
-from wirewear.effects.rotational_compliance import RotationalCompliance
-from wirewear.effects.roughness_compliance import RoughnessCompliance
-from wirewear.effects.sensor_lag import SensorLag
-from wirewear.effects.tangential_compliance import TangentialCompliance
-from wirewear.effects.third_body import ThirdBodyLayer
-from wirewear.effects.wear_rate_evolution import WearRateEvolution
-from wirewear.effects.wear_rate_offset import WearRateOffset
+from wirewear.effects.holder import FreePlay, RotationalCompliance, TangentialCompliance
+from wirewear.effects.mounting import CrossingAngleError, Misalignment, NormalLoadDrift, Plasticity
+from wirewear.effects.sensors import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
+from wirewear.effects.wear import ContactOxygenation, WearRateEvolution, WearRateOffset
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Any, Protocol, TypeVar
 
-from solvers import ContactLayer
-
-T = TypeVar("T")
+from solvers import ContactLayer, ContactProblem, misaligned
 
 
 class Seam(StrEnum):
@@ -90,3 +88,24 @@ def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age)
         if effect.seam is seam:
             described = effect.changed(described, age)
     return described
+
+
+def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: Age) -> ContactProblem:
+    """A nominal problem with effects on holder, loading, contact law and wear law, at an age of the test."""
+    if not effects:
+        return problem
+    holder = applied(effects, Seam.HOLDER, problem.holder, age)
+    loading = applied(effects, Seam.LOADING, Loading(holder.normal_load_N), age)
+    law = applied(effects, Seam.CONTACT, ContactLaw(problem.friction, problem.layers), age)
+    if loading.misalignment_rad != 0.0:
+        problem = misaligned(problem, loading.misalignment_rad)
+    return replace(
+        problem,
+        holder=replace(holder, normal_load_N=loading.normal_load_N),
+        friction=law.friction,
+        layers=law.layers,
+        wear=applied(effects, Seam.WEAR, problem.wear, age),
+    )
+
+
+T = TypeVar("T")

@@ -14,7 +14,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.effects.friction_evolution import FrictionEvolution
+from wirewear.effects.contact import FrictionEvolution
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.records import AnyRecord
 

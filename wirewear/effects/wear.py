@@ -1,0 +1,166 @@
+"""Effects on the wear coefficient: another one, one that changes, one that lacks oxygen."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from solvers import OxygenSupply, WearRates
+from wirewear.base.course import Course
+from wirewear.base.quantity import Quantity
+from wirewear.effects.effect import Chain, Effect
+from wirewear.effects.measurements import CLEANED_SCARS, INTERRUPTED_SCARS, LOWER_FREQUENCY, OTHER_STROKE, SCAR_MAPS
+from wirewear.effects.parameter import exponent, form, order, parameter
+from wirewear.effects.seams import Age, Ageing, Seam
+
+
+@dataclass(frozen=True)
+class WearRateOffset(Effect[WearRates]):
+    """Another wear coefficient, constant over the test.
+
+    Coefficients of one pair of materials differ by tens of per cent between rigs and laboratories, because debris
+    leaves the contact differently. Source: Fouvry et al., Wear 255 (2003) 287, on the energy wear coefficient.
+    """
+
+    name = "wear_rate_offset"
+    seam = Seam.WEAR
+    ages = Ageing.NEVER
+    signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
+    confused_with = ("wear_rate_evolution", "plasticity")
+    answers = (
+        INTERRUPTED_SCARS.shows("volumes in another proportion to the energy"),
+        SCAR_MAPS.shows("other volumes at the modelled lengths"),
+        CLEANED_SCARS.shows("the same scars once cleaned"),
+    )
+    model_error = 0.08
+
+    factor: float = parameter(
+        "factor on the wear coefficient of both wires",
+        Quantity("1", 0.0, 100.0),
+        neutral=1.0,
+        easy=1.5,
+        hard=1.12,
+        interest=(0.4, 2.5),
+        logarithmic=True,
+    )
+
+    def changed(self, described: WearRates, _age: Age) -> WearRates:
+        """The rates times the factor."""
+        return described.scaled(self.factor)
+
+
+@dataclass(frozen=True)
+class WearRateEvolution(Effect[WearRates]):
+    """A wear coefficient that changes over the test, exponentially towards a final value.
+
+    Fresh metal wears faster (or slower) than the oxide bed that later carries the load:
+    f(n) = f_f + (f_i − f_f) exp(−n/n_c). Infante-García et al., Sensors 20 (2020) 4152, use a variable coefficient
+    for the steel wires; running-in is described by Blau, Tribol. Int. 34 (2001) 585.
+    """
+
+    name = "wear_rate_evolution"
+    seam = Seam.WEAR
+    ages = Ageing.BY_CYCLES
+    signature = "the path of end hooks and volumes over the cycles, not only their end"
+    confused_with = ("wear_rate_offset", "plasticity")
+    answers = (
+        INTERRUPTED_SCARS.shows("volumes in no constant proportion to the energy"),
+        SCAR_MAPS.shows("other volumes at the modelled lengths"),
+        OTHER_STROKE.shows("the same course over the cycles"),
+    )
+    model_error = 0.08
+
+    initial_factor: float = parameter(
+        "factor on the wear coefficient at the start",
+        Quantity("1", 0.0, 100.0),
+        neutral=1.0,
+        easy=3.0,
+        hard=1.5,
+        interest=(0.2, 5.0),
+        logarithmic=True,
+    )
+    final_factor: float = parameter(
+        "factor on the wear coefficient in the end",
+        Quantity("1", 0.0, 100.0),
+        neutral=1.0,
+        easy=1.0,
+        hard=1.0,
+        interest=(0.4, 2.5),
+        logarithmic=True,
+    )
+    cycles: float = parameter(
+        "cycles after which 63 % of the change has happened",
+        Quantity("cycles", 1.0, 1e9),
+        neutral=None,
+        easy=1e4,
+        hard=1e4,
+        interest=(30.0, 1e5),
+        logarithmic=True,
+    )
+
+    steepness: float = form(exponent(0.55))
+    order: float = form(order(0.7))
+
+    def changed(self, described: WearRates, age: Age) -> WearRates:
+        """The rates times the factor of that cycle."""
+        return described.scaled(
+            Course(self.initial_factor, self.final_factor, self.cycles, self.steepness, self.order).at(age.cycles)
+        )
+
+
+@dataclass(frozen=True)
+class ContactOxygenation(Effect[WearRates]):
+    """Wear that is small where oxygen does not get.
+
+    Oxygen diffuses in from the contact's edges and is used up in proportion to the friction power density q. It gets as
+    far as d = √(S/q); S is the supply. Beyond, debris does not oxidise, wear is adhesive and its coefficient smaller.
+    Source: Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077; of 39 tests of titanium, those with W-shaped
+    scars have q a² above 0.31 to 0.38 W at Hertz's half-width a (Fouvry et al., Tribol. Int. 113 (2017) 460).
+    """
+
+    name = "contact_oxygenation"
+    seam = Seam.WEAR
+    ages = Ageing.NEVER
+    signature = "the middle of the scar wears too little: a W in place of a U, the more the faster the test"
+    confused_with = ("wear_rate_offset", "third_body")
+    answers = (
+        LOWER_FREQUENCY.shows("larger volumes at the same energy, and a U-shaped scar"),
+        SCAR_MAPS.shows("too little depth in the middle alone"),
+        INTERRUPTED_SCARS.shows("volumes that grow with less than the energy as the contact widens"),
+    )
+    prior_weight = 0.5
+    model_error = 0.1
+    needs_whole_cycles = True
+    # Scars of wires are so narrow that oxygen gets everywhere.
+    contacts = ("line-contact",)
+
+    supply_W: float = parameter(
+        "friction power density times the square of the distance that oxygen gets from the contact's edge",
+        Quantity("W", 1e-9, 1e6),
+        neutral=None,
+        easy=5e-5,
+        hard=1.5e-4,
+        interest=(1e-5, 10.0),
+        logarithmic=True,
+    )
+    starved_factor: float = parameter(
+        "wear coefficient where there is no oxygen over that where there is",
+        Quantity("1", 0.0, 1.0),
+        neutral=1.0,
+        easy=0.2,
+        hard=0.6,
+        interest=(0.05, 0.8),
+        logarithmic=True,
+    )
+
+    def changed(self, described: WearRates, _age: Age) -> WearRates:
+        """The rates with that supply of oxygen."""
+        if self.starved_factor == 1.0:
+            return described
+        return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor, described.frequency_Hz))
+
+    def foreseen(self, chain: Chain) -> Chain:
+        """The chain with that supply; in the scars of wires oxygen gets everywhere."""
+        if chain.length_um == 0.0 or self.starved_factor == 1.0:
+            return chain
+        supply, factor = (np.full_like(chain.cycles, one) for one in (self.supply_W, self.starved_factor))
+        return replace(chain, oxygen_W=supply, starved_factor=factor)
