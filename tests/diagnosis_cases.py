@@ -18,8 +18,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import effect_named
-from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop
-from wirewear.records.tables import RecordTables
+from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
 from wirewear.views.diagnosis_wording import Diagnosed
 
 CYCLES = (100, 1000, 10_000, 100_000)

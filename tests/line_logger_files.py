@@ -5,9 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.records import LineRecord, MeasuredProfile
+from wirewear.records import LineRecord, MeasuredLoop, MeasuredProfile
 from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.values import MeasuredLoop
 
 LENGTH_mm, LOAD_N, DEPTHS_um = 8.0, 160.0, {"pad": 1.5, "specimen": 2.5}
 

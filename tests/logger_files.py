@@ -6,8 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.records import ExperimentRecord, MeasuredScar
-from wirewear.records.values import MeasuredLoop
+from wirewear.records import ExperimentRecord, MeasuredLoop, MeasuredScar
 
 Array = NDArray[np.float64]
 

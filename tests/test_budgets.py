@@ -11,9 +11,8 @@ from tests.synthetic_results import result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.base import budget
-from wirewear.planar import run_planar_study
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.planar.pictures import write_planar_meshes
-from wirewear.planar.reading import planar_study_from_tables
 from wirewear.simulation import write_meshes
 from wirewear.simulation.plan import RunPlan, require_affordable
 

@@ -11,8 +11,7 @@ from tests.test_simulate import COARSE
 from wirewear import check_record, read_record, record_of_result, write_record
 from wirewear.fitting.sensor_calibration import Calibration, LoadedMotion, LoadPolynomial, calibrate, fitted_polynomial
 from wirewear.fitting.sensor_correcting import corrected_record
-from wirewear.loops import Measured
-from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.loops import Measured, Sensor, SensorNoise
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import RunResult
 from wirewear.study import Study, load_study, parse_study

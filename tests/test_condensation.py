@@ -16,10 +16,8 @@ from skfem import Basis, ElementHex1, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
-from solvers.condensation import CondensedBody, condense
+from solvers import CondensedBody, SolverError, condense, place
 from solvers.elasticity import stiffness_matrix
-from solvers.errors import SolverError
-from solvers.placement import place
 from solvers.substructuring import schur_complement
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires

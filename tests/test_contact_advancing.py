@@ -10,15 +10,14 @@ from hypothesis import given
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
+from solvers import NotConvergedError, place
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
 from solvers.contact.gaps import faced
 from solvers.contact.increment import IncrementFailedError
-from solvers.errors import NotConvergedError
 from solvers.fretting import anew
 from solvers.guide import FirstGuess
 from solvers.newton import outcome
-from solvers.placement import place
 from tests.bodies import LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped

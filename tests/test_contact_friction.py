@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from solvers.contact import ContactProblem
-from solvers.contact_state import ContactState, IncrementReport
+from solvers import ContactProblem, ContactState, IncrementReport
 from solvers.wear_step.similar_equations import SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear.reference import (

@@ -8,18 +8,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solvers import OxygenSupply, SolverError
-from solvers.contact import ContactProblem
-from solvers.contact_state import ContactState, IncrementReport
-from solvers.fretting import run_cycle
+from solvers import ContactProblem, ContactState, IncrementReport, OxygenSupply, SolverError, run_cycle
 from solvers.oxygen import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from tests.test_planar_study import TABLES
 from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
 from wirewear import parse_study
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
 
 MESH_mm = 0.010

@@ -12,6 +12,7 @@ from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.results import Evolution, RunResult
+from wirewear.simulation import NoObserver, discretise
 from wirewear.simulation.convergence import (
     BASE,
     JUMPS,
@@ -24,8 +25,6 @@ from wirewear.simulation.convergence import (
     refined_study,
     richardson,
 )
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.observers import NoObserver
 from wirewear.study import Study
 
 WORN = MINIMAL + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"

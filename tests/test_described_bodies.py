@@ -11,11 +11,9 @@ from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, record_of_result, write_record
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.loops import analyse_loop
-from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import run_planar_study
+from wirewear.loops import Sensor, SensorNoise, analyse_loop
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
-from wirewear.planar.reading import planar_study_from_tables
 from wirewear.records import LineRecord, check_record
 from wirewear.records.believed import believed_study
 from wirewear.results import BODIES, RunResult

@@ -16,9 +16,7 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects.holder import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.records import write_record
-from wirewear.records.exporting import record_of_result
-from wirewear.records.values import MeasuredLoop
+from wirewear.records import MeasuredLoop, record_of_result, write_record
 from wirewear.views.diagnosis_shown import residuals
 from wirewear.views.diagnosis_wording import Diagnosed
 

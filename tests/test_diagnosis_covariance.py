@@ -14,6 +14,7 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance, tolerated
 from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe import Observable, Site
 from wirewear.diagnosis.observe.channels import (
     Amplitude,
     NormalForce,
@@ -23,12 +24,10 @@ from wirewear.diagnosis.observe.channels import (
 )
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.layout import Layout
-from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records.tables import Tolerance
 

@@ -15,8 +15,7 @@ from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.readings import late_forces, late_places
 from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
-from wirewear.loops.sensor import Sensor
-from wirewear.loops.signals import LoopSignals
+from wirewear.loops import LoopSignals, Sensor
 from wirewear.records import ExperimentRecord
 from wirewear.views.diagnosis_page import ten_lines
 

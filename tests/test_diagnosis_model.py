@@ -18,8 +18,7 @@ from wirewear.diagnosis.model.setup import Array, Setup
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
-from wirewear.records import ExperimentRecord
-from wirewear.records.tables import RecordTables
+from wirewear.records import ExperimentRecord, RecordTables
 
 #: µP of the first loops, before the scar lends them slopes.
 FORCE_N = 1.24

@@ -10,8 +10,7 @@ from solvers import press
 from tests.effect_studies import COARSE, WEARING, coarse, result_with
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.results import read_loops
 from wirewear.simulation import contact_problem, discretise
 from wirewear.simulation.problem import fresh_state, problem_at

@@ -14,8 +14,7 @@ from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
 from wirewear.faces import cli
 from wirewear.loops.signals import enclosed_area
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.quality import flagged, health, limit_of

@@ -12,11 +12,9 @@ from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.faces.study_script import wide_console
-from wirewear.planar import run_planar_study
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.planar.model import PlanarPlan, plan
-from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.run import LINES
-from wirewear.planar.tables import PlanarStudy
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
 from wirewear.simulation.convergence import converge, convergence_table

@@ -9,8 +9,7 @@ import pytest
 
 from wirewear.fitting import FittedTest, fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import PlanarStudy, run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.records import LineRecord, record_of_result
 from wirewear.records.line_tables import LineStated
 

@@ -15,8 +15,7 @@ from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.believed import believed_study
 from wirewear.records.remarks import Remark

@@ -21,8 +21,7 @@ from studies.titanium_energy.laws import energy_line, off_the_line
 from studies.titanium_energy.measured import MeasuredTest, read_tests
 from studies.titanium_oxygenation.compare import VARIANTS, Scar, scar_in
 from wirewear.kinds import load_any_study
-from wirewear.planar import run_planar_study
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.results import RunResult
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "study.toml"

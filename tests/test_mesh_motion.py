@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from geometry import BodyMesh, ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering
 from geometry.mesh_motion import lowered
 from geometry.sections import wire_section
-from solvers.placement import place
-from solvers.transfer import transferred
+from solvers import place, transferred
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
 from wirewear.simulation.problem import condensed_body, condensed_worn_body

@@ -5,11 +5,10 @@ import pytest
 from numpy.typing import NDArray
 
 from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_planar
-from solvers.facing import facing
+from solvers import PlacedBody, facing, place
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
 from solvers.near_field import Bricks, half_space_response, missing_displacement, reach
-from solvers.placement import PlacedBody, place
 from solvers.strain import integration_points
 from solvers.subgrid_traction import SubgridTraction
 from solvers.surface_stress import LoadedSurface, SurfaceStress, half_space_stress
@@ -17,9 +16,8 @@ from solvers.transfer import hat_products
 from tests import bodies
 from tests.bodies import STEEL
 from wirewear import reference
-from wirewear.verification import FULL, QUICK
+from wirewear.verification import FULL, QUICK, Level
 from wirewear.verification.line_surface import line_surface_rows
-from wirewear.verification.rows import Level
 from wirewear.verification.surface import surface_rows
 
 Array = NDArray[np.float64]

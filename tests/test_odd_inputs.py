@@ -15,8 +15,7 @@ from wirewear import RecordError, StudyError
 from wirewear.base.processes import within
 from wirewear.records import MeasuredScar
 from wirewear.records.importing import import_record
-from wirewear.simulation import ProgressBar
-from wirewear.simulation.observers import Moment
+from wirewear.simulation import Moment, ProgressBar
 from wirewear.study import parse_study
 
 cycle = cycle_of

@@ -6,9 +6,7 @@ from typing import Any
 
 import pytest
 
-from solvers import plugins
-from solvers.errors import SolverError
-from solvers.friction_laws import friction_laws
+from solvers import SolverError, friction_laws, plugins
 from tests.diagnosis_cases import record
 from tests.test_import import GERMAN, mapped
 from tests.test_import import cycle as cycle_of

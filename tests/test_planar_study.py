@@ -9,13 +9,10 @@ import pytest
 
 from wirewear import reference
 from wirewear.base.errors import RunError, StudyError
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult, read_result
-from wirewear.simulation import NoObserver
+from wirewear.simulation import Moment, NoObserver
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
-from wirewear.simulation.observers import Moment
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
 TABLES: dict[str, Any] = {

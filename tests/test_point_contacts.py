@@ -11,8 +11,7 @@ from geometry import WireGeometry
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
-from wirewear.simulation import run_study
-from wirewear.simulation.discretisation import discretise
+from wirewear.simulation import discretise, run_study
 from wirewear.study import Study, study_from_tables
 from wirewear.sweeps.sweep import figures_of
 

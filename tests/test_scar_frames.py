@@ -19,8 +19,7 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.faces import cli
-from wirewear.planar import run_planar_study
-from wirewear.planar.reading import planar_study_from_tables
+from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.reading import frame_of

@@ -9,9 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.synthetic_loops import Recipe, SyntheticLoop
-from wirewear.loops import analyse_loop
+from wirewear.loops import LoopSignals, analyse_loop
 from wirewear.loops.sensor import Sensor, SensorNoise, sensor_held_stroke
-from wirewear.loops.signals import LoopSignals
 
 FREQUENCY_Hz = 3.0
 

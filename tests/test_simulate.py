@@ -11,9 +11,8 @@ from tests import synthetic_results
 from tests.studies import steel_wires
 from wirewear import RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
-from wirewear.simulation import NoObserver, run_study
+from wirewear.simulation import Moment, NoObserver, run_study
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
-from wirewear.simulation.observers import Moment
 from wirewear.simulation.plan import RunPlan
 
 pytestmark = pytest.mark.seconds

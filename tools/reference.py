@@ -11,8 +11,7 @@ from pydantic.fields import FieldInfo
 import wirewear
 from studies.blind.commands import exam
 from wirewear.base.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
-from wirewear.effects import all_effects
-from wirewear.effects.parameter import Parameter
+from wirewear.effects import Parameter, all_effects
 from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records.importing.mapping import LineMapping

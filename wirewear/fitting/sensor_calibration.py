@@ -10,8 +10,7 @@ from scipy.special import stdtrit
 
 from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.base.errors import SensorError, StudyError
-from wirewear.loops import Measured
-from wirewear.loops.sensor import Sensor
+from wirewear.loops import Measured, Sensor
 from wirewear.simulation import contact_problem, discretise, require_affordable_wires
 from wirewear.study import Study
 

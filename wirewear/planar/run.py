@@ -18,7 +18,7 @@ from wirewear.effects import problem_with
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, RunResult, Scar
-from wirewear.simulation import NoObserver
+from wirewear.simulation import NoObserver, Observer
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.convergence import (
     JUMPS,
@@ -35,7 +35,6 @@ from wirewear.simulation.convergence import (
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, OneMesh
-from wirewear.simulation.observers import Observer
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.simulation.runs import run_planned
 from wirewear.simulation.together import ObserverFor

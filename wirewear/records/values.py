@@ -10,8 +10,7 @@ from numpy.typing import NDArray
 from typing_extensions import TypeVar
 
 from wirewear.base.errors import RecordError
-from wirewear.loops import LoopFigures, analyse_loop
-from wirewear.loops.signals import LoopSignals
+from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.point_tables import AnyTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar

@@ -9,8 +9,7 @@ import numpy as np
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import as_sentence
 from wirewear.effects import Age, Seam, applied, effects_of_tables
-from wirewear.loops.sensor import Sensor
-from wirewear.loops.signals import LoopSignals
+from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.values import Loop, RunResult, longer
 
 _IDEAL = Sensor()

@@ -5,8 +5,7 @@ from math import cos, hypot, radians
 
 from geometry import BodyGeometry, GradedAxis, Layering
 from wirewear.simulation.expected_contact import Ellipse, PatchAxes, PatchAxis, patch_axes
-from wirewear.study import Study
-from wirewear.study.bodies import Body
+from wirewear.study import Body, Study
 from wirewear.study.fidelity import WireLevel
 
 #: The predicted scar is enlarged by this factor to give the finely meshed patch.

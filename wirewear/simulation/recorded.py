@@ -18,8 +18,7 @@ from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolutio
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
-from wirewear.study import Study
-from wirewear.study.bodies import Body
+from wirewear.study import Body, Study
 
 Array = NDArray[np.float64]
 

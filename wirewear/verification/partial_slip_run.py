@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from wirewear import reference
 from wirewear.results import RunResult
 from wirewear.simulation import discretise, simulate
-from wirewear.study import Study
-from wirewear.study.reading import study_from_tables
+from wirewear.study import Study, study_from_tables
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, condensed, crossed_bulk_compliance
 

@@ -14,8 +14,7 @@ from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Array
-from wirewear.diagnosis.observe.local_lines import ObservedBranch
-from wirewear.diagnosis.observe.measured_loops import ReducedLoop
+from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground

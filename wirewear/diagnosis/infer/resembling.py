@@ -13,9 +13,8 @@ from wirewear.diagnosis.infer.families import SPOTTED
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Array
+from wirewear.diagnosis.observe import AlongBranch, ReducedLoop
 from wirewear.diagnosis.observe.layout import Part
-from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.stick import Stick

@@ -16,8 +16,7 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
-from wirewear.loops.sensor import Sensor
-from wirewear.loops.signals import LoopSignals
+from wirewear.loops import LoopSignals, Sensor
 from wirewear.results import Loop
 
 Array = NDArray[np.float64]

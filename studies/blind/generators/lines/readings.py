@@ -14,8 +14,7 @@ from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
-from wirewear.loops.sensor import Sensor
-from wirewear.loops.signals import LoopSignals
+from wirewear.loops import LoopSignals, Sensor
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.results import Loop, RunResult
 
