@@ -13,8 +13,8 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, Layering, graded_layers
 from geometry.hexmesh import HexMesh
@@ -24,9 +24,6 @@ from geometry.profiles import Profile
 
 _HEXAHEDRON = 5
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Elements with a smaller scaled Jacobian than this are refused.
 LEAST_SCALED_JACOBIAN = 0.2

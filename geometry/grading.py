@@ -5,11 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from geometry.errors import GeometryError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,12 @@ Mech. Eng. 163 (1998) 231).
 """
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags
 
+from geometry.arrays import Array, IntArray
 from geometry.errors import GeometryError
 from geometry.hexmesh import HexMesh
 from geometry.quadmesh import QuadMesh
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _EDGES = np.array(
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64

@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import EdgeGradedAxis, GradedAxis, graded_layers
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
 from geometry.quadmesh import QuadMesh
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LEAST_QUALITY = 0.2
 

@@ -7,14 +7,13 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from geometry.errors import GeometryError
 
 if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
-Array = NDArray[np.float64]
 
 # Far beside a contact patch any finite height will do; a cylinder has none there.
 _REACH = 0.95

@@ -12,12 +12,9 @@ from itertools import pairwise
 from math import cos, pi, sin
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from geometry.grading import Layering, graded_layers
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 #: Columns wider than this multiple of the row's narrowest are not joined with others.
 _WIDEST_JOINED = 2.2

@@ -5,7 +5,8 @@ from math import pi
 
 import numpy as np
 
-from geometry.body import Array, BodyGeometry, BoolArray, IntArray
+from geometry.arrays import Array, BoolArray, IntArray
+from geometry.body import BodyGeometry
 from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, Layering
 from geometry.profiles import Cylinder

@@ -11,8 +11,7 @@ from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.friction_laws import ShearLimited, friction_law, friction_laws
-from solvers.guide import Guide
-from solvers.holder import Holder
+from solvers.holder import Guide, Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.misalignment import misaligned

@@ -11,15 +11,13 @@ from dataclasses import dataclass, replace
 from math import acos, cos, pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.fretting import CycleTrace, Watch, settled
-from solvers.guide import Guide, guide_from
+from solvers.holder import Guide, guide_from
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
-
-Array = NDArray[np.float64]
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.
 LOOP_TOLERANCE = 3e-3

@@ -10,14 +10,10 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch
-from solvers.compiled import compiled
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.kept_code import compiled
 
 #: How far beside a patch, in cells, a point still counts as on it.
 ROUND_OFF = 1e-9

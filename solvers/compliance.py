@@ -6,15 +6,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, IntArray
+from solvers.kept_code import compiled
 from solvers.nodal_transfer import NodalTransfer, loaded_nodes
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Block:

@@ -12,21 +12,17 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 from scipy.sparse import csr_matrix, diags
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
-from solvers.elasticity import stiffness_matrix
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.errors import SolverError
 from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
+from solvers.strain import stiffness_matrix
 from solvers.substructuring import cholesky_factor, schur_complements
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,9 @@ from math import exp, inf
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
 
 # Share of the engagement pressure below which a rough layer is as it is at first touch.
 _LEAST_SHARE = 1e-6

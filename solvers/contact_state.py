@@ -2,11 +2,7 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from geometry.arrays import Array, BoolArray
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,11 @@ from dataclasses import replace
 from math import log
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch
+from geometry.arrays import Array, IntArray
 from solvers.near_field import Bricks, missing_displacement
 from solvers.placement import PlacedBody
-
-Array = NDArray[np.float64]
 
 #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
 _ALIKE = 2.0
@@ -38,7 +36,7 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
     return replace(primary, folded=primary.folded.with_neighbours(near, kind.ravel(), share))
 
 
-def _near_fields(kinds: NDArray[np.int64], finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:
+def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:
     """Displacements lacking about nodes of each kind (m, 4), (m, 2 a + 1, 2 t + 1, 3, 3)."""
     ways = ((float(turn[0, 0]), float(turn[0, 1])), (float(turn[1, 0]), float(turn[1, 1])))
     found = []

@@ -7,10 +7,10 @@ not do.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import blas
 from scipy.sparse import csr_matrix
 
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.substructuring import (
     Substructure,
     System,
@@ -23,10 +23,6 @@ from solvers.substructuring import (
     node_graph,
     unknowns_of,
 )
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -7,13 +7,11 @@ within the overlap, as after plastic contact without pile-up (Johnson, Contact M
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.pairing import PrimarySurface, primary_surface, vertical_gap
-
-Array = NDArray[np.float64]
 
 # Positions along the stroke at which the other body presses, per half-width of the flattened spot.
 _PER_HALF_WIDTH = 4.0

@@ -6,13 +6,11 @@ from functools import cache
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, FrictionLaw
 from solvers.plugins import installed
-
-Array = NDArray[np.float64]
 
 #: Entry point group in which a package names its subclasses of `FrictionLaw`.
 ENTRY_POINT_GROUP = "wirewear.friction_laws"

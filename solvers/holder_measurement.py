@@ -4,13 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
 
 # Forces below this share of the largest tell nothing of a spring.
 _LEAST_FORCE = 0.05

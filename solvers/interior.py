@@ -10,20 +10,17 @@ from functools import cached_property
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 from threadpoolctl import threadpool_limits
 
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
+from geometry.arrays import Array, IntArray
 from solvers.condensation import bedded, held_on_planes, one_side
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
-from solvers.elasticity import stiffness_matrix
 from solvers.errors import SolverError
 from solvers.factor import Factor, factorised
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from solvers.strain import stiffness_matrix
 
 #: Forces of a symmetry below this share of the largest are round-off of none.
 _ROUND_OFF = 1e-14

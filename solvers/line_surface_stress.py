@@ -10,16 +10,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import compiled
 from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic
 from solvers.surface_lattice import line_lattice_error
 from solvers.surface_stress import alike, corrected_nodes, unspread
-
-Array = NDArray[np.float64]
 
 #: Distances at which shear ahead and behind is summed; their roots are evenly spaced.
 _DISTANCES = 2000
@@ -127,7 +125,7 @@ class LoadedLine:
         return result
 
     @cached_property
-    def _near(self) -> NDArray[np.bool_]:
+    def _near(self) -> BoolArray:
         return corrected_nodes(np.abs(self.traction).max(axis=-1), (self.surface.spacing_mm,))
 
     @cached_property

@@ -14,13 +14,11 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Elastic, HexMesh
+from geometry.arrays import Array, ComplexArray, IntArray
 from solvers.strain import integration_points
 
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Pair = tuple[float, float]
 
 #: How deep the lattice reaches, in elements.
@@ -112,7 +110,7 @@ def _lacking_in_other(
 ) -> ComplexArray:
     """What the facing body's bricks lack, in its own axes; they are loaded by hat functions and seen as their means."""
     result = np.zeros((len(along), 3, 3), dtype=np.complex128)
-    seen: list[tuple[NDArray[np.int64], Array, Array]] = []
+    seen: list[tuple[IntArray, Array, Array]] = []
     for x, y, cell in _aliases(along, across, _ALIASES):
         k = to_other[:2, :2] @ np.stack([x / size[0], y / size[1]])
         result += (cell**2)[:, None, None] * half_space_response(k[0], k[1], bricks.material)

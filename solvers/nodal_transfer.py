@@ -7,13 +7,10 @@ from functools import cached_property
 from math import prod
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from solvers.compiled import compiled
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from geometry.arrays import Array, IntArray
+from solvers.kept_code import compiled
 
 
 @dataclass(frozen=True)

@@ -9,12 +9,9 @@ Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 # Over the last part of the way that oxygen gets, the wear coefficient passes linearly from one value to the other.
 _FADING = 0.3

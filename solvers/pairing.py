@@ -14,18 +14,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.aligned_quadrature import GaussLines, gauss_lines
-from solvers.compiled import compiled
+from solvers.kept_code import compiled
 from solvers.nodal_transfer import NodalTransfer, weighted_sums
 from solvers.placement import PlacedBody
 from solvers.quadrature import at_points, field_at, integrals, points_about
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 _GAUSS_POINTS = 5
 

@@ -12,13 +12,10 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, IntArray
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from solvers.kept_code import compiled
 
 # Of the type that indices have in the innermost loop.
 _ONE, _TWO = np.uint64(1), np.uint64(2)

@@ -11,17 +11,13 @@ from math import cos, sin
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.condensation import CondensedBody
 from solvers.near_field import Bricks
 from solvers.patch_compliance import PatchCompliance
 from solvers.quadrature import gradient
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

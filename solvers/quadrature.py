@@ -3,16 +3,12 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.aligned_quadrature import ROUND_OFF, CommonAxes, GaussLines, cell_of, transfer_along_axes
-from solvers.compiled import compiled, inlined
+from solvers.kept_code import compiled, inlined
 from solvers.nodal_transfer import NodalTransfer
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 class GaussPoints(NamedTuple):

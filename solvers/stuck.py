@@ -7,15 +7,12 @@ When the motion turns round, no point of the contact slips at first (Mindlin & D
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from geometry import Elastic, PlanarMesh
-from solvers.elasticity import stiffness_matrix
+from geometry.arrays import Array, IntArray
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from solvers.strain import stiffness_matrix
 
 
 @dataclass(frozen=True)

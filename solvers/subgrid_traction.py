@@ -13,13 +13,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, convolve1d, distance_transform_edt, gaussian_filter, grey_dilation
 
-from solvers.compiled import compiled
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import compiled
 
 #: Nodes with less than this share of the largest pressure are outside.
 _LOADED = 0.05

@@ -12,15 +12,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix
 
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Substructures of at most so many nodes are eliminated as one dense front.
 _LEAF_NODES = 120

@@ -19,9 +19,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry import Elastic, HexMesh
+from geometry.arrays import Array
 from solvers.strain import IntegrationPoints, integration_points
 
-Array = NDArray[np.float64]
 ComplexArray = NDArray[np.complexfloating]
 
 #: Nodes of the lattice along each axis before it repeats; odd, so that no wave alternates from node to node.

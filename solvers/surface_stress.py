@@ -14,20 +14,16 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solve_banded
 from scipy.ndimage import distance_transform_edt
 from scipy.signal import fftconvolve
 
 from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.kept_code import compiled
 from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic
 from solvers.surface_lattice import lattice_error
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Elements are alike that differ by no more than this share.
 _ALIKE = 0.02

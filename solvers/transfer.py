@@ -13,15 +13,13 @@ negative is left as it is; that onto the same grid returns the field itself.
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import solveh_banded
 
 from geometry import ContactPatch
+from geometry.arrays import Array
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import SolverError
-
-Array = NDArray[np.float64]
 
 #: The share of a field's integral that may lie beside the new grid: round-off.
 _LARGEST_SHARE_LOST = 1e-11

@@ -14,16 +14,14 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch
+from geometry.arrays import Array
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Friction
 from solvers.oxygen import OxygenSupply
 from solvers.pairing import Pairing
-
-Array = NDArray[np.float64]
 
 WearLaw = Literal["energy", "archard"]
 

@@ -13,9 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 # Share of the stroke over which the bodies must move against each other for places to be spread over that.
 _LEAST_SLIDING_SHARE = 0.25

@@ -4,10 +4,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, build_body
+from geometry.arrays import Array
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport
@@ -15,8 +15,6 @@ from solvers.holder import Holder
 from solvers.placement import PlacedBody, place
 from solvers.wear import WearRates
 from wirewear.simulation import problem as wires
-
-Array = NDArray[np.float64]
 
 # Threads cost more than they gain on problems this small, most of all on a busy machine.
 _ONE_THREAD = {"limits": 1, "user_api": "blas"}

@@ -9,11 +9,12 @@ from dataclasses import replace
 import numpy as np
 from scipy.signal import lfilter
 
+from geometry.arrays import Array
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce

@@ -4,11 +4,9 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.records import ExperimentRecord, MeasuredLoop, MeasuredScar
-
-Array = NDArray[np.float64]
 
 LBF, MIL = 4.4482216152605, 25.4
 

@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 SAMPLES, CYCLES, FREQUENCY_Hz, LOAD_N, AMPLITUDE_um = 128, 4, 3.0, 2.0, 60.0
 STIFFNESS_N_per_um, FRICTION = 0.167, 0.62

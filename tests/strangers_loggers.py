@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from tests.strangers_files import (
     CYCLES,
     ENGLISH,
@@ -15,7 +16,6 @@ from tests.strangers_files import (
     SAMPLES,
     TIME,
     AMPLITUDE_um,
-    Array,
     FREQUENCY_Hz,
     Language,
     Written,

@@ -4,7 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
-from tests.strangers_files import ENGLISH, Array, Language, Written, bracketed, line
+from geometry.arrays import Array
+from tests.strangers_files import ENGLISH, Language, Written, bracketed, line
 
 #: A scar on a wire of 0.45 mm along x: an elliptic bowl of known volume.
 DEPTH_um, HALF_um, STEP_um, COLUMNS, ROWS, DIAMETER_mm = 15.0, 80.0, 5.0, 61, 41, 0.45

@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tests.strangers_files import ENGLISH, Array, Language, line, of_language, table
+from geometry.arrays import Array
+from tests.strangers_files import ENGLISH, Language, line, of_language, table
 
 #: A flat, tilted, with a parabolic scar of known cross-section.
 DEPTH_um, HALF_um, STEP_um, POINTS = 8.0, 200.0, 1.0, 2000

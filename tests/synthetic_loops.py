@@ -4,11 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.reference import PartialSlipPoint, branch_force, displacement_after_reversal
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

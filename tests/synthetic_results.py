@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.results import Evolution, Loop, RunResult, Scar
 from wirewear.results.scar import FIELD_COLUMNS
 
@@ -78,13 +78,13 @@ def bowl(
     )
 
 
-def profile(body: str, x_um: NDArray[np.float64], depth_um: NDArray[np.float64], cycle: int = 1, **fields: Any) -> Scar:
+def profile(body: str, x_um: Array, depth_um: Array, cycle: int = 1, **fields: Any) -> Scar:
     """A line contact's profile, of one millimetre of it; fields (n,) that are not given are its depth."""
     columns = {name: fields.get(name, depth_um)[:, None] for name in FIELD_COLUMNS[1:]}
     return Scar(cycle, body, np.inf, 0.0, x_um, np.zeros(1), depth_um[:, None], **columns, length_mm=1.0)
 
 
-def graded(half_length_um: float, lines: int) -> NDArray[np.float64]:
+def graded(half_length_um: float, lines: int) -> Array:
     """Grid lines from −half_length to half_length, finer in the middle."""
     s = np.linspace(-1.0, 1.0, lines)
     return half_length_um * (0.6 * s + 0.4 * s**3)

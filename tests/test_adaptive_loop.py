@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import (
     ContactProblem,
     CycleTrace,
@@ -17,7 +17,7 @@ from solvers import (
     closed_cycle,
     first_quarter,
 )
-from solvers.guide import Guide
+from solvers.holder import Guide
 from solvers.wear_path import Stroke, wear_path
 from solvers.wear_step.symmetry import Mirror, with_images
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
@@ -30,7 +30,6 @@ counts = st.integers(2, 200)
 
 MIRROR = Mirror(-1.0, 1.0, np.array([2, 1, 0]), np.array([1, 0]))
 
-Array = NDArray[np.float64]
 
 INCREMENTS = 32
 SLIDING_N = FRICTION * LOAD_N

@@ -11,7 +11,7 @@ import pytest
 from solvers.kept_code import _written
 
 _INNER = """
-from solvers.compiled import compiled
+from solvers.kept_code import compiled
 
 FACTOR = {factor}
 
@@ -21,7 +21,7 @@ def shifted(x):
     return x + {shift}
 """
 _OUTER = """
-from solvers.compiled import compiled
+from solvers.kept_code import compiled
 from things.inner import (
     FACTOR,
     shifted,
@@ -33,7 +33,7 @@ def twice_removed(x):
     return FACTOR * shifted(x)
 """
 _LAST = """
-from solvers.compiled import compiled
+from solvers.kept_code import compiled
 from things.outer import twice_removed
 
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from studies.blind import generator_of
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import record_tables, write_traceless
@@ -26,7 +26,6 @@ from wirewear.results import Loop, RunResult
 from wirewear.simulation import discretise
 from wirewear.study import Study
 
-Array = NDArray[np.float64]
 GENERATOR = generator_of("T1")
 QUIET = SpecimenDraw()
 

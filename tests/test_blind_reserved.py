@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from studies.blind.generators.ageing import Hanging
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
@@ -19,7 +20,6 @@ from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.reserved_causes import AT_SEAMS, LOADS, NOTHING, ONE_WAY_IN_DISPLACEMENT, ONE_WAY_IN_FORCE, READ
 from tests.test_blind_unseen import LOOP, STEEL, TURN, area_mJ, require_read_alike
 from tests.withheld_causes import (
-    Array,
     drawn,
     gaps_in_scatters,
     require_alike_at_seams,

@@ -5,7 +5,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from studies.blind.generators.ageing import Film
 from studies.blind.generators.cases import TrueEffect
@@ -27,7 +26,6 @@ from studies.blind.scoring.seams import OUTSIDE_SEAMS
 from tests.test_blind_finite_element import a_loop, plain_nuisances
 from wirewear.effects import Seam
 
-Array = NDArray[np.float64]
 Named = dict[str, float]
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
 QUIET = SpecimenDraw()

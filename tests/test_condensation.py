@@ -9,26 +9,22 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags, eye, kron
 from scipy.sparse.linalg import splu
 from skfem import Basis, ElementHex1, ElementVector, MeshHex
 from skfem.models.elasticity import lame_parameters, linear_elasticity
 
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
+from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
-from solvers.elasticity import stiffness_matrix
+from solvers.strain import stiffness_matrix
 from solvers.substructuring import schur_complement
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
 
-Array = NDArray[np.float64]
-
 MATERIAL = Elastic(210_000.0, 0.3)
 
 FINE_mm = 0.02
-
-IntArray = NDArray[np.int64]
 
 
 @pytest.fixture(scope="module")

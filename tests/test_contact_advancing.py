@@ -16,7 +16,7 @@ from solvers.contact.acceptance import largest_within
 from solvers.contact.gaps import faced
 from solvers.contact.increment import IncrementFailedError
 from solvers.fretting import anew
-from solvers.guide import FirstGuess
+from solvers.holder import FirstGuess
 from solvers.newton import outcome
 from tests.bodies import LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL

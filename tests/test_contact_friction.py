@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
 from solvers.wear_step.similar_equations import SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
@@ -21,8 +21,6 @@ from wirewear.reference import (
     tangential_contact_modulus,
     unloading_stiffness,
 )
-
-Array = NDArray[np.float64]
 
 COUNT = 240
 
@@ -40,7 +38,7 @@ def matrix(seed: int = 1, change: float = 0.0) -> Array:
     return np.asarray(first * (1.0 + change * chance.normal(size=first.shape)))
 
 
-def solved(similar: SimilarEquations, whole: Array, unknowns: NDArray[np.int64], scale: float = 1.0) -> Array | None:
+def solved(similar: SimilarEquations, whole: Array, unknowns: IntArray, scale: float = 1.0) -> Array | None:
     """The solution on some unknowns, of equations scaled at random."""
     part, rhs = whole[np.ix_(unknowns, unknowns)], np.cos(unknowns)
     chance = np.random.default_rng(len(unknowns))

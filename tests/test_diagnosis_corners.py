@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive, tables
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.mending import corners_of, read_at_corners
 from wirewear.records import ExperimentRecord, MeasuredLoop
 

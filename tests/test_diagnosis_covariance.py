@@ -8,11 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance, tolerated
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import Observable, Site
 from wirewear.diagnosis.observe.channels import (

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.distortions import _log_evidence
 from wirewear.diagnosis.infer.families import FAMILIES
@@ -16,7 +17,6 @@ from wirewear.diagnosis.infer.shapes import Branches, displacement_after_play, f
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.views.diagnosis_wording import Diagnosed

@@ -7,10 +7,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import nominal, record, states, with_effect
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at, knee_index
 from wirewear.diagnosis.observe.mending import without_spikes
 from wirewear.diagnosis.observe.plateau import PlateauForce

@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from studies.blind.generators.instruments import LeakingCharge, Signals
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.independent_records import independent_record
@@ -14,7 +15,7 @@ from wirewear.diagnosis.infer.shapes_in_time import giving_late, leaking
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.layered_wires import FlattenedWires, LayeredWires
 from wirewear.diagnosis.model.readings import phases_of
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
 

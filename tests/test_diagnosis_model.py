@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from studies.blind.generators.independent.friction import LAWS
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.test_diagnosis_covariance import layout
@@ -14,7 +15,7 @@ from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.evolution import loop_area
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive, nominal, record, states
 from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, estimate, noise_factors
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
 from wirewear.diagnosis.observe.plateau import PlateauForce

@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import CYCLES, NOISE_N, diagnosed, nominal, record, states
 from tests.synthetic_results import result
 from wirewear.diagnosis.diagnose import concluded
@@ -14,7 +15,6 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.channels import Amplitude
 from wirewear.diagnosis.observe.layout import Layout

@@ -5,15 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from studies.diagnosis.gap_free_pairs import Pair, pair_of
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.shapes import Branches, opening
 from wirewear.diagnosis.infer.shapes_in_time import averaged, rattling, slewing
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import phases_of
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.records import MeasuredLoop
 
@@ -30,7 +29,7 @@ def paired(observed: Observations, **options: bool) -> Pair:
     return pair_of("made_T1_003", "a test", states(), nominal("sensor"), observed, **options)
 
 
-def smallest_share(matrix: NDArray[np.float64]) -> float:
+def smallest_share(matrix: Array) -> float:
     """The least eigenvalue over the largest."""
     values = np.linalg.eigvalsh(matrix)
     return float(values[0] / values[-1])

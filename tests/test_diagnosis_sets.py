@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.stats import binom, kstest
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.recognised import LEFT, SCALE, Remainder, remainder_of, share_beyond, without
@@ -49,13 +49,13 @@ def explained() -> tuple[Problem, Fit]:
     return found.problem, found.none
 
 
-def left_over(noise: NDArray[np.float64]) -> Remainder:
+def left_over(noise: Array) -> Remainder:
     """What no effect at all leaves of a record that differs from its prediction by this noise only."""
     problem, nothing = explained()
     return remainder_of(replace(problem, mean=problem.predicted(nothing.setup) + noise), nothing)
 
 
-def believed_noise(count: int) -> NDArray[np.float64]:
+def believed_noise(count: int) -> Array:
     """Draws (count, n) from the covariance that the diagnosis assumes."""
     problem, _ = explained()
     covariance = np.linalg.inv(problem.whitening.T @ problem.whitening)

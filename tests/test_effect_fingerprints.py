@@ -8,14 +8,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from tests.effect_studies import COARSE, result_with
 from wirewear import Loop
 from wirewear.effects import all_effects, effect_named
 from wirewear.results import read_loops
-
-Array = NDArray[np.float64]
 
 LIMIT_N = 0.62 * 2.0
 # Walls of a scar keep their parity over the position of slip, which on a rigid rig is that of the drive.

@@ -4,9 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from geometry import BodyMesh, Elastic, HexMesh, build_body
+from geometry.arrays import Array
 from solvers import condense
 from solvers.interior import Interior
 from solvers.strain import hydrostatic, integration_points, principal, tresca, turned, von_mises
@@ -111,9 +111,6 @@ def test_an_elastic_grip_gives_the_patch_its_compliance_too() -> None:
     # What the springs push back is what the contact gives.
     pushed = (wire.bedding[:, None] * everywhere).sum(axis=0)
     np.testing.assert_allclose(pushed, forces[0].sum(axis=0), rtol=1e-8)
-
-
-Array = NDArray[np.float64]
 
 
 STEEL = Elastic(200_000.0, 0.3)

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 import pyvista
 from click.testing import CliRunner
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from tests.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
 from wirewear.faces import cli
 from wirewear.faces.looking import Run, read_result
@@ -34,7 +34,7 @@ def bricks(flat: bool = False) -> pyvista.UnstructuredGrid:
     return grid
 
 
-def corners_of(cut: Section, sign: float = 1.0) -> NDArray[np.float64]:
+def corners_of(cut: Section, sign: float = 1.0) -> Array:
     """All triangles by their middles and mean values, in order; mirrored with sign −1."""
     of_each = np.column_stack([sign * cut.along, cut.height, cut.values])[cut.triangles].mean(axis=1)
     rounded = np.round(of_each, 9) + 0.0

@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from tests.test_planar_study import TABLES
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
@@ -162,7 +162,7 @@ def test_profiles_of_exchanged_bodies_are_told_as_the_flats_scar_is_longer_by_th
     pad, flat = (np.maximum(1.0 - (x / wide) ** 2, 0.0) for wide in (half, half + reach))
     random = np.random.default_rng(1)
 
-    def told(**depths: NDArray[np.float64]) -> tuple[Remark, ...]:
+    def told(**depths: Array) -> tuple[Remark, ...]:
         profiles = (
             MeasuredProfile(1, body, x, d + 0.01 * random.standard_normal(x.size)) for body, d in depths.items()
         )

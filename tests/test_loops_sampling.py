@@ -8,6 +8,7 @@ import pytest
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive
 from tests.known_loops import HOOKED, assert_known, hooked, share_off
 from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
@@ -17,7 +18,6 @@ from wirewear.loops.cleaning import clean_loop
 from wirewear.loops.clipping import rounding_noise, step_of
 from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.loops.drive import period_of
-from wirewear.loops.robust import Array
 from wirewear.loops.timing import lag_of
 
 

@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 from scipy.integrate import quad
 from scipy.sparse import csr_matrix, vstack
 
+from geometry.arrays import Array
 from tests.effect_studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
 from wirewear import largest_mean_pressure_MPa
@@ -22,8 +22,6 @@ from wirewear.sweeps.uncertainty import fitted, inputs_of, page, run_uncertain, 
 
 HOLDER = "[holder]\ntangential_stiffness_N_per_mm = 300.0\n"
 SCATTER = "[scatter]\nfriction = 0.05\nnormal_load = 0.03\n"
-
-Array = NDArray[np.float64]
 
 
 def rng() -> np.random.Generator:

@@ -8,18 +8,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
-from numpy.typing import NDArray
 
 from geometry import BodyMesh, ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering
+from geometry.arrays import Array, IntArray
 from geometry.mesh_motion import lowered
 from geometry.sections import wire_section
 from solvers import place, transferred
 from tests import bodies
 from tests.bodies import STEEL, brick, wire, wire_geometry
 from wirewear.simulation.problem import condensed_body, condensed_worn_body
-
-Array = NDArray[np.float64]
-
 
 FINE_mm = 0.010
 
@@ -41,7 +38,7 @@ def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float, Layering]:
     return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0)), layering
 
 
-def corner_sines(points: Array, quads: NDArray[np.int64]) -> Array:
+def corner_sines(points: Array, quads: IntArray) -> Array:
     """Sine of the angle at each corner, (m, 4): positive at all four for a convex counter-clockwise quad."""
     corners = points[quads]
     ahead = np.roll(corners, -1, axis=1) - corners
@@ -50,7 +47,7 @@ def corner_sines(points: Array, quads: NDArray[np.int64]) -> Array:
     return np.asarray(cross / np.linalg.norm(ahead, axis=2) / np.linalg.norm(behind, axis=2))
 
 
-def quad_areas(points: Array, quads: NDArray[np.int64]) -> Array:
+def quad_areas(points: Array, quads: IntArray) -> Array:
     y, z = points[quads].transpose(2, 0, 1)
     return np.asarray(0.5 * (y * np.roll(z, -1, axis=1) - np.roll(y, -1, axis=1) * z).sum(axis=1))
 

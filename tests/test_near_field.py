@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from geometry import Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_planar
+from geometry.arrays import Array
 from solvers import PlacedBody, facing, place
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
@@ -19,9 +19,6 @@ from wirewear import reference
 from wirewear.verification import FULL, QUICK, Level
 from wirewear.verification.line_surface import line_surface_rows
 from wirewear.verification.surface import surface_rows
-
-Array = NDArray[np.float64]
-
 
 FINE_mm = 0.004
 

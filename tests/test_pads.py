@@ -9,8 +9,7 @@ import pytest
 from geometry import Cylinder, RoundedFlat, TabledProfile
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.planar import planar_study_from_tables, run_planar_study
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
 from wirewear.study.reading import read_study
 

@@ -4,14 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 from geometry import GradedAxis
+from geometry.arrays import Array
 from solvers.pairing import Pairing, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from tests.bodies import RADIUS_mm, rigid
-
-Array = NDArray[np.float64]
 
 FLAT_mm = 1e9
 

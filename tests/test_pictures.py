@@ -15,15 +15,22 @@ from matplotlib.image import imread
 from numpy.typing import NDArray
 
 from geometry import build_body
+from geometry.arrays import Array
 from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above
-from wirewear.pictures.colours import DEPTH_COLOURS, PRESSURE_COLOURS, SLIP_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.mesh import PARTS, round_facets
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
-from wirewear.pictures.style import cycle_colours, styled
+from wirewear.pictures.style import (
+    DEPTH_COLOURS,
+    PRESSURE_COLOURS,
+    SLIP_COLOURS,
+    VARIANT_COLOURS,
+    cycle_colours,
+    styled,
+)
 from wirewear.results import Scar, write_result
 from wirewear.simulation import discretise
 from wirewear.study import load_study
@@ -151,9 +158,6 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 RADIUS_mm = 0.225
-
-
-Array = NDArray[np.float64]
 
 
 RADIUS_um = 73.0

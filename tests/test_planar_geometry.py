@@ -33,8 +33,8 @@ from solvers import (
     press,
     unloaded_state,
 )
-from solvers.elasticity import stiffness_matrix
 from solvers.pairing import pair, primary_surface
+from solvers.strain import stiffness_matrix
 from wirewear import reference
 from wirewear.verification.line_contact import (
     FRICTION,

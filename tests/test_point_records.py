@@ -14,9 +14,8 @@ from tests.synthetic_results import AMPLITUDE_um, bowl, result
 from tests.test_point_contacts import STEEL
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
 from wirewear.faces import cli
-from wirewear.records import ExperimentRecord, check_record
+from wirewear.records import ExperimentRecord, RecordTables, check_record
 from wirewear.records.importing import import_record
-from wirewear.records.tables import RecordTables
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import Evolution, RunResult, Scar
 from wirewear.study import study_from_tables

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.strain import von_mises
 from wirewear.reference import (
     branch_force,
@@ -28,9 +28,7 @@ from wirewear.reference import (
     unloading_stiffness,
     worn_pressure,
 )
-from wirewear.reference.wear import LineScar
-
-Array = NDArray[np.float64]
+from wirewear.reference.partial_slip_wear import LineScar
 
 A, P0, Q0, NU = 1.3, 7.0, 3.0, 0.3
 

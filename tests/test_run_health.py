@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import ContactProblem, CycleTrace, closed_cycle, first_quarter, mirror_error, symmetry_of
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
@@ -19,7 +19,6 @@ from wirewear.records import check_record
 from wirewear.simulation.contact_forces import at_mid_stroke, mean_pressures, pressure_figures
 from wirewear.simulation.tally import area_mismatch, bends, energy_mismatch, mirrored_mismatch
 
-Array = NDArray[np.float64]
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
 
 MESH_mm = 0.010

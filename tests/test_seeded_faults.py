@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar, checking
 from wirewear.records.checking import problems_told
-from wirewear.records.values import Array
 from wirewear.views.loops_sources import read_loops
 
 pytestmark = pytest.mark.seconds

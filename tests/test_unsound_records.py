@@ -13,15 +13,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
 from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record
 from wirewear.diagnosis import diagnose
 from wirewear.faces import cli
-from wirewear.records import ExperimentRecord
+from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.checking import problems_told
-from wirewear.records.values import Array, MeasuredLoop
 from wirewear.views.comparison import compare
 
 STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"

@@ -5,10 +5,10 @@ from dataclasses import replace
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import threadpool_limits
 
 from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
+from geometry.arrays import Array
 from solvers import (
     ContactProblem,
     ContactState,
@@ -28,8 +28,6 @@ from solvers import (
 )
 from solvers.wear_step.symmetry import Mirror, mirrored
 from tests.bodies import FRICTION, STEEL, crossed_wires, pressed
-
-Array = NDArray[np.float64]
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 1.5e-8)

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from solvers import Holder, WearRates
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
@@ -27,8 +26,6 @@ from studies.blind.generators.sizes import drawn_parameters
 from tests.test_blind_finite_element import plain_nuisances
 from tests.test_blind_unseen import LOOP, QUIET, STEEL, Named
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
-
-Array = NDArray[np.float64]
 
 #: Each cause at a size that changes nothing.
 NOTHING: dict[str, Named] = {

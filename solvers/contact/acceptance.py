@@ -4,19 +4,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem
 from solvers.contact.sliding import slid
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
+from solvers.kept_code import compiled
 from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
 from solvers.wear import Sliding, deposited
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def largest_within(pressure: Array) -> float:

@@ -9,7 +9,7 @@ from solvers.contact.increment import IncrementFailedError, LostContactError, so
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError
-from solvers.guide import FirstGuess
+from solvers.holder import FirstGuess
 
 _MOST_CUTS = 8
 

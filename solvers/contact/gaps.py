@@ -3,15 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem
 from solvers.contact_layer import open_share
 from solvers.contact_state import ContactState
 from solvers.pairing import Pairing, pair, vertical_gap
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:

@@ -3,19 +3,16 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
 from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact.linearisation import linearised, paired_before
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
-from solvers.guide import FirstGuess
+from solvers.holder import FirstGuess
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
 # error is of second order in that distance.

@@ -1,8 +1,8 @@
 """The affine system that an increment poses on one pairing of the surfaces."""
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.compliance import paired_compliance
 from solvers.contact.gaps import faced, levers
 from solvers.contact.problem import ContactProblem
@@ -11,8 +11,6 @@ from solvers.contact_state import ContactState
 from solvers.newton import Linearisation
 from solvers.nodal_transfer import NodalTransfer
 from solvers.pairing import Pairing
-
-Array = NDArray[np.float64]
 
 # Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
 _STICK_MARGIN = 0.02

@@ -5,8 +5,8 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact_layer import ContactLayer, open_share
 from solvers.contact_state import ContactState, WearState
 from solvers.errors import SolverError
@@ -15,8 +15,6 @@ from solvers.holder import Holder
 from solvers.pairing import PrimarySurface, primary_surface
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
-
-Array = NDArray[np.float64]
 
 # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
 _PENALTY_SHARE = 0.02

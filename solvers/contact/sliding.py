@@ -10,19 +10,16 @@ close by is no such motion, but is stored.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray
 from solvers.contact.gaps import levers
 from solvers.contact.linearisation import layers_between
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState
+from solvers.kept_code import compiled
 from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
 from solvers.wear import Sliding
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 def slid(

@@ -15,15 +15,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import compiled
 from solvers.newton.system import Linearisation
 from solvers.newton.terms import HolderTerms, Nodes, nodes_of
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.

@@ -8,13 +8,10 @@ slip or the friction law, the holder's equilibrium. Matrices are filled transpos
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import inlined
+from geometry.arrays import Array, IntArray
+from solvers.kept_code import inlined
 from solvers.newton.terms import Carried, LayerTerms, Nodes
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class Loaded(NamedTuple):

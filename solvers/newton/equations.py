@@ -3,18 +3,14 @@
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-from solvers.compiled import compiled, inlined
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.kept_code import compiled, inlined
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.displacement_rows import Loaded, gap_rows, slip_rows
 from solvers.newton.holder_balance import fill_holder_rows, held_place
 from solvers.newton.terms import FrictionTerms, HolderTerms, LayerTerms, Nodes, carried_by, holder_terms, layer_terms
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 #: Tractions (k,) and (k, 2) in local frames, then the holder's height, position and tilt.
 Solution = tuple[Array, Array, float, float, float]

@@ -5,14 +5,11 @@ stop.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import inlined
+from geometry.arrays import Array, IntArray
+from solvers.kept_code import inlined
 from solvers.newton.conditions import ContactConditions, Iterate
 from solvers.newton.terms import Carried, HolderTerms, Nodes
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:

@@ -5,17 +5,14 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.equations import Solution, newton_step
 from solvers.newton.holder_balance import stop_in_play
 from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcome, failed_outcome
 from solvers.newton.system import Linearisation
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 _MOST_ITERATIONS = 60
 # Iterations without progress after which the increment is given up.

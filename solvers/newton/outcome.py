@@ -4,14 +4,11 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.holder_balance import unbalanced_force
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
 _ROUND_OFF = 1e-9

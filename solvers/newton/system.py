@@ -2,16 +2,12 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
+from geometry.arrays import Array
 from solvers.compliance import PairedCompliance
 from solvers.contact_layer import LayersAtNodes
 from solvers.friction_law import Friction
 from solvers.holder import Holder
 from solvers.pairing import Pairing
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,10 @@ from math import nan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import inlined
+from geometry.arrays import Array, BoolArray
+from solvers.kept_code import inlined
 from solvers.newton.system import Linearisation
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
 
 
 class Carried(NamedTuple):

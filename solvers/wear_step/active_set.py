@@ -6,19 +6,15 @@ from math import nan
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from solvers.compiled import compiled, inlined
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
+from solvers.kept_code import compiled, inlined
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
-
-Array = NDArray[np.float64]
-BoolArray = NDArray[np.bool_]
-IntArray = NDArray[np.int64]
 
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
 _LARGEST_FALL = 0.2

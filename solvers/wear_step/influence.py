@@ -3,15 +3,11 @@
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.kept_code import compiled
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 # What a mirror across the motion leaves of a vector's components in world axes.
 _ACROSS = np.array([1.0, -1.0, 1.0])

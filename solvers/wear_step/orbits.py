@@ -5,17 +5,13 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csc_matrix, csr_matrix, vstack
 
-from solvers.compiled import compiled
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
+from solvers.kept_code import compiled
 from solvers.wear_step.positions import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 # Nodes nearer than this to the plane of symmetry lie on it, mm.
 _ON_THE_PLANE = 1e-10

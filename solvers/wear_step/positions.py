@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact_layer import layers_at_nodes
@@ -14,10 +14,6 @@ from solvers.contact_state import ContactState
 from solvers.pairing import Pairing
 from solvers.wear_step.influence import displaced
 from solvers.wear_step.symmetry import Mirror, mirrored
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 
 @dataclass(frozen=True)

@@ -9,15 +9,12 @@ they bear less, or wear in.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, layers_at_nodes
 from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _LEAST, _LARGEST = 0.25, 4.0
 # Of the largest slip of a stroke: nodes that slide less keep the slip that they have.

@@ -10,11 +10,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import lapack
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from geometry.arrays import Array, IntArray
 
 # Of the right-hand side: what is left of equations that count as solved.
 _RESIDUAL = 1e-12

@@ -14,8 +14,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.errors import NotConvergedError
 from solvers.wear_step.active_set import CycleEquations
@@ -23,8 +23,6 @@ from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.released import released_slip
 from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
-
-Array = NDArray[np.float64]
 
 _MOST_ITERATIONS = 60
 # Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact.gaps import vertical_gaps
 from solvers.contact_state import ContactState, WearState
@@ -18,8 +18,6 @@ from solvers.fretting import CycleTrace
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.surfaces import Cycle
-
-Array = NDArray[np.float64]
 
 # Of Alexander's method: where the first stage lies in the step, and the weight of both stages' own rates.
 _STAGE = 1.0 - 0.5**0.5

@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
@@ -12,7 +12,7 @@ from solvers.contact.gaps import faced, levers, vertical_gaps
 from solvers.contact_state import ContactState
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
-from solvers.guide import Guide, guide_from
+from solvers.holder import Guide, guide_from
 from solvers.oxygen import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, orbits_of
@@ -21,9 +21,6 @@ from solvers.wear_step.stage import StageSolution
 from solvers.wear_step.stages import ProblemAt, Stages, state_at, two_stages
 from solvers.wear_step.surfaces import Cycle
 from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step. Too many of them cost
 # less than the whole step taken anew for one that was missing: of the 23 jumps of steel wires in 100 000 cycles 6 were

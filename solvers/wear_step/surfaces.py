@@ -8,11 +8,11 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from solvers.compiled import compiled, inlined
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, open_share
+from solvers.kept_code import compiled, inlined
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
@@ -22,10 +22,6 @@ from solvers.wear_step.positions import Position
 from solvers.wear_step.similar_equations import SimilarEquations
 from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
-BoolArray = NDArray[np.bool_]
 
 #: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
 Depths = tuple[Array, Array]

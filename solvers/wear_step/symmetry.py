@@ -11,13 +11,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
-from solvers.guide import Guide
+from solvers.holder import Guide
 from solvers.placement import PlacedBody
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
 _PLACE_TOLERANCE_mm = 1e-10

@@ -7,8 +7,8 @@ import click
 
 from studies.blind.generators.generator import LINE_TIERS, OTHERS, POINT_TIERS, TIERS
 from studies.blind.options import outside_option, stated_scatter_option
+from wirewear.faces import prepare_streams
 from wirewear.faces.group import Commands, OutputFile, OutputFolder, scheduler_option
-from wirewear.faces.streams import prepare_streams
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

@@ -20,8 +20,17 @@ from numpy.typing import NDArray
 from wirewear import ResultError
 from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import (
+    GREY,
+    INK,
+    VARIANT_COLOURS,
+    cycle_axis,
+    cycle_colours,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    save,
+)
 from wirewear.records import LineRecord, MeasuredProfile, read_record
 from wirewear.results import RunResult, Scar, read_results
 

@@ -21,8 +21,7 @@ from wirewear import ResultError, RunResult, Scar, read_results
 from wirewear.base.verdicts import Finding, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
+from wirewear.pictures.style import VARIANT_COLOURS, cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
 
 #: A point sticks where it slides by less than this share of the largest distance slid in the first cycle.
 STUCK = 0.02

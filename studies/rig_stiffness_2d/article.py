@@ -21,8 +21,7 @@ from matplotlib.figure import Figure
 from wirewear import ResultError
 from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.style import new_figure, save, variant_style
+from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save, variant_style
 
 from .rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated
 

@@ -18,8 +18,7 @@ from wirewear import ResultError, RunResult, read_results
 from wirewear.base.verdicts import Comparison, comparison_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
-from wirewear.pictures.colours import GREY, VARIANT_COLOURS
-from wirewear.pictures.style import cycle_axis, new_figure
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_axis, new_figure
 
 #: Half-width of the scar over the displacement amplitude from which on the law is looked for.
 LARGE = 5.0

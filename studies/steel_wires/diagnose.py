@@ -26,8 +26,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.style import new_figure
+from wirewear.pictures.style import VARIANT_COLOURS, new_figure
 from wirewear.simulation import ProgressBar
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"

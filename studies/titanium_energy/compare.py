@@ -25,8 +25,7 @@ from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
-from wirewear.pictures.colours import GREY, VARIANT_COLOURS
-from wirewear.pictures.style import new_figure, panel_letters
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, panel_letters
 
 if not __package__:
     # Run by its path, as `make run` does: its neighbours are found from the root of the repository.

@@ -21,8 +21,7 @@ from rich.table import Table
 from wirewear import ResultError
 from wirewear.base.verdicts import Finding, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS, VARIANT_DASHES
-from wirewear.pictures.style import new_figure, panel_letters, save
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, VARIANT_DASHES, new_figure, panel_letters, save
 from wirewear.results import RunResult, read_results
 
 Array = NDArray[np.float64]

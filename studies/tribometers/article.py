@@ -25,8 +25,7 @@ from wirewear.base.verdicts import Comparison, Finding, comparison_table, findin
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.pictures import save
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
-from wirewear.pictures.style import cycle_name, new_figure, panel_letters
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters
 from wirewear.planar.contact_stiffness import ASSUMED, Bodies, line_contact_stiffness
 
 from .judge import Tribometer, hertz_length, judge, tribometers_table, verdicts_table

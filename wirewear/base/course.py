@@ -9,7 +9,8 @@ from math import exp, expm1, log
 from typing import overload
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometry.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -38,9 +39,9 @@ class Course:
     def at(self, cycles: float) -> float: ...
 
     @overload
-    def at(self, cycles: NDArray[np.float64]) -> NDArray[np.float64]: ...
+    def at(self, cycles: Array) -> Array: ...
 
-    def at(self, cycles: float | NDArray[np.float64]) -> float | NDArray[np.float64]:
+    def at(self, cycles: float | Array) -> float | Array:
         """The value after so many cycles, one or (n,)."""
         passed = cycles / self.cycles
         if self.steepness != 1.0:
@@ -65,9 +66,7 @@ _FIRST_ORDER = 1e-6
 _FLAT = 1e-9
 
 
-def enclosed_energy(
-    cycles: Sequence[float] | NDArray[np.float64], per_cycle: Sequence[float] | NDArray[np.float64]
-) -> float:
+def enclosed_energy(cycles: Sequence[float] | Array, per_cycle: Sequence[float] | Array) -> float:
     """Sum of what is given per cycle, from the first of the cycles, which increase, to the last.
 
     Between two of them it is taken to be a power of the cycles.

@@ -16,14 +16,12 @@ from itertools import islice
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import shown
 from wirewear.base.reading import read_bytes, utf8
 from wirewear.base.spreadsheets import is_spreadsheet, refuse_other_sheets, sheet_text
-
-Array = NDArray[np.float64]
 
 _UTF8 = "utf-8"
 
@@ -98,7 +96,7 @@ class Numbers:
 
     columns: dict[str, Array]
     first_line: int
-    line_numbers: NDArray[np.int64] | None = None
+    line_numbers: IntArray | None = None
 
     def line(self, row: int) -> int:
         """Line of the file on which a row stands, from 1."""

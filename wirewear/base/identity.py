@@ -25,11 +25,8 @@ _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
     "geometry",
-    "solvers/compiled.py",
     "solvers/condensation.py",
-    "solvers/elasticity.py",
     "solvers/errors.py",
-    "solvers/kept_code.py",
     "solvers/near_field.py",
     "solvers/patch_compliance.py",
     "solvers/kept_code.py",

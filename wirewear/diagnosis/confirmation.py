@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
 from wirewear.base.writing import temporary_folder
@@ -27,7 +28,6 @@ from wirewear.simulation import NoObserver
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.setup import Array
     from wirewear.results import Loop
     from wirewear.views.diagnosis_wording import Diagnosed
 

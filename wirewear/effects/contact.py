@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
 from wirewear.base.course import Course
 from wirewear.base.quantity import Quantity
@@ -299,13 +299,13 @@ class ThirdBodyLayer(Effect[ContactLaw]):
             bed_um=chain.bed_um + self.spreading * self._as_rough_um(chain, retained * depth_um),
         )
 
-    def _as_rough_um(self, chain: Chain, thickness_um: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _as_rough_um(self, chain: Chain, thickness_um: Array) -> Array:
         """Height (n,) of the rough layer that gives way like a bed of thicknesses (n,) under the mean pressure."""
         pressure_MPa = 1e6 * chain.load_N / (np.sqrt(chain.worn_area2_um4) + chain.fresh_area_um2)
         closure, _ = RoughLayer(1.0).closure(pressure_MPa, chain.worn_um3)
         return np.asarray(thickness_um * pressure_MPa / self.modulus_MPa / closure)
 
 
-def _kept(thickness: NDArray[np.float64]) -> NDArray[np.float64]:
+def _kept(thickness: Array) -> Array:
     """Share of what would be kept of debris that lies so many times as thick as a full bed, (n,)."""
     return np.divide(-np.expm1(-thickness), thickness, out=np.ones_like(thickness), where=thickness > _NO_LIMIT)

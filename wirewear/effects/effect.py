@@ -17,6 +17,7 @@ from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import Holder, WearRates
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
@@ -25,7 +26,6 @@ from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens
 from wirewear.loops.sensor import Sensor
 
-Array = NDArray[np.float64]
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
 

@@ -6,9 +6,9 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
+from geometry.arrays import Array
 from wirewear.base.course import Course
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.forward import simulate
@@ -171,8 +171,6 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
     model = np.array(list(FITTED.values())) * size
     return np.asarray(np.sqrt(scatter**2 + analysed**2 + model**2))
 
-
-Array = NDArray[np.float64]
 
 #: Samples of a modelled loop, where it is compared with none that has a number of its own.
 SAMPLES = 128

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.stats import t as students_t
 
+from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
@@ -38,8 +38,6 @@ from wirewear.results import read_loops
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.results import RunResult
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,16 +5,14 @@ from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, PlacedBody, advance, press, unloaded_state
 from wirewear.base.errors import SensorError, StudyError
 from wirewear.loops import Measured, Sensor
 from wirewear.simulation import contact_problem, discretise, require_affordable_wires
 from wirewear.study import Study
-
-Array = NDArray[np.float64]
 
 #: Where the near displacement is taken: the moving wire at the contact, against ground or against the fixed wire at
 #: the contact; or the moving wire's holder against the fixed wire's.

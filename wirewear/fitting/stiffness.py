@@ -9,10 +9,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.stats import t as students_t
 
+from geometry.arrays import Array
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -23,8 +23,6 @@ from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
 from wirewear.records.believed import believed_tables
 from wirewear.records.normal_force import median_load_N
-
-Array = NDArray[np.float64]
 
 #: By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run: growing
 #: contacts give back up to 0.7 of 0.9 µm of approach.

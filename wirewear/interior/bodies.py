@@ -5,16 +5,14 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, GeometryError, HexMesh, build_body
+from geometry.arrays import Array
 from solvers.interior import Interior
 from solvers.strain import IntegrationPoints, integration_points
 from solvers.surface_stress import SurfaceStress
 from wirewear.interior.state import InnerState
 from wirewear.results import RunResult
-
-Array = NDArray[np.float64]
 
 #: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
 _DEEPER = 1.4

@@ -7,15 +7,12 @@ law, so an indicator says where cracks begin first, and compares tests; a life n
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags
 from scipy.spatial import cKDTree
 
 from geometry import Elastic
+from geometry.arrays import Array, IntArray
 from solvers.strain import tensors
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 _DIRECTIONS = 240
 #: Angles by which planes are tilted about the best one so far, rad.

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import numpy as np
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from geometry import HexMesh
+from geometry.arrays import Array, IntArray
 from solvers.strain import hydrostatic, principal, turned, von_mises
 from wirewear.interior.bodies import BodyState
 from wirewear.interior.state import InnerState
@@ -18,14 +18,11 @@ from wirewear.interior.state import InnerState
 if TYPE_CHECKING:
     import pyvista
 
-IntArray = NDArray[np.int64]
 
 #: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
 _BESIDE_um = 1e-4
 
 T = TypeVar("T")
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

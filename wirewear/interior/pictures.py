@@ -14,20 +14,18 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.interior.bodies import BodyState
 from wirewear.interior.grids import Tracked, body_grid, section, untracked
-from wirewear.pictures.colours import INK, PRESSURE_COLOURS
-from wirewear.pictures.style import cycle_name, new_figure, panel_letters, styled
+from wirewear.pictures.style import INK, PRESSURE_COLOURS, cycle_name, new_figure, panel_letters, styled
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import pyvista
 
-Array = NDArray[np.float64]
 
 #: Stress: pale where there is none.
 STRESS_COLOURS: Colormap = LinearSegmentedColormap.from_list(

@@ -5,15 +5,12 @@ from functools import cached_property
 from typing import Generic, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
+from geometry.arrays import Array, IntArray
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, scattered
 from wirewear.results import ContactForces
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 class SurfaceLoads(Protocol):

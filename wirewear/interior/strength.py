@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from geometry import Elastic
+from geometry.arrays import Array, IntArray
 from solvers.strain import von_mises
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted
@@ -24,8 +24,6 @@ from wirewear.results.scar import called
 if TYPE_CHECKING:
     import pyvista
 
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 S = TypeVar("S", bound=InnerState[Any])
 
 

@@ -9,19 +9,16 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
+from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, write_csv, writing
 from wirewear.interior.grids import fanned, plane_section, section
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import Strength
-from wirewear.pictures.colours import INK
-from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-
-Array = NDArray[np.float64]
+from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 
 _MAPS = {
     "largest_von_mises_MPa": "largest von Mises stress",

@@ -10,8 +10,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.figures import Array
 
 PLATEAU_SHARE = 0.85  # the last part of a branch may hook upwards and says nothing about the onset of sliding
 LATEST_CURVED_ONSET = 0.6  # a later one leaves too little plateau to tell its curve from micro-slip

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.noise import through_neighbours
-from wirewear.loops.robust import Array, median_deviation
+from wirewear.loops.robust import median_deviation
 
 #: So large a share of the samples lies on the steps, within that share of one: others were put in between.
 ON_STEPS, WITHIN = 0.95, 1e-3
@@ -58,7 +58,7 @@ class Clipped:
     `sure`: whether its steps are too fine for a plateau to lie within one of them.
     """
 
-    samples: NDArray[np.bool_]
+    samples: BoolArray
     values: tuple[float, ...]
     sure: bool
 
@@ -106,7 +106,7 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     return Clipped(found, tuple(ends), ends_alone or step <= FINE * extent)
 
 
-def _longest(same: NDArray[np.bool_]) -> int:
+def _longest(same: BoolArray) -> int:
     """Length of the longest run of a cycle's samples (n,)."""
     if same.all():
         return same.size
@@ -115,13 +115,13 @@ def _longest(same: NDArray[np.bool_]) -> int:
     return int(np.max(edges[1::2] - edges[::2], initial=0))
 
 
-def _scatters(values: Array, left_out: NDArray[np.bool_], extent: float) -> bool:
+def _scatters(values: Array, left_out: BoolArray, extent: float) -> bool:
     """Whether what neighbours leave of samples alternates from one to the next, as noise does and no course does."""
     if values.size < FEWEST_LOOP:
         return False
     near = np.lib.stride_tricks.sliding_window_view(np.arange(values.size), 5)
     off = (values - through_neighbours(values[None])[0])[2:-2]
-    sound: NDArray[np.bool_] = ~np.any(left_out[near], axis=1)
+    sound: BoolArray = ~np.any(left_out[near], axis=1)
     pairs = sound[1:] & sound[:-1]
     usual = median_deviation(off[sound])
     if np.count_nonzero(pairs) < FEWEST_PAIRS or usual <= LEAST_NOISE * extent:

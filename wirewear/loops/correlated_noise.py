@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
 from scipy.optimize import brentq
 
+from geometry.arrays import Array
 from wirewear.loops.noise import NEIGHBOURS, WEIGHTS
-from wirewear.loops.robust import Array
 
 #: Correlations of neighbours that are tried.
 TRIED = np.arange(0.0, 0.91, 0.05)

@@ -6,11 +6,11 @@ Free play is a shelf about zero force on both branches, while the holder floats 
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.branches import Branch, MicroSlip, fit_micro_slip, settled, slides_visibly, split_branches
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.figures import Array, Measured
+from wirewear.loops.figures import Measured
 from wirewear.loops.noise import noise_along
 from wirewear.loops.opening import balance, mean_force
 from wirewear.loops.robust import LinearFit, fit_linear
@@ -172,9 +172,7 @@ def _candidates(z: Array, q: Array, low: float, rise: float) -> list[float]:
     return found
 
 
-def _fits(
-    z: Array, q: Array, below: NDArray[np.bool_], above: NDArray[np.bool_], *, order: int
-) -> tuple[LinearFit, LinearFit]:
+def _fits(z: Array, q: Array, below: BoolArray, above: BoolArray, *, order: int) -> tuple[LinearFit, LinearFit]:
     """Travel over force by a line, or a bent one of order 2, with a step between the flanks, and without."""
     flanks = below | above
     smooth = np.vander(q[flanks], order + 1, increasing=True)

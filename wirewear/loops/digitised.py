@@ -3,7 +3,7 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.loops.robust import Array
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.signals import enclosed_area
 
 #: So many single samples that fall alike are slips, and no chance.
@@ -28,7 +28,7 @@ WIDEST_GAP = 0.4
 LEAST_AREA = 0.05
 
 
-def signal_among(flagged: NDArray[np.bool_], force: Array, time: Array, noise: float) -> NDArray[np.bool_]:
+def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:
     """Which of the forces (n,) of a closed loop that were flagged as outliers are none."""
     middle = 0.5 * float(np.percentile(force, 5) + np.percentile(force, 95))
     kept = _alike_dips(force, flagged, middle) | _usual_jumps(force, flagged, middle)
@@ -58,7 +58,7 @@ def _continues_a_line(time: Array, force: Array, sample: int, noise: float) -> b
     return False
 
 
-def _alike_dips(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDArray[np.bool_]:
+def _alike_dips(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
     """Flagged forces (n,) that fall towards the loop's middle, not beyond it, and are many: slips of one sample."""
     size = np.abs(force - middle)
     level = float(np.percentile(size, 60))
@@ -69,7 +69,7 @@ def _alike_dips(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDAr
     return dips if np.count_nonzero(dips) >= FEWEST_SLIPS else np.zeros_like(flagged)
 
 
-def _usual_jumps(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDArray[np.bool_]:
+def _usual_jumps(force: Array, flagged: BoolArray, middle: float) -> BoolArray:
     """Flagged forces (n,) within the range of their branch, to which the others jump as far many times."""
     rest = force[~flagged]
     steps = np.diff(rest, prepend=rest[-1])
@@ -79,11 +79,11 @@ def _usual_jumps(force: Array, flagged: NDArray[np.bool_], middle: float) -> NDA
     often = jumps.size - np.searchsorted(jumps, 0.7 * own) >= FEWEST_SLIPS
     far = np.abs(force - middle)
     inside = (far <= np.abs(rest - middle).max()) & (far >= 0.1 * np.abs(rest - middle).max())
-    usual: NDArray[np.bool_] = flagged & often & inside
+    usual: BoolArray = flagged & often & inside
     return usual
 
 
-def _of_reversals(away: Array, steps: Array) -> NDArray[np.bool_]:
+def _of_reversals(away: Array, steps: Array) -> BoolArray:
     """Which steps (n,) to samples of a closed loop, so far from its middle (n,), lead from one plateau to the other."""
     least = OF_PLATEAU * float(np.percentile(np.abs(away), 60))
     # Runs of steps one way, of a loop that begins where one ends.

@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.noise import sample_noise
-from wirewear.loops.robust import Array, LinearFit, best_fit, fit_linear
+from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 
 HIGHEST_HARMONIC = 6
 
@@ -39,7 +39,7 @@ class SmoothSignal:
     values: Array
     noise: float
     deviation: float
-    outliers: NDArray[np.bool_]
+    outliers: BoolArray
     smoothed: bool
 
 
@@ -110,7 +110,7 @@ def drift_of(time: Array, values: Array) -> Drift:
     return Drift(opening / even) if free.scale > BETTER * whole.scale and not uneven(time) else Drift()
 
 
-def uneven(time: Array) -> NDArray[np.bool_]:
+def uneven(time: Array) -> BoolArray:
     """Whether the steps of each loop's times (..., n) are not alike."""
     low, high = np.percentile(np.diff(time), [25, 75], axis=-1)
     return np.asarray(high > ALIKE_STEPS * low)

@@ -5,12 +5,10 @@ from math import prod
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirewear.base.errors import WirewearError
 
 Regime = Literal["partial slip", "gross slip"]
-Array = NDArray[np.float64]
 
 
 class LoopError(WirewearError):

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, slides_visibly, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop
 from wirewear.loops.courses import Course, courses_of
-from wirewear.loops.figures import Array, LoopError, Measured, mean_of
+from wirewear.loops.figures import LoopError, Measured, mean_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
 from wirewear.loops.stiffness import corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 

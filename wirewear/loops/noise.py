@@ -3,9 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirewear.loops.robust import Array, median_deviation
+from geometry.arrays import Array, BoolArray
+from wirewear.loops.robust import median_deviation
 
 #: The cubic through two neighbours on either side, at even times: a sample is their mean with these weights.
 NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
@@ -66,7 +66,7 @@ def noise_along(values: Array) -> float:
     return median_deviation(values[1:-1] - 0.5 * (values[:-2] + values[2:])) / float(np.sqrt(1.5))
 
 
-def outliers(values: Array, time: Array) -> NDArray[np.bool_]:
+def outliers(values: Array, time: Array) -> BoolArray:
     """Samples (n,) of a closed loop outside what their neighbours allow.
 
     Of the four steps between neighbours the second smallest counts, as an outlier among them spoils two; where samples
@@ -82,7 +82,7 @@ def outliers(values: Array, time: Array) -> NDArray[np.bool_]:
     return np.asarray(outside_neighbours(values[None], allowed)[0])
 
 
-def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> NDArray[np.bool_]:
+def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolArray:
     """Samples of closed loops (m, n) outside what their three neighbours on either side bracket.
 
     The medians of the two sides bracket a sample of any monotone stretch. Noise and the neighbours' own steps widen the
@@ -94,13 +94,11 @@ def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> NDArr
     one, other = np.median(left, axis=0), np.median(right, axis=0)
     steps = np.abs([left[1] - left[0], left[2] - left[1], right[1] - right[0], right[2] - right[1]])
     allowance = allowed(np.sort(steps, axis=0))
-    outside: NDArray[np.bool_] = (loops < np.minimum(one, other) - allowance) | (
-        loops > np.maximum(one, other) + allowance
-    )
+    outside: BoolArray = (loops < np.minimum(one, other) - allowance) | (loops > np.maximum(one, other) + allowance)
     return outside
 
 
-def spikes(loops: Array) -> NDArray[np.bool_]:
+def spikes(loops: Array) -> BoolArray:
     """Which samples of periodic loops (m, n) at equal times are off their neighbours as those of no other loop are.
 
     One by one, as a spike draws the curve through its neighbours.

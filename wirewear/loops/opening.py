@@ -6,9 +6,10 @@ wires, the transition from partial to gross slip lies at A = 0.2 and B = 0.77.
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.figures import Array, Measured, mean_of
+from wirewear.loops.figures import Measured, mean_of
 from wirewear.loops.robust import fit_linear
 from wirewear.loops.signals import enclosed_area
 

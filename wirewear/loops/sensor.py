@@ -6,15 +6,15 @@ from math import isfinite, sqrt
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, ComplexArray
 from wirewear.base.errors import SensorError
-from wirewear.loops.signals import Array, LoopSignals
+from wirewear.loops.signals import LoopSignals
 
 LagKind = Literal["first-order", "delay"]
 
 #: Factors (n,) of the oscillations of given frequencies in Hz.
-Transfer = Callable[[Array], NDArray[np.complex128]]
+Transfer = Callable[[Array], ComplexArray]
 
 #: A filter that lets less than this share of the fastest oscillation through cannot be undone.
 LEAST_PASSED = 0.01
@@ -82,7 +82,7 @@ def advanced(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) 
         SensorError: as `lagged`, or a filter so slow that undoing it would raise the noise a hundredfold.
     """
 
-    def inverse(frequency: Array) -> NDArray[np.complex128]:
+    def inverse(frequency: Array) -> ComplexArray:
         transfer = _transfer(frequency, time_s, kind)
         if np.abs(transfer).min() < LEAST_PASSED:
             raise SensorError(
@@ -94,7 +94,7 @@ def advanced(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) 
     return _filtered(signals, values, inverse)
 
 
-def _transfer(frequency: Array, time_s: float, kind: LagKind) -> NDArray[np.complex128]:
+def _transfer(frequency: Array, time_s: float, kind: LagKind) -> ComplexArray:
     angle = 2.0 * np.pi * frequency * time_s
     return np.asarray(np.exp(-1j * angle) if kind == "delay" else 1.0 / (1.0 + 1j * angle))
 

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import SensorError
-
-Array = NDArray[np.float64]
 
 # Spacings that differ by less than this share count as even.
 _EVEN = 1e-6

@@ -2,10 +2,11 @@
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.courses import Course
-from wirewear.loops.figures import Array, Measured, StickSlip
+from wirewear.loops.figures import Measured, StickSlip
 from wirewear.loops.noise import noise_along
 
 #: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.

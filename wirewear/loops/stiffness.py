@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, remaining_force
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.figures import Array, Measured, MicroSlipBranch, mean_of
+from wirewear.loops.figures import Measured, MicroSlipBranch, mean_of
 from wirewear.loops.robust import CHOICE, RobustLine, fit_line, median_deviation
 
 BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second

@@ -12,10 +12,13 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 
-from wirewear.pictures.colours import GREY, PRESSURE_COLOURS, SLIP_COLOURS
+from geometry.arrays import Array
 from wirewear.pictures.scar_maps import root_ticks
 from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.pictures.style import (
+    GREY,
+    PRESSURE_COLOURS,
+    SLIP_COLOURS,
     WIDTH_in,
     cycle_name,
     new_figure,
@@ -26,7 +29,6 @@ from wirewear.pictures.style import (
     variant_style,
 )
 from wirewear.results import RunResult, Scar
-from wirewear.results.checks import FloatArray
 from wirewear.results.scar import called
 
 #: Height over width that a panel should not exceed.
@@ -71,7 +73,7 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     return figure
 
 
-def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar], x: FloatArray) -> None:
+def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar], x: Array) -> None:
     unworn, _ = profile(scars[0], x)
     axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)), label="unworn")
     for index, (result, scar) in enumerate(zip(results, scars, strict=True)):
@@ -81,7 +83,7 @@ def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar
         axes.plot(x, worn, **style, label=result.label)
 
 
-def profile(scar: Scar, x: FloatArray) -> tuple[FloatArray, FloatArray]:
+def profile(scar: Scar, x: Array) -> tuple[Array, Array]:
     """Heights [µm] of the unworn and the worn surface at (x, 0), above the crown."""
     unworn = scar.unworn_height_um(*scar.wire_coordinates(x, 0.0))
     return unworn, unworn - scar.sampled(x, np.zeros(1))[:, 0]

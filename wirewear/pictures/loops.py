@@ -9,9 +9,17 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
-from wirewear.pictures.colours import GREY, INK
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, variant_style
+from wirewear.pictures.style import (
+    GREY,
+    INK,
+    cycle_axis,
+    cycle_colours,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    variant_style,
+)
 from wirewear.results import Loop, RunResult
 from wirewear.results.scar import called
 

@@ -12,9 +12,9 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from geometry import BodyMesh
+from geometry.arrays import Array
 from wirewear.base.quantity import counted
-from wirewear.pictures.colours import INK
-from wirewear.pictures.style import WIDTH_in, new_figure, panel_letters, round_below
+from wirewear.pictures.style import INK, WIDTH_in, new_figure, panel_letters, round_below
 
 IntArray = NDArray[np.int_]
 
@@ -27,8 +27,6 @@ ON_SURFACE = 1e-6
 PIXELS = 1400
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"
 EDGE_COLOUR = "#303438"
-
-Array = NDArray[np.float64]
 
 
 def round_facets(points_mm: Array, facets: IntArray, radius_mm: float | None) -> tuple[Array, IntArray, IntArray]:
@@ -118,7 +116,7 @@ def _extent(body: BodyMesh) -> float:
     return 2.0 * max(body.geometry.axial.half_extent_mm, body.geometry.transverse.half_extent_mm)
 
 
-def surface_fields(body: BodyMesh) -> dict[str, NDArray[np.float64]]:
+def surface_fields(body: BodyMesh) -> dict[str, Array]:
     """Point data that mark a mesh's named surfaces, for export: name -> (n,) 1 on the surface, 0 elsewhere."""
     fields = {}
     for name in body.mesh.surfaces:

@@ -9,9 +9,10 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.figure import Figure
 
-from wirewear.pictures.colours import DEPTH_COLOURS, GREY
 from wirewear.pictures.smooth import smooth_scar, worn_half_extent
 from wirewear.pictures.style import (
+    DEPTH_COLOURS,
+    GREY,
     WIDTH_in,
     cycle_name,
     new_figure,

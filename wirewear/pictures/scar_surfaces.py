@@ -11,12 +11,11 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from numpy.typing import ArrayLike, NDArray
 
-from wirewear.pictures.colours import DEPTH_COLOURS, INK
+from geometry.arrays import Array
 from wirewear.pictures.scar_maps import deepest, last_scars
 from wirewear.pictures.smooth import smooth_scar, worn_half_extent
-from wirewear.pictures.style import WIDTH_in, cycle_name, new_figure, panel_letters, round_below
+from wirewear.pictures.style import DEPTH_COLOURS, INK, WIDTH_in, cycle_name, new_figure, panel_letters, round_below
 from wirewear.results import RunResult, Scar
-from wirewear.results.checks import FloatArray
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:
@@ -45,9 +44,9 @@ RULER_TEXT_um = 30.0
 class View:
     """An orthographic view: unit vectors to the right, upwards and towards the eye, in the sliding frame."""
 
-    right: FloatArray
-    up: FloatArray
-    eye: FloatArray
+    right: Array
+    up: Array
+    eye: Array
 
     @classmethod
     def from_angles(cls, azimuth_deg: float, elevation_deg: float) -> "View":
@@ -57,9 +56,9 @@ class View:
         right = np.array([-np.sin(a), np.cos(a), 0.0])
         return cls(right, np.cross(eye, right), eye)
 
-    def project(self, points: ArrayLike) -> FloatArray:
+    def project(self, points: ArrayLike) -> Array:
         """Positions in the picture's plane [µm], shape (..., 2), of points (..., 3)."""
-        positions: FloatArray = np.asarray(points, dtype=np.float64) @ np.stack([self.right, self.up], axis=1)
+        positions: Array = np.asarray(points, dtype=np.float64) @ np.stack([self.right, self.up], axis=1)
         return positions
 
 

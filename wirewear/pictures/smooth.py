@@ -17,8 +17,8 @@ from scipy.interpolate import PchipInterpolator
 from scipy.ndimage import binary_dilation, gaussian_filter, uniform_filter
 from scipy.sparse.linalg import spsolve
 
+from geometry.arrays import Array, BoolArray
 from wirewear.results import Loop, Scar
-from wirewear.results.checks import FloatArray
 from wirewear.results.scar import FIELD_COLUMNS
 
 MOST_LOOPS = 6
@@ -26,8 +26,7 @@ MOST_LOOPS = 6
 #: Points along a smooth loop, beside its samples; loops of fewer samples are drawn as they are.
 POINTS, CLOSED_FROM = 400, 5
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
+Mask = BoolArray
 
 #: Rings of points around the area that get a value.
 RINGS = 2
@@ -62,12 +61,12 @@ def chosen_cycles(logged: Sequence[int], most: int = MOST_LOOPS) -> tuple[int, .
     return tuple(wanted[place] for place in places)
 
 
-def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+def smooth_loop(loop: Loop, points: int = POINTS) -> tuple[Array, Array]:
     """Displacement [µm] and force [N] of the closed loop through all of its samples, see `smooth_curve`."""
     return smooth_curve(loop.displacement_um, loop.tangential_force_N, points)
 
 
-def smooth_curve(displacement_um: FloatArray, force: FloatArray, points: int = POINTS) -> tuple[FloatArray, FloatArray]:
+def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> tuple[Array, Array]:
     """A closed loop through all of its samples (n,), with at least `points` points of each coordinate.
 
     Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
@@ -151,15 +150,13 @@ def smooth_scar(scar: Scar) -> Scar:
     return replace(scar, axial_um=axial, transverse_um=transverse, **fields)
 
 
-def smooth_field(
-    scar: Scar, field: str, over_um: float = 0.0
-) -> tuple[FloatArray, FloatArray, np.ma.MaskedArray[Any, Any]]:
+def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, Array, np.ma.MaskedArray[Any, Any]]:
     """Finer grid lines (n_a,), (n_t,) in µm and a field of the scar on them, masked outside the area where it is.
 
     Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own. The field is
     averaged over that length along the motion.
     """
-    values: FloatArray = getattr(scar, field)
+    values: Array = getattr(scar, field)
     inside, near, beyond = _carried_on(scar, values, _LEAST_SHARE * float(values.max()))
     extended = np.where(inside, values, np.clip(beyond, 0.0, near))
     axial, transverse = _finer(scar.axial_um), _finer(scar.transverse_um)
@@ -188,19 +185,19 @@ def worn_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
     return half_x, half_y
 
 
-def _finer(line: FloatArray) -> FloatArray:
+def _finer(line: Array) -> Array:
     """The line's points and others evenly between them."""
     parts = int(np.ceil(_LEAST_POINTS / (line.size - 1)))
     between = line[:-1, None] + np.diff(line)[:, None] * (np.arange(parts) / parts)
     return np.append(between.ravel(), line[-1])
 
 
-def _interpolated(scar: Scar, values: FloatArray, axial: FloatArray, transverse: FloatArray) -> FloatArray:
+def _interpolated(scar: Scar, values: Array, axial: Array, transverse: Array) -> Array:
     along = PchipInterpolator(scar.axial_um, values, axis=0)(axial)
     return np.asarray(PchipInterpolator(scar.transverse_um, along, axis=1)(transverse))
 
 
-def _carried_on(scar: Scar, values: FloatArray, least: float) -> tuple[NDArray[np.bool_], FloatArray, FloatArray]:
+def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Array, Array]:
     """Where a field exceeds a value; the mean of each point's neighbours there; the mean of what the field would be at
     the point if it went on as it came to them. Each is (n_a, n_t), and zero at points without such neighbours.
     """
@@ -217,20 +214,20 @@ def _carried_on(scar: Scar, values: FloatArray, least: float) -> tuple[NDArray[n
     return inside, near / count, beyond / count
 
 
-def _from(values: FloatArray, step_a: int, step_t: int) -> FloatArray:
+def _from(values: Array, step_a: int, step_t: int) -> Array:
     """The neighbour's value at each point, zero beyond the grid's edge."""
     padded = np.pad(values, 1)
     return padded[1 + step_a :, 1 + step_t :][: values.shape[0], : values.shape[1]]
 
 
-def _lengthening(scar: Scar, step_a: int, step_t: int) -> FloatArray:
+def _lengthening(scar: Scar, step_a: int, step_t: int) -> Array:
     """Distance to a neighbour over that from it to the one behind it, (n_a, n_t)."""
     (a_near, a_far), (t_near, t_far) = _spans(scar.axial_um, step_a), _spans(scar.transverse_um, step_t)
     near = np.hypot(a_near[:, None], t_near[None, :])
     return np.asarray(near / np.hypot(a_far[:, None], t_far[None, :]))
 
 
-def _spans(line: FloatArray, step: int) -> tuple[FloatArray, FloatArray]:
+def _spans(line: Array, step: int) -> tuple[Array, Array]:
     """Distance from each point to its neighbour, and from that to the next, (n,) each."""
     if step == 0:
         return np.zeros_like(line), np.zeros_like(line)

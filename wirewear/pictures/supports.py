@@ -8,12 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from geometry import BodyMesh
-from wirewear.pictures.colours import GREY, INK
+from geometry.arrays import Array, IntArray
 from wirewear.pictures.mesh import round_facets, upper_position
-from wirewear.pictures.style import new_figure, panel_letters
+from wirewear.pictures.style import GREY, INK, new_figure, panel_letters
 from wirewear.study import Study
 
 HELD_COLOUR, ELASTIC_COLOUR, LOAD_COLOUR, MOTION_COLOUR = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
@@ -143,8 +142,6 @@ def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
     axes.plot(x, z, solid_capstyle="round", **style)  # type: ignore[arg-type]
 
 
-Array = NDArray[np.float64]
-
 #: A section lies so far beside its plane [mm]: mirror planes are full of facets that would be cut twice.
 _BESIDE_mm = 1e-6
 
@@ -179,7 +176,7 @@ def _supports(study: Study) -> Supports:
 def _held(body: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBody:
     """A body's section, round where it is; `placed` takes its points to where it lies in the test."""
 
-    def cut(facets: NDArray[np.int64]) -> Array:
+    def cut(facets: IntArray) -> Array:
         points, finer, _ = round_facets(body.mesh.points, facets, body.geometry.round_mm)
         return _cut(placed(points), finer, axis)
 
@@ -187,7 +184,7 @@ def _held(body: BodyMesh, placed: Callable[[Array], Array], axis: int) -> HeldBo
     return HeldBody(cut(body.mesh.boundary_facets()), cut(body.mesh.surfaces["grip"]), elastic)
 
 
-def _cut(points: Array, facets: NDArray[np.int64], axis: int) -> Array:
+def _cut(points: Array, facets: IntArray, axis: int) -> Array:
     """Lines (k, 2, 2), in the other coordinate and z, along which facets (m, 4) cross a coordinate's zero."""
     import pyvista
 

@@ -16,9 +16,9 @@ import numpy as np
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh, build_planar
+from geometry.arrays import IntArray
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
@@ -28,8 +28,7 @@ from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untra
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
-from wirewear.pictures.colours import INK
-from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.planar.model import plan
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import PlanarStudy
@@ -37,9 +36,6 @@ from wirewear.results import BODIES, RunResult
 
 if TYPE_CHECKING:
     import pyvista
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,18 @@ from matplotlib.figure import Figure
 from geometry import PlanarMesh, build_planar
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
-from wirewear.pictures.colours import VARIANT_COLOURS, VARIANT_DASHES
 from wirewear.pictures.loops import loops_by_run
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import (
+    VARIANT_COLOURS,
+    VARIANT_DASHES,
+    cycle_axis,
+    cycle_colours,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    save,
+)
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.planar.model import plan, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy

@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from wirewear.base.delimited import CSV, DelimitedLayout, DelimitedText, Numbers, read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import shown
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,7 +45,7 @@ class ColumnTable:
     path: Path
     columns: dict[str, Array]
     numbers: Numbers
-    order: NDArray[np.int64] | None = None
+    order: IntArray | None = None
 
     @property
     def rows(self) -> int:

@@ -4,14 +4,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.course import enclosed_energy
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records.remarks import CheckedRecord, Remark, listed, plural
 from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
-
-Array = NDArray[np.float64]
 
 #: Relative difference from the loops, as a median, from which on a figure is another one. In forty records of other
 #: solvers, with noise, hum, drift and steps of sensors, figures of the same definition differ by at most 0.025 (0.002

@@ -8,16 +8,15 @@ from hashlib import sha256
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from wirewear.records.course_checks import figure_at
 from wirewear.records.remarks import CheckedRecord, Remark, plural
 from wirewear.records.surfaces import MeasuredScar
 from wirewear.records.values import MeasuredEvolution
 from wirewear.results.scar import called
 
-Array = NDArray[np.float64]
-Numbers = NDArray[np.int64]
+Numbers = IntArray
 
 #: Loops out of order: their energies differ from those they should follow by this, and by a third of it in another
 #: order. Loops in order follow their evolution within 0.01 in the records of the frozen blind batches.

@@ -10,18 +10,18 @@ from typing import TYPE_CHECKING, Any, cast
 import numpy as np
 
 from geometry import Flat, Profile
+from geometry.arrays import Array
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
 from wirewear.base.recognised import TABLE_FILE_NAME
 from wirewear.base.writing import prepared_folder, write_csv, writing
-from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.sensor import Sensor
+from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.point_tables import TABLES, AnyTables
 from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of
-from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.results import BODIES, Loop, RunResult, age_at, sensor_of
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import Table

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUNS_ON
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
 from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, coarse_step_of
@@ -83,7 +83,7 @@ def order(checked: CheckedRecord) -> Iterator[Remark]:
             yield Remark("problem", "order of samples", text, refuses=_most(wrong))
 
 
-def _largest(values: NDArray[np.float64]) -> float:
+def _largest(values: Array) -> float:
     return float(np.nanmax(values)) if np.isfinite(values).any() else 0.0
 
 
@@ -126,7 +126,7 @@ def units(checked: CheckedRecord) -> Iterator[Remark]:
         yield Remark("problem", "tangential force", text, refuses=_most(opened < -AGAINST_MOTION))
 
 
-def _most(loops: NDArray[np.bool_]) -> bool:
+def _most(loops: BoolArray) -> bool:
     return 2 * int(np.count_nonzero(loops)) > loops.size
 
 

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.loops.clipping import clipped, step_of
 from wirewear.loops.drive import uneven
 from wirewear.loops.noise import noises, outside_neighbours, sample_noise
 from wirewear.loops.signals import enclosed_areas
-from wirewear.records.values import Array, MeasuredLoop
+from wirewear.records.values import MeasuredLoop
 
 #: A loop with fewer complete samples is no loop.
 FEWEST_SAMPLES = 16
@@ -53,10 +54,10 @@ class LoopStatistics:
     changes its sign, but falls to nothing and rises again twice in a cycle.
     """
 
-    repeat: NDArray[np.int64]
-    cycle: NDArray[np.int64]
-    samples: NDArray[np.int64]
-    missing: NDArray[np.int64]
+    repeat: IntArray
+    cycle: IntArray
+    samples: IntArray
+    missing: IntArray
     time_errors: Array
     period_s: Array
     displacement_amplitude_um: Array
@@ -99,7 +100,7 @@ _COMPUTED = tuple(
 )
 
 
-def _alike(samples: NDArray[np.int64]) -> Iterator[NDArray[np.intp]]:
+def _alike(samples: IntArray) -> Iterator[NDArray[np.intp]]:
     """Places of loops of equal length, a chunk at a time."""
     for size in np.unique(samples[samples >= FEWEST_SAMPLES]):
         places = np.flatnonzero(samples == size)
@@ -162,13 +163,13 @@ def _in_time(noise: Array, values: Array, time: Array) -> Array:
     return told
 
 
-def _outliers(values: Array) -> tuple[NDArray[np.bool_], Array]:
+def _outliers(values: Array) -> tuple[BoolArray, Array]:
     """Samples (l, n) beyond what their neighbours bracket, and the noise of each loop (l,)."""
     noise = noises(values)
     return outside_neighbours(values, lambda steps: OUTLIER_NOISES * noise[:, None] + 2.5 * steps[2]), noise
 
 
-def _healed(values: Array, bad: NDArray[np.bool_]) -> Array:
+def _healed(values: Array, bad: BoolArray) -> Array:
     """The samples with outliers replaced by the median of their neighbours."""
     if not bad.any():
         return values

@@ -7,8 +7,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS
 
@@ -51,7 +51,7 @@ def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], t
 
 def impossible_loads(
     loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None
-) -> Iterator[tuple[str, NDArray[np.bool_]]]:
+) -> Iterator[tuple[str, BoolArray]]:
     """What the normal force of most loops cannot be, in words without an end, and of which loops (n,).
 
     length_mm: of a line contact, whose forces may have been logged per millimetre.
@@ -97,12 +97,12 @@ def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
     return f"is {ratio:.3g} times the {load_N:g} N asked for: it looks like {next(fitting, 'another unit or channel')}"
 
 
-def _extents(loops: Sequence[MeasuredLoop]) -> NDArray[np.float64]:
+def _extents(loops: Sequence[MeasuredLoop]) -> Array:
     """The 2 % and the 98 % quantile of each loop's normal force (n, 2), NaN where there is none."""
     return np.array([_quantiles(loop.normal_force_N) for loop in loops]).reshape(-1, 2)
 
 
-def _quantiles(channel: NDArray[np.float64] | None) -> tuple[float, float]:
+def _quantiles(channel: Array | None) -> tuple[float, float]:
     values = np.empty(0) if channel is None else channel[np.isfinite(channel)]
     if not values.size:
         return np.nan, np.nan
@@ -116,7 +116,7 @@ def median_load_N(loop: MeasuredLoop) -> float:
     return float(np.median(values)) if values.size else np.nan
 
 
-def _one_signed(loops: Sequence[MeasuredLoop]) -> NDArray[np.bool_]:
+def _one_signed(loops: Sequence[MeasuredLoop]) -> BoolArray:
     """Whether the tangential force of each loop (n,) never changes its sign."""
     low, high = np.array([_quantiles(loop.tangential_force_N) for loop in loops]).reshape(-1, 2).T
     return np.asarray((low > 0.0) | (high < 0.0))

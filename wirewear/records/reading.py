@@ -7,14 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.base.locks import occupied
 from wirewear.base.reading import read_toml, require_within, toml_text
 from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.records.columns import Array, Column, ColumnTable, read_columns
+from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.point_tables import TABLES, AnyTables, BallRecordTables
@@ -190,7 +190,7 @@ def _in_order(keys: Sequence[Array]) -> bool:
 
 def _groups(*keys: Array) -> Iterator[slice]:
     """Slices of equal keys in sorted rows."""
-    changes: NDArray[np.bool_] = np.logical_or.reduce([np.diff(key) != 0.0 for key in keys])
+    changes: BoolArray = np.logical_or.reduce([np.diff(key) != 0.0 for key in keys])
     bounds = [0, *(np.flatnonzero(changes) + 1).tolist(), keys[0].size]
     for start, stop in pairwise(bounds):
         yield slice(start, stop)

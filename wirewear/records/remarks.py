@@ -5,8 +5,8 @@ from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import BoolArray
 from wirewear.base.quantity import counted
 from wirewear.loops import LoopFigures
 from wirewear.records.loop_statistics import LoopStatistics
@@ -97,7 +97,7 @@ class CheckedRecord:
     refused: dict[tuple[int, int], str]
 
 
-def where(checked: CheckedRecord, wrong: NDArray[np.bool_]) -> str:
+def where(checked: CheckedRecord, wrong: BoolArray) -> str:
     """Which loops: "3 of 21 loops (first: repeat 1, cycle 100)"."""
     first = int(np.argmax(wrong))
     s = checked.statistics

@@ -21,9 +21,9 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Elastic
+from geometry.arrays import Array
 from wirewear.loops import LoopFigures
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exchanges import copied_scars
@@ -33,8 +33,6 @@ from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body, hertz_of
-
-Array = NDArray[np.float64]
 
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9

@@ -4,13 +4,11 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.records.columns import Column
 from wirewear.results.scar import Scar, called, worn_volume_mm3
-
-Array = NDArray[np.float64]
 
 #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
 WIDEST = 3

@@ -6,17 +6,15 @@ from pathlib import Path
 from typing import Any, Generic, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 from typing_extensions import TypeVar
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.point_tables import AnyTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,10 +44,10 @@ class MeasuredLoop:
         channels = [self.time_s, self.displacement_um, self.tangential_force_N]
         if self.normal_force_N is not None:
             channels.append(self.normal_force_N)
-        keep: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(channel) for channel in channels])
+        keep: BoolArray = np.logical_and.reduce([np.isfinite(channel) for channel in channels])
         return self if keep.all() else self.taken(keep)
 
-    def taken(self, keep: NDArray[np.bool_]) -> "MeasuredLoop":
+    def taken(self, keep: BoolArray) -> "MeasuredLoop":
         """The loop's samples that are to be kept."""
         normal = None if self.normal_force_N is None else self.normal_force_N[keep]
         channels = (self.time_s[keep], self.displacement_um[keep], self.tangential_force_N[keep], normal)

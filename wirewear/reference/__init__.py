@@ -37,7 +37,17 @@ from wirewear.reference.line_slip import (
     line_stick_ratio_after_reversal,
     line_traction_after_reversal,
 )
-from wirewear.reference.partial_slip_wear import LimitingShape, WearingContact
+from wirewear.reference.partial_slip_wear import (
+    CrossedWireScar,
+    LimitingShape,
+    LineScar,
+    WearingContact,
+    crossed_wire_scar,
+    explicit_stability_limit,
+    line_contact_scar,
+    worn_pressure,
+    worn_volume,
+)
 from wirewear.reference.rig_loop import (
     HysteresisLoop,
     branch_force,
@@ -48,15 +58,6 @@ from wirewear.reference.rig_loop import (
     sliding_threshold,
     slip_amplitude,
     unloading_stiffness,
-)
-from wirewear.reference.wear import (
-    CrossedWireScar,
-    LineScar,
-    crossed_wire_scar,
-    explicit_stability_limit,
-    line_contact_scar,
-    worn_pressure,
-    worn_volume,
 )
 
 __all__ = [

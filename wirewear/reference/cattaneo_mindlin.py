@@ -8,11 +8,10 @@ half the change of force.
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from geometry.arrays import Array
 from wirewear.reference.hertz import require_positive
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,11 @@ import math
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Profile
+from geometry.arrays import Array
 from wirewear.reference.hertz import LineContact, require_positive
-from wirewear.reference.wear import LineScar
-
-Array = NDArray[np.float64]
+from wirewear.reference.partial_slip_wear import LineScar
 
 _POINTS, _PLACES = 400, 300
 _LEAST = 1e-6

@@ -5,12 +5,11 @@ Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
 """
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from geometry import Elastic
+from geometry.arrays import Array
 from wirewear.reference.hertz import require_positive
-
-Array = NDArray[np.float64]
 
 
 def half_plane_line_stiffness(

@@ -13,12 +13,10 @@ endures the root at the contact's edge (Takahasi & Mori, Publ. RIMS 9 (1974) 721
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from geometry.arrays import Array, ComplexArray
 from wirewear.reference.hertz import require_positive
-
-Array = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 _STEPS = 96
 _REACH = 3.2

@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from geometry import Elastic
-
-Array = NDArray[np.float64]
+from geometry.arrays import Array
 
 
 def contact_modulus(first: Elastic, second: Elastic) -> float:

@@ -7,11 +7,10 @@ depend on the point of reference.
 import math
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from geometry.arrays import Array
 from wirewear.reference.hertz import LineContact
-
-Array = NDArray[np.float64]
 
 
 def line_stick_ratio(force_N_per_mm: float, limit_N_per_mm: float) -> float:

@@ -9,12 +9,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from geometry.arrays import Array
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, energy_per_cycle, loading_displacement
 from wirewear.reference.hertz import require_positive
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

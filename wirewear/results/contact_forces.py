@@ -13,15 +13,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import csr_matrix
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import ResultError
-from wirewear.results.checks import FloatArray, float_array, require_finite
 from wirewear.results.positions import POSITIONS
-
-BoolArray = NDArray[np.bool_]
+from wirewear.results.quality import float_array, require_finite
 
 #: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
 _PAIRS_AT_ONCE = 1_000_000
@@ -51,7 +50,7 @@ def largest_mean_pressure_MPa(
     return float(largest_means(states, axial, transverse, over_um)[0])
 
 
-def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArray, length: float) -> FloatArray:
+def largest_means(pressure: Array, axial: Array, transverse: Array, length: float) -> Array:
     """The largest mean about any node in each of k states of nodal pressures (k, n_a, n_t), (k,).
 
     axial, transverse: (n_a,) and (n_t,) increasing lines, of a line contact a single one across.  length: the diameter
@@ -68,7 +67,7 @@ def largest_means(pressure: FloatArray, axial: FloatArray, transverse: FloatArra
 
 
 def averaging(
-    axial: FloatArray, transverse: FloatArray, length: float, along: slice = slice(None), across: slice = slice(None)
+    axial: Array, transverse: Array, length: float, along: slice = slice(None), across: slice = slice(None)
 ) -> Iterator[csr_matrix]:
     """Means about nodes (rows) of pressures at the same nodes (columns): shares of a disc's area in their cells.
 
@@ -111,7 +110,7 @@ class _Near:
     count: int
     about: IntArray
     node: IntArray
-    sides: FloatArray
+    sides: Array
 
     def of_lines(self, first: int, end: int) -> _Near:
         """Pairs of some of the lines, which are counted from the first of them."""
@@ -119,7 +118,7 @@ class _Near:
         return _Near(end - first, self.count, self.about[here] - first, self.node[here], self.sides[here])
 
 
-def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
+def _near(every: Array, chosen: slice, length: float) -> _Near:
     halfway = 0.5 * (every[1:] + every[:-1])
     lines = every[chosen]
     begin, end = np.concatenate([every[:1], halfway])[chosen], np.concatenate([halfway, every[-1:]])[chosen]
@@ -128,7 +127,7 @@ def _near(every: FloatArray, chosen: slice, length: float) -> _Near:
     return _Near(len(lines), len(lines), about, node, sides / length)
 
 
-def _disc_below(x: FloatArray, y: FloatArray) -> FloatArray:
+def _disc_below(x: Array, y: Array) -> Array:
     """Area of the part of a disc of radius 1 that lies left of x and below y, for coordinates that broadcast."""
     x, y = np.broadcast_arrays(np.clip(x, -1.0, 1.0), np.clip(y, -1.0, 1.0))
     left, below = _disc_left(x), _disc_left(y)
@@ -137,11 +136,9 @@ def _disc_below(x: FloatArray, y: FloatArray) -> FloatArray:
     return np.where(x**2 + y**2 < 1.0, within, beside)
 
 
-def _disc_left(x: FloatArray) -> FloatArray:
+def _disc_left(x: Array) -> Array:
     return x * np.sqrt(1.0 - x**2) + np.arcsin(x) + 0.5 * np.pi
 
-
-IntArray = NDArray[np.int64]
 
 POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
 
@@ -162,13 +159,13 @@ class ContactForces:
 
     cycle: int
     body: str
-    phase: FloatArray
-    drive_um: FloatArray
-    holder_x_um: FloatArray
-    holder_z_um: FloatArray
-    tangential_force_N: FloatArray
+    phase: Array
+    drive_um: Array
+    holder_x_um: Array
+    holder_z_um: Array
+    tangential_force_N: Array
     nodes: IntArray
-    force_N: FloatArray
+    force_N: Array
     axis_angle_deg: float = 0.0
     geometry: BodyGeometry | None = None
     material: Elastic | None = None
@@ -218,7 +215,7 @@ def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
         raise ResultError(f"a body's geometry of another version of wirewear: {problem}") from problem
 
 
-def named_positions(phase: FloatArray) -> dict[str, int]:
+def named_positions(phase: Array) -> dict[str, int]:
     """The place in a cycle's positions, (k,) shares passed since its end at +x, nearest to each of POSITIONS.
 
     Just after a reversal is the first position behind it.
@@ -232,7 +229,7 @@ def named_positions(phase: FloatArray) -> dict[str, int]:
     return dict(zip(POSITIONS, found, strict=True))
 
 
-def position_of(at: str | int, phase: FloatArray, cycle: int) -> int:
+def position_of(at: str | int, phase: Array, cycle: int) -> int:
     """The place of a named position, or of one by its number.
 
     Raises:

@@ -18,7 +18,7 @@ from typing import Any
 import h5py
 import numpy as np
 
-from wirewear.results.checks import FloatArray
+from geometry.arrays import Array
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.flat import whole
 from wirewear.results.scar import Scar
@@ -98,5 +98,5 @@ def _forces(group: h5py.Group) -> ContactForces:
     )
 
 
-def _arrays(group: Mapping[str, Any]) -> dict[str, FloatArray]:
+def _arrays(group: Mapping[str, Any]) -> dict[str, Array]:
     return {name: np.asarray(column[()], dtype=np.float64) for name, column in group.items()}

@@ -13,12 +13,11 @@ from typing import TYPE_CHECKING, Any
 from xml.etree import ElementTree as ET
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import unit_of, words_of
 from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
-from wirewear.results.checks import FloatArray
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled
 
@@ -67,7 +66,7 @@ def _surface_file(scar: Scar) -> str:
     return f"scar_{scar.body}_{scar.cycle:07d}.vtu"
 
 
-def worn_points(scar: Scar, *, upper: bool) -> NDArray[np.float64]:
+def worn_points(scar: Scar, *, upper: bool) -> Array:
     """Points of the worn surface (n_a, n_t, 3) [µm]: x along the motion, z from the driven to the held, upper body."""
     axial, transverse = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
     x, y = scar.sliding_coordinates(axial, transverse)
@@ -200,7 +199,7 @@ _PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)
 _um2_PER_mm2 = 1e6
 
 
-def per_mm(columns: Mapping[str, FloatArray], length_mm: float) -> dict[str, FloatArray]:
+def per_mm(columns: Mapping[str, Array], length_mm: float) -> dict[str, Array]:
     """Columns of a contact of that length per mm of it; in place of worn volumes stand areas."""
     found = {}
     for name, column in scaled(columns, 1.0 / length_mm).items():
@@ -213,7 +212,7 @@ def per_mm(columns: Mapping[str, FloatArray], length_mm: float) -> dict[str, Flo
     return found
 
 
-def whole(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+def whole(columns: Mapping[str, Array]) -> dict[str, Array]:
     """Columns per mm as those of a contact of one millimetre."""
     found = {}
     for name, column in columns.items():
@@ -266,7 +265,7 @@ def profiles_table(result: RunResult) -> pl.DataFrame:
     return renamed.drop("y_um").with_columns(pl.col("slip_amplitude_um") / 4.0)
 
 
-def named_for_users(result: RunResult, columns: Mapping[str, FloatArray]) -> Mapping[str, FloatArray]:
+def named_for_users(result: RunResult, columns: Mapping[str, Array]) -> Mapping[str, Array]:
     """Columns as tables and reports name them: those of a line contact per mm of its length."""
     return per_mm(columns, result.length_mm) if result.length_mm else columns
 

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from geometry import Barrel
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import ResultError
-from wirewear.results.checks import FloatArray, float_array, require_finite, require_increasing
+from wirewear.results.quality import float_array, require_finite, require_increasing
 
 WIRES = ("moving", "fixed")
 #: Bodies of a line contact.
@@ -26,7 +27,7 @@ DEPTH_ROUND_OFF_um = 1e-6
 _EDGE = 0.01
 
 
-def worn_volume_mm3(x_um: FloatArray, y_um: FloatArray, depth_um: FloatArray) -> float:
+def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """Worn volume [mm³] of a map (n_x, n_y), the one that runs, records, comparisons and fits give.
 
     The integral of the bilinear depth, that is, the trapezoid rule, over all of the map: noise has the mean 0 and what
@@ -70,12 +71,12 @@ class Scar:
     body: str
     diameter_mm: float
     axis_angle_deg: float
-    axial_um: FloatArray
-    transverse_um: FloatArray
-    depth_um: FloatArray
-    energy_density_mJ_per_mm2: FloatArray
-    pressure_MPa: FloatArray
-    slip_distance_um: FloatArray
+    axial_um: Array
+    transverse_um: Array
+    depth_um: Array
+    energy_density_mJ_per_mm2: Array
+    pressure_MPa: Array
+    slip_distance_um: Array
     length_mm: float | None = None
     diameter_along_mm: float = float("inf")
 
@@ -145,19 +146,19 @@ class Scar:
 
         return crossing(worn[0], worn[0] - 1), crossing(worn[-1], worn[-1] + 1)
 
-    def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[Array, Array]:
         """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""
         x, y = np.asarray(x_um, dtype=np.float64), np.asarray(y_um, dtype=np.float64)
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return x * cosine + y * sine, y * cosine - x * sine
 
-    def sliding_coordinates(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def sliding_coordinates(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> tuple[Array, Array]:
         """(x, y) in the sliding frame [µm] of points in the wire's own frame; shapes broadcast."""
         axial, transverse = np.asarray(axial_um, dtype=np.float64), np.asarray(transverse_um, dtype=np.float64)
         cosine, sine = _cosine_sine(self.axis_angle_deg)
         return axial * cosine - transverse * sine, axial * sine + transverse * cosine
 
-    def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
+    def depth_at(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
         """Depth [µm] at points of the sliding frame, bilinear between grid points, zero outside; shapes broadcast.
 
         A single line across stands for all of them.
@@ -170,14 +171,14 @@ class Scar:
             return along + 0.0 * transverse
         interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
         points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
-        depth: FloatArray = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
+        depth: Array = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
         return depth
 
-    def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> FloatArray:
+    def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
         """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y)."""
         return self.depth_at(np.asarray(x_um)[:, None], np.asarray(y_um)[None, :])
 
-    def section_along_motion(self) -> tuple[FloatArray, FloatArray]:
+    def section_along_motion(self) -> tuple[Array, Array]:
         """(x_um, depth_um), each (n,), on the line y = 0, at every crossing with a grid line."""
         if self.transverse_um.size == 1:
             return self.axial_um, self.depth_um[:, 0]
@@ -188,17 +189,17 @@ class Scar:
         if abs(sine) > 1e-12:
             crossings.append(-self.transverse_um / sine)
         # Neighbouring lines that round-off alone keeps apart are one.
-        x: FloatArray = np.unique(np.round(np.concatenate(crossings), 9))
+        x: Array = np.unique(np.round(np.concatenate(crossings), 9))
         x = x[self._covers(*self.wire_coordinates(x, 0.0))]
         return x, self.depth_at(x, 0.0)
 
-    def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> FloatArray:
+    def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> Array:
         """Height [µm] of the unworn surface above its tangent plane at the origin; shapes broadcast."""
         along, across = np.broadcast_arrays(np.asarray(axial_um, float), np.asarray(transverse_um, float))
         barrel = Barrel(2e-3 / self.diameter_along_mm, 2e-3 / self.diameter_mm)
         return barrel.height(np.column_stack([along.ravel(), across.ravel()])).reshape(along.shape)
 
-    def _covers(self, axial: FloatArray, transverse: FloatArray) -> NDArray[np.bool_]:
+    def _covers(self, axial: Array, transverse: Array) -> BoolArray:
         return _within(axial, self.axial_um) & _within(transverse, self.transverse_um)
 
 
@@ -211,11 +212,11 @@ def _cosine_sine(angle_deg: float) -> tuple[float, float]:
     return cosine, sine
 
 
-def _within(values: FloatArray, lines: FloatArray) -> NDArray[np.bool_]:
+def _within(values: Array, lines: Array) -> BoolArray:
     slack = 1e-9 * (lines[-1] - lines[0])
-    within: NDArray[np.bool_] = (values >= lines[0] - slack) & (values <= lines[-1] + slack)
+    within: BoolArray = (values >= lines[0] - slack) & (values <= lines[-1] + slack)
     return within
 
 
-def _clipped(values: FloatArray, lines: FloatArray) -> FloatArray:
+def _clipped(values: Array, lines: Array) -> Array:
     return np.clip(values, lines[0], lines[-1])

@@ -9,10 +9,11 @@ from typing import Any, NoReturn, Self, TypeVar
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.errors import NoColumnError, ResultError
 from wirewear.base.quantity import counted
-from wirewear.results.checks import FloatArray, float_array, require_equal_lengths, require_finite, require_increasing
 from wirewear.results.contact_forces import ContactForces
+from wirewear.results.quality import float_array, require_equal_lengths, require_finite, require_increasing
 from wirewear.results.scar import WIRES, Scar, called, require_body
 
 #: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
@@ -67,7 +68,7 @@ def extensive(name: str) -> bool:
     return name.endswith(("_N", "_mJ", "_J", "_mm3"))
 
 
-def scaled(columns: Mapping[str, FloatArray], factor: float) -> dict[str, FloatArray]:
+def scaled(columns: Mapping[str, Array], factor: float) -> dict[str, Array]:
     """Columns of a line contact that is longer by a factor."""
     return {name: column * factor if extensive(name) else column for name, column in columns.items()}
 
@@ -86,13 +87,13 @@ class Loop:
     """
 
     cycle: int
-    time_s: FloatArray
-    displacement_um: FloatArray
-    relative_displacement_um: FloatArray
-    tangential_force_N: FloatArray
-    normal_force_N: FloatArray
-    friction_work_mJ: FloatArray
-    tilt_deg: FloatArray = field(default_factory=lambda: np.zeros(0))
+    time_s: Array
+    displacement_um: Array
+    relative_displacement_um: Array
+    tangential_force_N: Array
+    normal_force_N: Array
+    friction_work_mJ: Array
+    tilt_deg: Array = field(default_factory=lambda: np.zeros(0))
 
     def __post_init__(self) -> None:
         where = f"loop of cycle {self.cycle}"
@@ -123,7 +124,7 @@ def longer(one: Forces, factor: float) -> Forces:
 
 
 @dataclass(frozen=True, eq=False)
-class Evolution(Mapping[str, FloatArray]):
+class Evolution(Mapping[str, Array]):
     """Columns in a fixed order over the cycles, each (n,): `evolution["cycle"]`; n may be 0 before the first.
 
     A value that a cycle does not define is NaN, except for `cycle`, which increases strictly.
@@ -133,7 +134,7 @@ class Evolution(Mapping[str, FloatArray]):
         NoColumnError: there is no such column.
     """
 
-    columns: Mapping[str, FloatArray]
+    columns: Mapping[str, Array]
 
     def __post_init__(self) -> None:
         missing = [n for n in EVOLUTION_COLUMNS if n not in self.columns and not n.startswith(_OF_A_BODY)]
@@ -157,7 +158,7 @@ class Evolution(Mapping[str, FloatArray]):
         except KeyError as error:
             raise ResultError(f"evolution: column {error} is missing in some rows") from error
 
-    def __getitem__(self, name: str) -> FloatArray:
+    def __getitem__(self, name: str) -> Array:
         if name not in self.columns:
             like = [own for own in self.columns if str(name) in own] or list(self.columns)
             raise NoColumnError(f"evolution has no column {name!r}: there is {', '.join(like)}")
@@ -263,7 +264,7 @@ class RunResult:
         )
 
     @property
-    def worn_volume_mm3(self) -> FloatArray:
+    def worn_volume_mm3(self) -> Array:
         """What both bodies have lost, over the measured cycles."""
         driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
         return np.asarray(driven + other)

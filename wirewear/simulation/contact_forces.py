@@ -4,20 +4,17 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from geometry import BodyGeometry
+from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody
 from solvers.interior import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
 from wirewear.simulation.plan import RunPlan
 
-Array = NDArray[np.float64]
-
 # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
 MID_STROKE = 35.0 / 60.0
-
-IntArray = NDArray[np.int64]
 
 
 def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: float) -> dict[str, float]:

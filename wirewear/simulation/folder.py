@@ -13,8 +13,8 @@ from typing import Any, Protocol, TypeVar
 
 import h5py
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, Guide, WearState
 from wirewear.base.errors import ResultError, RunError
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
@@ -22,8 +22,6 @@ from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
-
-Array = NDArray[np.float64]
 
 #: Told what is being prepared.
 Report = Callable[[str], None]

@@ -8,9 +8,9 @@ from pathlib import Path
 from typing import Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Profile, build_body
+from geometry.arrays import Array
 from solvers import (
     CondensedBody,
     ContactProblem,
@@ -32,8 +32,6 @@ from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
 from wirewear.study import Study
-
-Array = NDArray[np.float64]
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
 from wirewear.loops.signals import enclosed_area
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
@@ -19,8 +20,6 @@ from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study
-
-Array = NDArray[np.float64]
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
 
@@ -64,7 +63,7 @@ def _travel(trace: CycleTrace, stroke: NDArray[np.intp], sign: float, mean: floa
     return 0.0 if passed.size else met
 
 
-def _sticking(trace: CycleTrace) -> NDArray[np.int64]:
+def _sticking(trace: CycleTrace) -> IntArray:
     """Number of sticking nodes at the end of each increment (n,), which may have been taken in pieces."""
     reports = iter(trace.reports)
     return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])

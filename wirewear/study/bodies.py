@@ -6,9 +6,9 @@ from math import cos, radians, sin
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
+from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 from wirewear.reference import PointContact, hertz_bodies, mindlin_stiffness, tangential_contact_modulus
 
@@ -53,7 +53,7 @@ class Body(ABC):
         along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
         return along, across
 
-    def curvature_per_mm(self, turned_deg: float = 0.0) -> NDArray[np.float64]:
+    def curvature_per_mm(self, turned_deg: float = 0.0) -> Array:
         """Curvature K (2, 2) of its surface ½ rᵀKr along and across the motion, with its axis turned further."""
         angle = radians(self.axis_angle_deg + turned_deg)
         turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])

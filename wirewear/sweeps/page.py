@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted, words_of
@@ -117,7 +117,7 @@ def page(result: SweepResult) -> str:
     )
 
 
-def varying_figures(result: SweepResult) -> dict[str, NDArray[np.float64]]:
+def varying_figures(result: SweepResult) -> dict[str, Array]:
     """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
@@ -143,9 +143,7 @@ def sentences(result: SweepResult, found: list[Index]) -> list[str]:
     return said
 
 
-def _pictures(
-    result: SweepResult, figures: dict[str, NDArray[np.float64]], found: list[Index]
-) -> list[tuple[str, str, str]]:
+def _pictures(result: SweepResult, figures: dict[str, Array], found: list[Index]) -> list[tuple[str, str, str]]:
     """Heading, caption and SVG of each."""
     design = result.sweep.design
     drawn = {name: figures[name] for name in pictures.drawn_among(figures)}
@@ -167,6 +165,6 @@ def _pictures(
     return [(head, words, frame.inline_svg(image, f"p{n}")) for n, (head, words, image) in enumerate(made)]
 
 
-def _range(name: str, values: NDArray[np.float64]) -> dict[str, Any]:
+def _range(name: str, values: Array) -> dict[str, Any]:
     low, middle, high = np.nanpercentile(values, [2.5, 50.0, 97.5]).tolist()
     return {"name": name, "low": low, "middle": middle, "high": high}

@@ -10,14 +10,12 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.frame import figure as written
 from wirewear.base.quantity import unit_of, words_of
-from wirewear.pictures.colours import GREY, VARIANT_COLOURS
-from wirewear.pictures.style import new_figure
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure
 from wirewear.sweeps.sensitivity import Index
 from wirewear.sweeps.sweep import DEPTH, VariedInput
-
-Array = NDArray[np.float64]
 
 #: Figures that are drawn, where they vary, with a depth after the first three; units and words follow from names.
 _DRAWN = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "mid_stroke_mean_pressure_MPa")

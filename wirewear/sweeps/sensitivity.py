@@ -4,8 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.sweeps.sweep import Design, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
@@ -55,7 +55,7 @@ def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int
     return _sobol(design, figure, values, seed) if design.kind == SOBOL else _rbd(design, figure, shares, values, seed)
 
 
-def _sobol(design: Design, figure: str, values: NDArray[np.float64], seed: int) -> list[Index]:
+def _sobol(design: Design, figure: str, values: Array, seed: int) -> list[Index]:
     from SALib.analyze import sobol
 
     found = sobol.analyze(design.problem, values, calc_second_order=False, seed=seed)
@@ -63,9 +63,7 @@ def _sobol(design: Design, figure: str, values: NDArray[np.float64], seed: int) 
     return [Index(figure, key, *numbers) for key, *numbers in zip(design.keys, *columns, strict=True)]
 
 
-def _rbd(
-    design: Design, figure: str, shares: NDArray[np.float64], values: NDArray[np.float64], seed: int
-) -> list[Index]:
+def _rbd(design: Design, figure: str, shares: Array, values: Array, seed: int) -> list[Index]:
     from SALib.analyze import rbd_fast
 
     found = rbd_fast.analyze(design.problem, shares, values, seed=seed)

@@ -12,20 +12,17 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.effects import Effect, Seam
 from wirewear.effects.parameter import plain
 from wirewear.loops import LoopFigures, analyse_loop
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.smooth import smooth_loop, smooth_scar
-from wirewear.pictures.style import cycle_axis, cycle_name, new_figure, panel_letters, save
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_axis, cycle_name, new_figure, panel_letters, save
 from wirewear.results import Loop, RunResult, Scar, read_loops
 from wirewear.simulation import ObserverOf, run_study
 from wirewear.study import Study, parse_study
-
-Array = NDArray[np.float64]
 
 _STUDY = "signature_study.toml"
 

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
@@ -60,8 +60,8 @@ class Design:
 
     kind: str
     factors: tuple[VariedInput, ...]
-    shares: NDArray[np.float64]
-    points: NDArray[np.float64]
+    shares: Array
+    points: Array
 
     @property
     def keys(self) -> tuple[str, ...]:
@@ -101,11 +101,11 @@ def design_of(tables: SweepTables, where: str) -> Design:
     return Design(tables.design, factors, shares, points)
 
 
-def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> NDArray[np.float64]:
+def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> Array:
     if kind == LATIN_HYPERCUBE:
         from scipy.stats import qmc
 
-        shares: NDArray[np.float64] = qmc.LatinHypercube(factors, rng=np.random.default_rng(seed)).random(samples)
+        shares: Array = qmc.LatinHypercube(factors, rng=np.random.default_rng(seed)).random(samples)
         return shares
     if samples & (samples - 1):
         near = 2 ** round(log2(samples))
@@ -113,7 +113,7 @@ def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> NDAr
     from SALib.sample import sobol
 
     problem = {"num_vars": factors, "names": [str(n) for n in range(factors)], "bounds": [[0.0, 1.0]] * factors}
-    drawn: NDArray[np.float64] = sobol.sample(problem, samples, calc_second_order=False, seed=seed)
+    drawn: Array = sobol.sample(problem, samples, calc_second_order=False, seed=seed)
     return drawn
 
 

@@ -13,15 +13,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from wirewear.base import frame
 from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.base.quantity import unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.pictures.colours import VARIANT_COLOURS
-from wirewear.pictures.style import cycle_name, new_figure, svg
+from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
 from wirewear.sweeps.pictures import SLIP, depth_among, label_of
@@ -122,8 +121,6 @@ def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
     return figure
 
 
-Array = NDArray[np.float64]
-
 #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
 RUNS = 30
 
@@ -148,7 +145,7 @@ class Surrogate:
     terms: exponents (m, d).  coefficients: (m,).
     """
 
-    terms: NDArray[np.int64]
+    terms: IntArray
     coefficients: Array
     error: float
 
@@ -187,12 +184,12 @@ def _of_degree(points: Array, values: Array, degree: int) -> Surrogate:
     return Surrogate(terms, coefficients, float(np.sqrt(np.mean(left_out**2))))
 
 
-def _terms(factors: int, degree: int) -> NDArray[np.int64]:
+def _terms(factors: int, degree: int) -> IntArray:
     chosen = [pick for d in range(degree + 1) for pick in combinations_with_replacement(range(factors), d)]
     return np.array([[pick.count(factor) for factor in range(factors)] for pick in chosen], dtype=np.int64)
 
 
-def _columns(points: Array, terms: NDArray[np.int64]) -> Array:
+def _columns(points: Array, terms: IntArray) -> Array:
     columns: Array = np.prod(points[:, None, :] ** terms[None, :, :], axis=2)
     return columns
 

@@ -3,16 +3,14 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import build_body, build_planar
+from geometry.arrays import Array, IntArray
 from solvers import Holder, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.strain import IntegrationPoints, integration_points, von_mises
 from wirewear import reference
-from wirewear.verification.line_contact import MATERIAL, LOAD_N_per_mm, RADIUS_mm, cylinder_on_flat, pad_geometry
-from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import (
+from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,
     CONTACT_MODULUS_MPa,
@@ -21,10 +19,9 @@ from wirewear.verification.wires import (
     element_mm,
     wire_geometry,
 )
-from wirewear.verification.wires import RADIUS_mm as WIRE_RADIUS_mm
-
-Array = NDArray[np.float64]
-IntArray = NDArray[np.int64]
+from wirewear.verification.hertz import RADIUS_mm as WIRE_RADIUS_mm
+from wirewear.verification.line_contact import MATERIAL, LOAD_N_per_mm, RADIUS_mm, cylinder_on_flat, pad_geometry
+from wirewear.verification.rows import Level, Row, compared
 
 #: Static equilibrium holds to round-off of the factor.
 _BALANCE = 1e-8

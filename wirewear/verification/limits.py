@@ -3,10 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Elastic, build_body
+from geometry.arrays import Array
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
+from wirewear.verification.hertz import LOAD_N, STEEL, crossed, scaled, wire_geometry
 from wirewear.verification.rows import Level, Row, compared
 from wirewear.verification.sliding import (
     FRICTION,
@@ -17,9 +18,6 @@ from wirewear.verification.sliding import (
     sliding_wires,
     whole_loop,
 )
-from wirewear.verification.wires import LOAD_N, STEEL, crossed, scaled, wire_geometry
-
-Array = NDArray[np.float64]
 
 _WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 

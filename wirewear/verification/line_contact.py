@@ -8,9 +8,9 @@ evaluated at the force that was computed.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
+from geometry.arrays import Array
 from solvers import (
     ContactProblem,
     ContactState,
@@ -32,7 +32,6 @@ DEPTH_mm = 1.0
 _BLOCK_mm = 60.0
 _FAR_mm = 3.0
 
-Array = NDArray[np.float64]
 
 RADIUS_mm = 6.0
 LOAD_N_per_mm = 120.0

@@ -4,9 +4,9 @@ The resolutions are those of runs at standard and fine fidelity.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import Flat, PlanarGeometry, PlanarMesh, build_planar
+from geometry.arrays import Array
 from solvers import advance, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.line_surface_stress import LineSurfaceStress
@@ -23,8 +23,6 @@ from wirewear.verification.line_contact import (
     to_force,
 )
 from wirewear.verification.rows import Level, Row, compared
-
-Array = NDArray[np.float64]
 
 _SHARE = 0.64
 _SLIDE_mm, _INCREMENTS = 1e-2, 5

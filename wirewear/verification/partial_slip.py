@@ -5,13 +5,12 @@ force that was computed.
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import CondensedBody, ContactProblem, ContactState, Holder, advance, press, unloaded_state
 from solvers.pairing import pair
 from wirewear import reference
-from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import (
+from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,
     CONTACT_RADIUS_mm,
@@ -21,8 +20,7 @@ from wirewear.verification.wires import (
     element_mm,
     wire_geometry,
 )
-
-Array = NDArray[np.float64]
+from wirewear.verification.rows import Level, Row, compared
 
 FRICTION = 0.6
 _SHARES = (0.5, 0.9)

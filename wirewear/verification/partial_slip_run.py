@@ -6,16 +6,14 @@ Its meshes, cycle jumps and loops are those of a run; what it shares with `parti
 from math import pi, sqrt
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear import reference
 from wirewear.results import RunResult
 from wirewear.simulation import discretise, simulate
 from wirewear.study import Study, study_from_tables
+from wirewear.verification.hertz import STEEL, CONTACT_MODULUS_MPa, condensed, crossed_bulk_compliance
 from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, condensed, crossed_bulk_compliance
-
-Array = NDArray[np.float64]
 
 _DIAMETER_mm = 0.45
 _FRICTION = 0.62

@@ -24,8 +24,7 @@ from wirewear import reference
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
 from wirewear.simulation import last_of
-from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import (
+from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,
     CONTACT_MODULUS_MPa,
@@ -37,6 +36,7 @@ from wirewear.verification.wires import (
     element_mm,
     wire_geometry,
 )
+from wirewear.verification.rows import Level, Row, compared
 
 _MIRROR_TOLERANCE = 0.02
 _PRESSURE_TOLERANCE = 0.05

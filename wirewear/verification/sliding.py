@@ -3,8 +3,8 @@
 from math import nan
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import (
     ContactProblem,
     ContactState,
@@ -23,8 +23,7 @@ from solvers import (
 )
 from wirewear import reference
 from wirewear.loops.signals import enclosed_area
-from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import (
+from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,
     CONTACT_RADIUS_mm,
@@ -33,6 +32,7 @@ from wirewear.verification.wires import (
     crossed_bulk_compliance,
     wire_geometry,
 )
+from wirewear.verification.rows import Level, Row, compared
 
 _TOLERANCE = 0.01
 
@@ -41,7 +41,6 @@ _CYCLES = 50.0
 _ROUND_OFF = 1e-10
 _MIRROR_TOLERANCE = 0.02
 
-Array = NDArray[np.float64]
 
 FRICTION = 0.6
 #: Sliding bends the rig by half a contact radius; the contact slides by about two to each side.

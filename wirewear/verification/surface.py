@@ -7,18 +7,16 @@ curvature alone changes the tension across a wire by 3 %.
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import BodyMesh, GradedAxis, Layering, WireGeometry, build_body
+from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.strain import integration_points
 from solvers.surface_stress import SurfaceStress
 from wirewear import reference
+from wirewear.verification.hertz import STEEL, CONTACT_MODULUS_MPa, CONTACT_RADIUS_mm, crossed
 from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.wires import STEEL, CONTACT_MODULUS_MPa, CONTACT_RADIUS_mm, crossed
-
-Array = NDArray[np.float64]
 
 FRICTION = 0.62
 _RADIUS_mm = 2.0

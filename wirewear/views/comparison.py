@@ -11,6 +11,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
@@ -19,7 +20,6 @@ from wirewear.records import AnyRecord
 from wirewear.records.checking import problems_told
 from wirewear.records.point_tables import curved
 from wirewear.records.remarks import unlike_conditions
-from wirewear.records.values import Array
 from wirewear.results import RunResult
 from wirewear.views.differences import (
     EVOLUTION_FIGURES,

@@ -9,12 +9,23 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
+from geometry.arrays import Array
 from wirewear.loops import LoopFigures, Measured
-from wirewear.pictures.colours import DEPTH_COLOURS, GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import WIDTH_in, cycle_axis, cycle_name, new_figure, panel_letters, round_below, scale_bar
+from wirewear.pictures.style import (
+    DEPTH_COLOURS,
+    GREY,
+    INK,
+    VARIANT_COLOURS,
+    WIDTH_in,
+    cycle_axis,
+    cycle_name,
+    new_figure,
+    panel_letters,
+    round_below,
+    scale_bar,
+)
 from wirewear.records import AnyRecord
-from wirewear.records.values import Array
 from wirewear.results import RunResult
 from wirewear.views.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
 from wirewear.views.registration import ScarPair

@@ -8,24 +8,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
 from wirewear.diagnosis.model.readings import still_to_come
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
 from wirewear.effects import all_measurements, effect_named
-from wirewear.pictures.colours import VARIANT_COLOURS
+from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
 from wirewear.results.scar import called
 from wirewear.views.diagnosis_wording import plain
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.setup import Array
     from wirewear.views.diagnosis_values import Cause, Diagnosis
     from wirewear.views.diagnosis_wording import Diagnosed
 

@@ -8,6 +8,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.identity import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
@@ -15,7 +16,6 @@ from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Parameter
 from wirewear.records.remarks import Remark
 

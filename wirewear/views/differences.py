@@ -6,11 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.loops.drive import period_of
-from wirewear.records import AnyRecord
+from wirewear.records import AnyRecord, MeasuredLoop
 from wirewear.records.remarks import listed
-from wirewear.records.values import Array, MeasuredLoop
 from wirewear.results import Loop, RunResult, read_loops
 from wirewear.views.registration import ScarPair
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.delimited import CSV
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
@@ -20,8 +21,6 @@ from wirewear.loops.digitised import outline
 from wirewear.records.columns import Column, column_names, read_columns
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit
 from wirewear.records.values import MeasuredLoop
-
-Array = NDArray[np.float64]
 
 _OPTIONS = {"displacement": "--displacement", "force": "--force", "normal load": "--normal-load"}
 _LARGEST = 1e15
@@ -172,12 +171,10 @@ def _channel(
     return name, known[unit]
 
 
-def _loops(
-    channels: dict[str, NDArray[np.float64]], keys: dict[str, NDArray[np.float64]], constant: float | None
-) -> Iterator[SampledLoop]:
+def _loops(channels: dict[str, Array], keys: dict[str, Array], constant: float | None) -> Iterator[SampledLoop]:
     count = len(channels["displacement"])
     numbers = [keys.get(key, np.ones(count)).astype(np.int64) for key in ("repeat", "cycle")]
-    complete: NDArray[np.bool_] = np.logical_and.reduce([np.isfinite(values) for values in channels.values()])
+    complete: BoolArray = np.logical_and.reduce([np.isfinite(values) for values in channels.values()])
     for repeat, cycle in np.unique(np.stack(numbers), axis=1).T:
         rows = np.flatnonzero(complete & (numbers[0] == repeat) & (numbers[1] == cycle))
         parts = [rows] if "cycle" in keys else _cycles(rows, channels)
@@ -191,7 +188,7 @@ def _loops(
             yield SampledLoop(int(repeat), int(cycle) + number, *own, normal, time, note)
 
 
-def _cycles(rows: NDArray[np.intp], channels: dict[str, NDArray[np.float64]]) -> list[NDArray[np.intp]]:
+def _cycles(rows: NDArray[np.intp], channels: dict[str, Array]) -> list[NDArray[np.intp]]:
     """The rows of each whole cycle; all of them where they are one, or points without an order of time."""
     if rows.size < 2 * FEWEST_SAMPLES:
         return [rows]

@@ -7,12 +7,11 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from geometry.arrays import Array
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopFigures
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import cycle_name, new_figure, panel_letters, save
-from wirewear.views.loops_csv import Array
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
 from wirewear.views.loops_report import AnalysedLoop, rounded
 
 LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]

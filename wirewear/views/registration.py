@@ -8,9 +8,9 @@ import numpy as np
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import least_squares
 
+from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar
-from wirewear.records.values import Array
 from wirewear.results import RunResult, Scar
 from wirewear.results.scar import called
 

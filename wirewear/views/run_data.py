@@ -5,11 +5,11 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.pictures.colours import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
+from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
 from wirewear.results.scar import called
@@ -35,7 +35,6 @@ _COURSES = {
     "worked": "accumulated_energy_J",
 }
 
-Array = NDArray[np.float64]
 
 #: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
 LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS, SHADES = 160, 161, 72, 8, 48
@@ -53,7 +52,7 @@ BEYOND = 4.0
 DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")
 
 
-def pressure_courses(evolution: Mapping[str, NDArray[np.float64]], settings: Mapping[str, Any]) -> tuple[Course, ...]:
+def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]) -> tuple[Course, ...]:
     """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
     if PRESSURE_LENGTH not in settings:
         return _OF_NODES

@@ -15,16 +15,15 @@ from math import radians
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from geometry import Elastic
+from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, loading_displacement, partial_slip_point
 from wirewear.reference.half_space import partial_slip_stress
 from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
 from wirewear.study import study_from_tables
-
-Array = NDArray[np.float64]
 
 #: Loads of the map, relative to the test's.
 LOADS = np.geomspace(0.1, 10.0, 41)

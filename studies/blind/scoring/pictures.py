@@ -9,8 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from studies.blind.scoring.judging import Judgement
-from wirewear.pictures.colours import GREY, INK, VARIANT_COLOURS
-from wirewear.pictures.style import new_figure, panel_letters
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters
 
 #: Side of a square of the confusion matrix, and room for its labels.
 CELL_in, LABELS_in = 0.25, 1.9

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import chi2
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.solver_differences import (
     alike,
@@ -22,7 +23,7 @@ from wirewear.diagnosis.infer.solver_differences import (
     tolerated,
 )
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.channels import Amplitude
 from wirewear.diagnosis.observe.layout import Layout

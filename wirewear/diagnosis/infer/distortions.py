@@ -11,12 +11,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.infer.shapes import Branches, Family, Shape
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.effects import Age, Ageing, Chain, Seam

@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.shapes import (
     Branches,
@@ -39,7 +40,6 @@ from wirewear.diagnosis.infer.shapes import (
 from wirewear.diagnosis.infer.shapes_in_time import averaged, giving_late, leaking, rattling, ringing, slewing
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.line_wear import EDGE
-from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Seam
 
 MIDDLE_AND_FLANKS = "wear that differs between the middle of the scar and its flanks"

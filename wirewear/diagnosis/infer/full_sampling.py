@@ -11,11 +11,12 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.stats import gamma
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.recognised import log_surprise
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import still_to_come
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.plateau import PAST_KNEE

@@ -11,15 +11,15 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, solve_triangular
 
+from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.solver_differences import free_covariance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.layout import Layout
 
@@ -61,7 +61,7 @@ class Problem:
         whitening, log_determinant = _whitening(covariance.total)
         return cls(states, setup, layout, covariance.mean, whitening, log_determinant)
 
-    def part(self, keep: NDArray[np.bool_], covariance: Covariance) -> Problem:
+    def part(self, keep: BoolArray, covariance: Covariance) -> Problem:
         """Some observables only."""
         whitening, log_determinant = _whitening(covariance.total[np.ix_(keep, keep)])
         return Problem(

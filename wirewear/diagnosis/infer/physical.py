@@ -4,8 +4,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.plateau import PlateauForce

@@ -7,12 +7,12 @@ from math import e, expm1, hypot, log, log1p, sqrt
 import numpy as np
 from scipy.stats import chi2
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import SHARED, Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.infer.weighing import SEPARABLE, Weighed
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.layout import Part
 
 #: Chi squares per number of records without a gap, sorted.

@@ -4,15 +4,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.families import SPOTTED
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe import AlongBranch, ReducedLoop
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.plateau import PlateauForce
@@ -145,7 +144,7 @@ def _amount(part: Part, change: Array, largest: int, *, reads: bool) -> str:
     return f"{observable.words} {abs(value):.2g} {unit} {'more' if value > 0.0 else 'less'}"
 
 
-def _place(problem: Problem, part: Part, largest: int, present: NDArray[np.bool_]) -> str:
+def _place(problem: Problem, part: Part, largest: int, present: BoolArray) -> str:
     level, branch = float(part.sites.level[largest]), int(part.sites.branch[largest])
     if isinstance(part.observable, PlateauForce):
         both = {int(np.sign(at)) for at in part.sites.level[present & (np.abs(part.sites.level) > 1e-9)]} == {-1, 1}

@@ -6,6 +6,7 @@ from itertools import product
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
@@ -13,7 +14,7 @@ from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, fr
 from wirewear.diagnosis.infer.recognised import Remainder, remainder_of
 from wirewear.diagnosis.infer.weighing import distances
 from wirewear.diagnosis.model.candidates import Candidate, library
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.diagnosis.model.readings import KNEE, SLIDING
-from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import Seam
 
 #: +1 on the branch towards +x, −1 on the other.

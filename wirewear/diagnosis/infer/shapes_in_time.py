@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.infer.shapes import Branches, Shape, loaded
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import HARMONICS, Answers, at_even_phases, at_phases, filtered, phases_of
-from wirewear.diagnosis.model.setup import Array
 
 #: Answer of a filter, complex (k,), to harmonics of the drive (k,).
 Answer = Callable[[Array], Answers]

@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_difference
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.layout import Features, Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
@@ -59,7 +59,7 @@ class HeldOutScores:
     features: Features
 
     @classmethod
-    def of(cls, observed: Observations, covariance: Covariance, test: NDArray[np.bool_]) -> HeldOutScores:
+    def of(cls, observed: Observations, covariance: Covariance, test: BoolArray) -> HeldOutScores:
         """Scores on the observables marked."""
         return cls(observed, covariance, Features.of(observed.layout, test))
 
@@ -99,7 +99,7 @@ class HeldOutScores:
         low, high = np.percentile(np.clip(share, -9.99, 1.0), [2.5, 97.5])
         return float(low), float(high)
 
-    def _seen(self, repeat: int) -> NDArray[np.bool_]:
+    def _seen(self, repeat: int) -> BoolArray:
         return np.asarray(np.isfinite(self.observed.values[repeat]))
 
     def _scaled(self, residual: Array) -> Array:
@@ -115,7 +115,7 @@ class HeldOutScores:
         ]
 
 
-def held_out_cycles(loop_cycles: NDArray[np.int64]) -> list[tuple[int, ...]]:
+def held_out_cycles(loop_cycles: IntArray) -> list[tuple[int, ...]]:
     """Cycles to leave out, in order of preference: the last third, every second one; none if there are fewer than two.
 
     What only shows early in a test cannot be predicted from what comes before it, but from its neighbours.
@@ -135,8 +135,8 @@ class Split:
     """
 
     held_out: tuple[int, ...]
-    test: NDArray[np.bool_]
-    train: NDArray[np.bool_]
+    test: BoolArray
+    train: BoolArray
     scar: str = ""
 
 
@@ -335,7 +335,7 @@ def _share(before: float, after: float, floor: float) -> float:
     return float(np.clip((before**2 - after**2) / gap, -9.99, 1.0)) if gap > 1e-6 else 0.0
 
 
-def _free_prediction(problem: Problem, covariance: Covariance, train: NDArray[np.bool_], base: Array) -> Array:
+def _free_prediction(problem: Problem, covariance: Covariance, train: BoolArray, base: Array) -> Array:
     """Residual that a Gaussian process of any smooth shape, fitted on the training cycles, expects elsewhere."""
     total = free_difference(problem, covariance.total, _FREE_SIZE)
     prior = total - covariance.total

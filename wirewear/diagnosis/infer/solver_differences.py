@@ -8,11 +8,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.layout import Layout, Part
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
@@ -157,7 +157,7 @@ def smooth_block(part: Part, size: Array, scale: Scale, turned: float) -> Array:
     return np.asarray(np.outer(size, size) * kernel + np.diag((smooth.rough * size) ** 2))
 
 
-def alike(cycle: NDArray[np.int64], reach: float) -> Array:
+def alike(cycle: IntArray, reach: float) -> Array:
     """Correlation (n, n) of what changes smoothly over the logarithm of cycles (n,)."""
     time = np.log(np.maximum(cycle, 1.0))
     correlation: Array = np.exp(-0.5 * ((time[:, None] - time) / reach) ** 2)

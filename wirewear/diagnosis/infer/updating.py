@@ -9,12 +9,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_log_evidence
 from wirewear.diagnosis.infer.recognised import remainder_of
 from wirewear.diagnosis.infer.search import Search, leading, problem_around
 from wirewear.diagnosis.infer.weighing import distances
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 

@@ -9,10 +9,10 @@ import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit, Problem, separation
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.model.setup import Array
 
 _KNOWN = constants("infer.weighing")
 

@@ -4,15 +4,15 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2, false_discovery_control
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.observable import Observable
 
@@ -90,13 +90,7 @@ def _unaccounted(residual: Array, covariance: Covariance) -> Array:
 
 
 def _place(
-    zone: str,
-    cycle: int,
-    part: Part,
-    keep: NDArray[np.bool_],
-    residual: Array,
-    unaccounted: Array,
-    covariance: Covariance,
+    zone: str, cycle: int, part: Part, keep: BoolArray, residual: Array, unaccounted: Array, covariance: Covariance
 ) -> Place:
     rows = part.start + np.flatnonzero(keep)
     block, rest = covariance.total[np.ix_(rows, rows)], residual[rows]

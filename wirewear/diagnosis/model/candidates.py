@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
 
 if TYPE_CHECKING:

@@ -14,6 +14,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
 from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.model.readings import (
@@ -25,7 +26,7 @@ from wirewear.diagnosis.model.readings import (
     loop_energy,
     read_by_sensors,
 )
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import LAYER_MEMORY, WearStates
 from wirewear.effects import Chain
 

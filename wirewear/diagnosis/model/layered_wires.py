@@ -17,10 +17,10 @@ from functools import cached_property, lru_cache, partial
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import brentq
 
+from geometry.arrays import Array
 from solvers import RoughLayer
 from wirewear.base.errors import ResultError
 from wirewear.base.identity import identity_of
@@ -37,8 +37,6 @@ from wirewear.diagnosis.model.worn_wires import (
     slopes,
     wearing,
 )
-
-Array = NDArray[np.float64]
 
 #: Heights under which a scar is worn, as shares of the highest; heights then present, as shares of these; and volumes.
 _HEIGHTS = np.array([0.0, 0.04, 0.16, 0.36, 0.64, 1.0])

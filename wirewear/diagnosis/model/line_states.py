@@ -13,9 +13,9 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry import TabledProfile
+from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from wirewear.effects import Chain, Effect
     from wirewear.results import Loop, RunResult
 
-Array = NDArray[np.float64]
 
 _KNOWN = constants("model.line_states")
 

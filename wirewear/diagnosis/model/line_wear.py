@@ -12,13 +12,11 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers import OxygenSupply
 from wirewear.diagnosis.model.loop_states import crossings
 from wirewear.study.faces import Face
-
-Array = NDArray[np.float64]
 
 #: Places from the middle to the edge; steps over which the worn area grows; its first share of the last.
 _PLACES, _STEPS, _FIRST_SHARE = 81, 26, 0.01

@@ -5,15 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import ResultError
 from wirewear.diagnosis.calibration import constants
 
 if TYPE_CHECKING:
     from wirewear.results import Loop, RunResult
 
-Array = NDArray[np.float64]
 
 _OF_SCAR_FIGURES = constants("model.scar_figures")
 
@@ -137,7 +136,7 @@ def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
     return float(found[0]), np.asarray(found[1:], dtype=np.float64)
 
 
-def travelled(x: Array) -> tuple[Array, NDArray[np.bool_]]:
+def travelled(x: Array) -> tuple[Array, BoolArray]:
     """Distance of each sample from the last reversal, and whether it belongs to the branch towards +x."""
     n, top, low = x.size, int(np.argmax(x)), int(np.argmin(x))
     forward = (np.arange(n) - low) % n <= (top - low) % n
@@ -159,7 +158,7 @@ def _stick_stiffness(
     q: Array,
     p: Array,
     travel: Array,
-    forward: NDArray[np.bool_],
+    forward: BoolArray,
     slope: Array,
     angle: Array,
     friction: float,

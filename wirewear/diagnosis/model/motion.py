@@ -8,10 +8,10 @@ from functools import cache, cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.calibration import constants
 
-Array = NDArray[np.float64]
-Harmonics = NDArray[np.complex128]
+Harmonics = ComplexArray
 
 _KNOWN = constants("model.motion")
 

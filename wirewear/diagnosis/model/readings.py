@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.model.motion import SINE, FastMotion
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Chain
 
 #: Positions on a branch: sliding, more densely towards its ends, and sticking.
@@ -27,7 +27,7 @@ EVEN_PHASES: Array = 2.0 * np.pi / 1024 * np.arange(1024.0)
 HARMONICS = np.arange(EVEN_PHASES.size // 2 + 1.0)
 
 #: Of filters, complex, to harmonics of the drive.
-Answers = NDArray[np.complex128]
+Answers = ComplexArray
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,8 +8,8 @@ from math import inf, radians
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
     from wirewear.study import Study
 
-Array = NDArray[np.float64]
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.layered_wires import (
@@ -35,7 +36,6 @@ if TYPE_CHECKING:
     from wirewear.effects import Chain, Effect
     from wirewear.results import RunResult
 
-Array = NDArray[np.float64]
 
 _KNOWN = constants("model.wear_states")
 

@@ -12,11 +12,9 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.diagnosis.model.loop_states import scar_figures
-
-Array = NDArray[np.float64]
 
 #: From overlaps (k, y, s, x) to the pressures that they take, and their derivative.
 Pressing = Callable[[Array], tuple[Array, Array]]

@@ -6,12 +6,12 @@ Whatever guides the load shows in the normal force, and nothing that wears: the 
 from abc import abstractmethod
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import SLIDING
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, Zone
 from wirewear.diagnosis.observe.reading import Reading
@@ -90,7 +90,7 @@ class _AlongStroke(OfLoops):
     unit = "N"
 
     @abstractmethod
-    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
         """Which places, over the amplitude, belong to one part, and which to the other."""
 
     def sites(self, reading: Reading) -> list[Site]:
@@ -132,7 +132,7 @@ class _AlongStroke(OfLoops):
         return np.full(predicted.size, FREE_SHARE * setup.load_N)
 
 
-def _medians(values: Array, chosen: NDArray[np.bool_]) -> Array:
+def _medians(values: Array, chosen: BoolArray) -> Array:
     """Medians (...) of the chosen ones among values (..., m), infinite where none is."""
     ordered = np.sort(np.where(chosen, values, np.inf), axis=-1)
     count = np.count_nonzero(chosen, axis=-1)[..., None]
@@ -148,7 +148,7 @@ class NormalForceAtEnds(_AlongStroke):
     words = "normal force, ends of the stroke less its middle"
     zones = (Zone("normal_ends", "normal force at the ends"),)
 
-    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
         """What lies outside, what lies inside."""
         return np.abs(place) > OUTER, np.abs(place) < MIDDLE
 
@@ -160,7 +160,7 @@ class NormalForceBySides(_AlongStroke):
     words = "normal force, one side of the stroke less the other"
     zones = (Zone("normal_sides", "normal force by side"),)
 
-    def parts(self, place: Array) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+    def parts(self, place: Array) -> tuple[BoolArray, BoolArray]:
         """What lies to the right, what lies to the left."""
         return place > MIDDLE, place < -MIDDLE
 

@@ -5,9 +5,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles

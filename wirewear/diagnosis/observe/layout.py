@@ -9,8 +9,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable
 from wirewear.diagnosis.observe.sites import Site, Sites
 
@@ -22,13 +22,13 @@ class Features:
     `place` (n,) is where along its branch an observable lies, `cycle` (f,) the cycle of a feature.
     """
 
-    members: NDArray[np.bool_]
-    slope: NDArray[np.bool_]
+    members: BoolArray
+    slope: BoolArray
     place: Array
-    cycle: NDArray[np.int64]
+    cycle: IntArray
 
     @classmethod
-    def of(cls, layout: Layout, used: NDArray[np.bool_]) -> Features:
+    def of(cls, layout: Layout, used: BoolArray) -> Features:
         """Features of the observables marked."""
         members, slope, cycles = [], [], []
         place = np.zeros(len(layout))
@@ -54,16 +54,16 @@ class Features:
             np.array(cycles, dtype=np.int64),
         )
 
-    def of_each(self, values: Array, seen: NDArray[np.bool_]) -> Array:
+    def of_each(self, values: Array, seen: BoolArray) -> Array:
         """Features (f,) of observables (n,), NaN where none was seen."""
         return self._weights(seen) @ np.where(seen, values, 0.0)
 
-    def variances(self, covariance: Array, seen: NDArray[np.bool_]) -> Array:
+    def variances(self, covariance: Array, seen: BoolArray) -> Array:
         """Variances (f,) of the features of observables of that covariance (n, n)."""
         weights = self._weights(seen)
         return np.asarray(np.einsum("fi,ij,fj->f", weights, covariance, weights, optimize=True))
 
-    def _weights(self, seen: NDArray[np.bool_]) -> Array:
+    def _weights(self, seen: BoolArray) -> Array:
         """Weights (f, n): means, and least-squares slopes."""
         weights = (self.members & seen).astype(float)
         count = weights.sum(axis=1, keepdims=True)
@@ -117,7 +117,7 @@ class Layout:
         return iter(self.parts)
 
     @cached_property
-    def cycle(self) -> NDArray[np.int64]:
+    def cycle(self) -> IntArray:
         """After which each number is read (n,)."""
         return np.concatenate([np.zeros(0, dtype=np.int64), *(part.sites.cycle for part in self)])
 
@@ -126,22 +126,22 @@ class Layout:
         """Cycles at which loops are needed, increasing."""
         return np.unique(self.cycle).astype(float)
 
-    def of_kind(self, *kinds: type) -> NDArray[np.bool_]:
+    def of_kind(self, *kinds: type) -> BoolArray:
         """Which numbers (n,) are of these observables."""
         return self.marked(part for part in self if isinstance(part.observable, kinds))
 
-    def marked(self, parts: Iterable[Part]) -> NDArray[np.bool_]:
+    def marked(self, parts: Iterable[Part]) -> BoolArray:
         """Which numbers (n,) are of these parts."""
         marked = np.zeros(len(self), dtype=bool)
         for part in parts:
             marked[part.rows] = True
         return marked
 
-    def wire(self, name: str) -> NDArray[np.bool_]:
+    def wire(self, name: str) -> BoolArray:
         """Which numbers (n,) are read from that wire's scar."""
         return np.concatenate([np.zeros(0, dtype=bool), *(part.sites.wire == name for part in self)])
 
-    def taken(self, keep: NDArray[np.bool_]) -> Layout:
+    def taken(self, keep: BoolArray) -> Layout:
         """Part of the numbers."""
         return Layout.of((part.observable, part.sites.taken(keep[part.rows])) for part in self)
 

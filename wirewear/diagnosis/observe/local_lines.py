@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.setup import Array
 from wirewear.loops.correlated_noise import noise_factor, noise_product
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.

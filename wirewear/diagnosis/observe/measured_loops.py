@@ -4,11 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at, knee_index
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
@@ -70,7 +69,7 @@ DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
 CLIPPED, NORMAL_OUTLYING = _OF_NOISE.each("clipped", "normal_outlying")
 
 
-def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> NDArray[np.complex128]:
+def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> ComplexArray:
     """Harmonics (k,) of one cycle's displacement (n,), turned so that the first is a sine's, of unit size."""
     count = max(1, min(MOST_HARMONICS, time_s.size // SAMPLES_A_HARMONIC))
     turns = np.exp(2j * np.pi * np.outer(time_s / period_s, np.arange(1, count + 1)))
@@ -81,7 +80,7 @@ def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> NDAr
     return np.asarray(harmonics * np.exp(-1j * order * (np.angle(harmonics[0]) + 0.5 * np.pi)) / np.abs(harmonics[0]))
 
 
-def motion_of(loops: Sequence[NDArray[np.complex128]], noise: float) -> FastMotion:
+def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
     """The motion that the harmonics of several loops have in common; `noise` is that of one loop's harmonic.
 
     The median scatters by √(π/2) more than the mean.
@@ -115,7 +114,7 @@ class ReducedLoop:
     sample_noise_N: float
     normal_N: tuple[float, float] | None
     normal_error_N: float
-    harmonics: NDArray[np.complex128]
+    harmonics: ComplexArray
 
     @property
     def correlation(self) -> float:

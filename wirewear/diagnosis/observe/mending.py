@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.setup import Array
 from wirewear.loops import LoopError
 from wirewear.loops.noise import outliers, sample_noise, spikes
 from wirewear.records import AnyRecord, MeasuredLoop

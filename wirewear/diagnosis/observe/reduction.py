@@ -7,11 +7,11 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array
 from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
-from wirewear.diagnosis.model.setup import Array
 from wirewear.diagnosis.observe.channels import (
     Amplitude,
     NormalForce,

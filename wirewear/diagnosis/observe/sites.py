@@ -9,10 +9,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import MIDDLE, SLIDING
-from wirewear.diagnosis.model.setup import Array, Setup
+from wirewear.diagnosis.model.setup import Setup
 
 _OF_DIFFERENCES = constants("observe.differences")
 
@@ -39,8 +40,8 @@ class Site:
 class Sites:
     """The same of several numbers, (n,) each."""
 
-    cycle: NDArray[np.int64]
-    branch: NDArray[np.int64]
+    cycle: IntArray
+    branch: IntArray
     level: Array
     wire: NDArray[np.str_]
     figure: NDArray[np.str_]
@@ -64,7 +65,7 @@ class Sites:
         for cycle, branch, level, wire, figure in zip(*(column.tolist() for column in columns), strict=True):
             yield Site(cycle, branch, level, wire, figure)
 
-    def taken(self, keep: NDArray[np.bool_]) -> Sites:
+    def taken(self, keep: BoolArray) -> Sites:
         """Part of them."""
         return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.wire[keep], self.figure[keep])
 

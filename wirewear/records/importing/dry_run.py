@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
-from wirewear.pictures.colours import DEPTH_COLOURS, GREY, VARIANT_COLOURS
-from wirewear.pictures.style import WIDTH_in, new_figure, save
+from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.remarks import listed, plural
 from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.loops.cycles import split_cycles
@@ -13,7 +14,7 @@ from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, shut
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import LoopSource
 from wirewear.records.importing.mistaken import OPEN
-from wirewear.records.values import Array, MeasuredLoop
+from wirewear.records.values import MeasuredLoop
 
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
 ONE_AMPLITUDE = 0.1

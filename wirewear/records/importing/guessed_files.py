@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
@@ -20,7 +21,6 @@ from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
-from wirewear.records.values import Array
 
 #: Fewer samples tell nothing.
 FEWEST = 16

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.budget import require_room
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
-from wirewear.records.values import Array
 
 #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
 Map = tuple[Array, Array, Array]

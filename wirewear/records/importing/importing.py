@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
@@ -27,7 +28,7 @@ from wirewear.records.normal_force import pressing
 from wirewear.records.point_tables import TABLES
 from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
 from wirewear.records.toml_file import read_tables
-from wirewear.records.values import AnyRecord, Array, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
 WHOLE_CYCLE = 0.9

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.budget import HARMLESS, MOST_EXPANSION, require_room
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.hdf5 import require_self_contained
 from wirewear.base.quantity import shown
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, reason_of
-from wirewear.records.values import Array
 
 #: The head of a file, whose last four bytes say the version and how numbers are ordered.
 _HEAD, _TAG = 128, 8

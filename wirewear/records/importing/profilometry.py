@@ -6,16 +6,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from geometry import Barrel, Cylinder, Flat
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
 from wirewear.records.line_tables import LineTest
-from wirewear.records.surfaces import PROFILES, SCARS, Array, MeasuredProfile, MeasuredScar
+from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.faces import Face
@@ -196,7 +196,7 @@ def _levelled(of: MapOfBody, x: Array, y: Array, height: Array) -> tuple[Array, 
     return rest, None if of.crown_unknown else float(across), float(np.degrees(np.arctan(turn)))
 
 
-def _unworn(u: Array, v: Array, rest: Array) -> NDArray[np.bool_]:
+def _unworn(u: Array, v: Array, rest: Array) -> BoolArray:
     """Points (n,) that are neither worn nor piled up, by what is left of their heights.
 
     Neither are those about the scar: its edge is shallower than the noise, and would pull the surface down.
@@ -270,7 +270,7 @@ def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, r
         return
     given, columns = columns_of_levels(file, source, source.columns, f"scars.{name}", repeat)
     for number in np.unique(columns["repeat"]):
-        own: NDArray[np.bool_] = columns["repeat"] == number
+        own: BoolArray = columns["repeat"] == number
         x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
         if given == "height_um":
             yield scar_of_heights(MapOfBody(file, source, body, int(number)), (x, y, level))
@@ -325,7 +325,7 @@ def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
         shape = 1e3 * face.height(np.column_stack([places, np.zeros_like(places)]))
         return np.asarray(level + tilt * at / half + shape)
 
-    def fit(chosen: NDArray[np.bool_], start: Array, scale: float) -> Array:
+    def fit(chosen: BoolArray, start: Array, scale: float) -> Array:
         def off(parameters: Array) -> Array:
             return np.asarray(surface(parameters, x[chosen]) - height[chosen])
 

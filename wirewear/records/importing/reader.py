@@ -12,10 +12,10 @@ from typing import ClassVar
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import nearest, shown
-from wirewear.records.values import Array
 
 
 def reason_of(problem: Exception) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.processes import within
@@ -14,7 +15,6 @@ from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Sour
 from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.reading import RECORD_COLUMNS
-from wirewear.records.values import Array
 from wirewear.study.keys import Table
 
 #: A pattern that needs longer for a file's name would need for ever.

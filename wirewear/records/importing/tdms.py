@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import nearest, shown
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, reason_of
-from wirewear.records.values import Array
 
 
 class TdmsReader(Reader):
