@@ -8,7 +8,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from geometry.body import BodyGeometry
 from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, Layering
-from geometry.profiles import Barrel
+from geometry.profiles import Barrel, Profile, Turned
 from geometry.sections import block_section
 
 
@@ -18,6 +18,7 @@ class BlockGeometry(BodyGeometry):
 
     curvature_along_per_mm, curvature_across_per_mm: one over the face's radii, 0 where it is straight.
     half_width_along_mm, half_width_across_mm: to each side of the contact.  height_mm: from the contact to the back.
+    face: that of a pad, which lies below the mesh's.
     """
 
     curvature_along_per_mm: float
@@ -30,6 +31,7 @@ class BlockGeometry(BodyGeometry):
     coarse_mm: float
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
+    face: Turned | None = None
 
     def __post_init__(self) -> None:
         widths = self.half_width_along_mm, self.half_width_across_mm
@@ -44,10 +46,15 @@ class BlockGeometry(BodyGeometry):
                     f"the contact patch reaches {axis.half_extent_mm:.4g} mm to each side of a block of half-width "
                     f"{width} mm; it must leave a tenth of it free: give a wider block"
                 )
-        self.profile.require_within(*widths)
+        self.meshed_profile.require_within(*widths)
 
     @property
-    def profile(self) -> Barrel:
+    def profile(self) -> Profile:
+        """Curved along and across, or the pad's."""
+        return self.face or self.meshed_profile
+
+    @property
+    def meshed_profile(self) -> Barrel:
         """Curved along and across."""
         return Barrel(self.curvature_along_per_mm, self.curvature_across_per_mm)
 
@@ -72,7 +79,7 @@ class BlockGeometry(BodyGeometry):
         """The face lowered onto its profile, what is below in proportion, the back left where it is."""
         share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
         bent = points_mm.copy()
-        bent[:, 2] += share * self.profile.height(points_mm[:, :2])
+        bent[:, 2] += share * self.meshed_profile.height(points_mm[:, :2])
         return bent
 
     def gripped(self, centres_mm: Array) -> BoolArray:

@@ -125,6 +125,11 @@ class BodyGeometry(ABC):
         """The unworn surface."""
 
     @property
+    def meshed_profile(self) -> Profile:
+        """The surface that its mesh has; what the unworn one is below it counts as what is worn does."""
+        return self.profile
+
+    @property
     @abstractmethod
     def half_length_mm(self) -> float:
         """Half of its extent along its axis."""
@@ -262,7 +267,7 @@ def _patch(geometry: BodyGeometry, mesh: HexMesh) -> ContactPatch:
     x, y, z = mesh.points.T
     tolerance = 1e-3 * min(np.diff(axial).min(), np.diff(transverse).min())
     above = np.flatnonzero((np.abs(x) < axial[-1] + tolerance) & (np.abs(y) < transverse[-1] + tolerance))
-    nodes = above[np.abs(z[above] - profile.height(mesh.points[above, :2])) < tolerance]
+    nodes = above[np.abs(z[above] - geometry.meshed_profile.height(mesh.points[above, :2])) < tolerance]
     i = _nearest(axial, x[nodes])
     j = _nearest(transverse, y[nodes])
     grid = np.full((len(axial), len(transverse)), -1, dtype=np.int64)

@@ -292,3 +292,34 @@ class TabledProfile:
     def _clipped(self, plane_mm: Array) -> Array:
         x = self._both_sides[0]
         return np.clip(plane_mm[:, 0], x[0], x[-1])
+
+
+@dataclass(frozen=True)
+class Turned:
+    """A face turned about the normal at its middle: along every radius what it is along a body's axis."""
+
+    face: Cylinder | RoundedFlat | TabledProfile
+
+    def height(self, plane_mm: Array) -> Array:
+        """That of the face at the distance from the middle; beyond the last of its points it goes on as steeply."""
+        along, beyond = self._along(plane_mm)
+        return np.asarray(self.face.height(along) + beyond * self.face.slope(along)[:, 0])
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Along the radius."""
+        along, beyond = self._along(plane_mm)
+        far = np.maximum(along[:, 0] + beyond, np.finfo(float).tiny)
+        return np.asarray(self.face.slope(along)[:, :1] / far[:, None] * plane_mm)
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """Any patch fits: what has no points is low."""
+
+    def scaled(self, factor: float) -> Turned:
+        """The same face in another unit of length."""
+        return Turned(self.face.scaled(factor))
+
+    def _along(self, plane_mm: Array) -> tuple[Array, Array]:
+        """Places (n, 2) on the face, and how far (n,) points lie beyond its end."""
+        far = np.hypot(*plane_mm.T)
+        within = np.minimum(far, self.face.reach_mm) if isinstance(self.face, TabledProfile) else far
+        return np.column_stack([within, np.zeros_like(far)]), far - within

@@ -1,5 +1,6 @@
-"""Pads with a cut, a rounded or any measured face, in lines, against closed forms, shifted and mirrored faces."""
+"""Pads with a cut, a rounded or any measured face, straight or turned, against closed forms and other bodies."""
 
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -7,10 +8,15 @@ import numpy as np
 import pytest
 
 from geometry import Cylinder, RoundedFlat, TabledProfile
+from solvers import press, unloaded_state
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
+from wirewear.simulation import run_study
+from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.plan import RunPlan
+from wirewear.study import Study, study_from_tables
 from wirewear.study.reading import read_study
 
 R_mm, MODULUS = 6.0, 115_000.0
@@ -155,3 +161,102 @@ def test_a_face_that_cannot_be_is_told_in_one_sentence(
     with pytest.raises(StudyError, match=complaint.replace("$", r"\W*$")) as told:
         planar_study_from_tables(read_study(path), str(path))
     assert "\n" not in str(told.value)
+
+
+BALL_RADIUS_mm = 6.35
+
+
+def pad(**keys: Any) -> dict[str, Any]:
+    """A pad on a flat."""
+    upper = {"shape": "pad", **keys, **STEEL}
+    return {"kind": "point-contact", "bodies": {"lower": {"shape": "flat", **STEEL}, "upper": upper}}
+
+
+def study(contact: dict[str, Any], **tables: Any) -> Study:
+    return study_from_tables(deepcopy(POINTS) | contact | tables, "s.toml")
+
+
+POINTS: dict[str, Any] = {
+    "format": 1,
+    "name": "test",
+    "conditions": {"normal_load_N": 50.0, "displacement_amplitude_um": 40.0, "frequency_Hz": 5.0, "cycles": 20},
+    "contact": {"friction": 0.6},
+    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
+    "log": {"loop_cycles": [20]},
+    "fidelity": {"quick": {"increments_per_cycle": 16, "contact_mesh_um": 40.0}},
+}
+BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2.0 * BALL_RADIUS_mm, **STEEL}, "flat": STEEL}}
+STEEL_MODULUS = reference.contact_modulus(*(reference.Elastic(*STEEL.values()),) * 2)
+
+
+@pytest.mark.slow
+def test_a_turned_arc_and_a_turned_table_of_a_parabola_wear_as_the_ball(tmp_path: Path) -> None:
+    x = np.linspace(0.0, 0.5, 101)
+    table = [[float(a), float(a**2 / (2.0 * BALL_RADIUS_mm))] for a in x]
+    pads = {"arc": pad(radius_mm=BALL_RADIUS_mm), "table": pad(profile_points_mm=table)}
+    (ball,) = run_study(study(BALL), fidelity="quick", output=tmp_path / "ball")
+    for name, contact in pads.items():
+        (run,) = run_study(study(contact), fidelity="quick", output=tmp_path / name)
+        for column in ("dissipated_energy_mJ", "max_tangential_force_N", "contact_half_width_um"):
+            assert run.evolution[column][-1] == pytest.approx(ball.evolution[column][-1], rel=5e-3), (name, column)
+        for body, other in (("upper", "ball"), ("lower", "flat")):
+            assert run.scar(20, body).max_depth_um == pytest.approx(ball.scar(20, other).max_depth_um, rel=0.01)
+
+
+def test_a_turned_arc_touches_as_hertz_says_and_a_turned_rounded_flat_as_ciavarella_does() -> None:
+    """J. Strain Anal. 34 (1999) 313: the same sum of flat punches in closed form, of parabolic edges."""
+    hertz = reference.hertz_point(50.0, BALL_RADIUS_mm, MODULUS)
+    arc = reference.turned_contact(Cylinder(BALL_RADIUS_mm, curved_along=True), 50.0, MODULUS, 1.0)
+    for name in ("major_semi_axis_mm", "approach_mm", "peak_pressure_MPa"):
+        assert getattr(arc, name) == pytest.approx(getattr(hertz, name), rel=5e-3)
+    a, b = 0.5, 0.4
+    root, angle = np.sqrt(a**2 - b**2), np.arccos(b / a)
+    cubes, squares = root * (2.0 * a**2 + b**2) / 3.0, 0.5 * a**2 * angle + 0.5 * b * root
+    closed = 2.0 * MODULUS / R_mm * (cubes - b * squares)
+    assert reference.turned_load(RoundedFlat(b, R_mm), a, MODULUS) == pytest.approx(closed, rel=0.01)
+    touching = reference.turned_contact(RoundedFlat(b, R_mm), closed, MODULUS, 1.0)
+    assert touching.contact_radius_mm == pytest.approx(a, rel=1e-3)
+    assert touching.approach_mm == pytest.approx((root * a - b * a * angle) / R_mm, rel=0.01)
+
+
+@pytest.mark.slow
+def test_a_pressed_pin_with_rounded_edges_has_sneddons_radius_approach_and_middle() -> None:
+    face, load = RoundedFlat(0.5, 1.0), POINTS["conditions"]["normal_load_N"]
+    asked = study(pad(face_half_width_mm=0.5, edge_radius_mm=1.0), wear=None, fidelity={})
+    meshes = RunPlan.of(asked, "standard").meshes
+    problem = meshes.problem(meshes.first(), lambda _: None)
+    state, report = press(problem, unloaded_state(problem))
+    exact = reference.turned_contact(face, load, STEEL_MODULUS, 1.0)
+    body = problem.upper
+    pressure, far = state.primary_force[:, 2] / body.patch.node_areas(), np.hypot(*body.node_positions[:, :2].T)
+    assert report.half_width_x == pytest.approx(exact.contact_radius_mm, abs=body.patch.smallest_element)
+    # A block is stiffer than a half-space.
+    assert -state.holder_z == pytest.approx(exact.approach_mm, rel=0.12)
+    # In the middle a flat punch has half of its mean pressure.
+    assert pressure[far < 1e-6] == pytest.approx(load / (2.0 * np.pi * exact.contact_radius_mm**2), rel=0.05)
+
+
+@pytest.mark.parametrize(
+    ("contact", "complaint"),
+    [
+        (pad(), r"shape in \[bodies.upper\] of s.toml is \"pad\", whose face is not told: give radius_mm, or"),
+        (pad(radius_mm=3.0, diameter_mm=2.0), "diameter_mm in .* is given, but a pad has no diameter"),
+        (pad(profile_points_mm=[[-1, 1], [0, 0], [1, 1]]), "a turned face has points from x = 0 on"),
+    ],
+)
+def test_a_turned_face_that_cannot_be_is_told_in_one_sentence(contact: dict[str, Any], complaint: str) -> None:
+    with pytest.raises(StudyError, match=complaint):
+        study(contact)
+
+
+def test_a_pad_stands_on_a_flat_and_no_other_body_has_its_keys() -> None:
+    two = pad(radius_mm=3.0)
+    two["bodies"]["lower"] = two["bodies"]["upper"]
+    with pytest.raises(StudyError, match="a pad is pressed on a flat"):
+        study(two)
+    foreign = pad(radius_mm=3.0)
+    foreign["bodies"]["lower"] = foreign["bodies"]["lower"] | {"edge_radius_mm": 1.0}
+    with pytest.raises(StudyError, match=r"edge_radius_mm in .* is of a pad, but a flat has diameters"):
+        study(foreign)
+    with pytest.raises(StudyError, match=r"the pad is too small for this test: .* does not bear"):
+        discretise(study(pad(profile_points_mm=[[0, 0], [0.01, 1e-5], [0.02, 4e-5]])), "quick")

@@ -25,33 +25,20 @@ from wirewear.base.quantity import counted
 from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
-from wirewear.study.faces import Face
+from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
 
-_ACROSS_RADIUS = 0.8
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
 _LEAST_MIDDLE = 0.25
 
 _MARGIN, _UNWORN_MARGIN = 1.3, 1.15
-_WIDEST_mm = 10.0
 
 # Pressures of worn surfaces have a kink where neighbouring elements differ in size: 4 % of their mean at 1.2.
 _GROWTH = 1.05
 
 #: Dense matrices of a contact's unknowns that are there at a time: those of both bodies, and one in the making.
 _MATRICES = 3
-
-
-def half_width_of(face: Face) -> float:
-    """Half-width of a pad that its study leaves open, mm."""
-    match face:
-        case Cylinder(radius_mm=radius):
-            return min(_WIDEST_mm, _ACROSS_RADIUS * radius)
-        case RoundedFlat(half_width_mm=flat, edge_radius_mm=radius):
-            return min(flat + _WIDEST_mm, _ACROSS_RADIUS * radius + (0.0 if face.cut else flat))
-        case TabledProfile():
-            return min(_WIDEST_mm, face.reach_mm)
 
 
 def fresh_contact(
@@ -183,7 +170,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)
         return GradedAxis(fine, fine_to, max(fine, half / (finer * level.per_scar)), half + moved, _GROWTH)
 
-    specimen_half = study.specimen.half_width_mm or max(_WIDEST_mm, 1.5 * (half + stroke))
+    specimen_half = study.specimen.half_width_mm or max(WIDEST_mm, 1.5 * (half + stroke))
     for name, room, needed in (("pad", pad_half, half), ("specimen", specimen_half, half + stroke)):
         remedy = f"lower cycles, stroke or wear, or give a wider {name}"
         _require_room(name, "half_width_mm", needed, room, remedy)

@@ -6,7 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.model import bodies_stiffness_N_per_mm2, half_width_of
+from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen
 from wirewear.records.metadata import Metadata
@@ -24,7 +24,7 @@ from wirewear.records.tables import (
     known_of,
 )
 from wirewear.results.scar import BODIES
-from wirewear.study.faces import FACE_KEYS, PadFace
+from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import (
     ArchardCoefficient,
     MaterialName,

@@ -14,7 +14,14 @@ from wirewear.reference.cattaneo_mindlin import (
     stick_radius_after_reversal,
     traction_after_reversal,
 )
-from wirewear.reference.even_line import even_line_contact, even_line_load, even_line_scar
+from wirewear.reference.even_line import (
+    even_line_contact,
+    even_line_load,
+    even_line_scar,
+    turned_contact,
+    turned_load,
+    turned_scar,
+)
 from wirewear.reference.half_plane import half_plane_line_stiffness, line_partial_slip_stress, line_stress
 from wirewear.reference.half_space import hertz_stress, partial_slip_stress, sliding_stress
 from wirewear.reference.hertz import (
@@ -113,6 +120,9 @@ __all__ = [
     "stick_radius_after_reversal",
     "tangential_contact_modulus",
     "traction_after_reversal",
+    "turned_contact",
+    "turned_load",
+    "turned_scar",
     "unloading_stiffness",
     "worn_pressure",
     "worn_volume",

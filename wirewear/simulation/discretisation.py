@@ -13,6 +13,9 @@ from wirewear.simulation.patches import SCAR_MARGIN, ElementSizes, affordable_me
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
 
+#: Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its radius.
+_AT_EDGES = 2.5
+
 
 @dataclass(frozen=True)
 class Discretisation:
@@ -75,6 +78,8 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     expected = expected_contact(study)
     if expected.sticks and study.wear is not None:
         level = level.for_sticking()
+    if expected.face is not None:
+        level = replace(level, per_contact_radius=_AT_EDGES * level.per_contact_radius)
     fresh, scar = expected.fresh, expected.scar
     needed = max(
         needed_reach_mm(axis, fresh, scar) for body in axes_of(study) for axis in (body.axial, body.transverse)

@@ -11,9 +11,17 @@ import numpy as np
 
 from solvers import WearRates
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
-from wirewear.reference import PointContact, gap_curvatures, partial_slip_point, tangential_contact_modulus
+from wirewear.reference import (
+    PointContact,
+    contact_modulus,
+    gap_curvatures,
+    partial_slip_point,
+    tangential_contact_modulus,
+    turned_scar,
+)
 from wirewear.study import Study
-from wirewear.study.bodies import hertz_of
+from wirewear.study.bodies import hertz_of, on_pad
+from wirewear.study.faces import Face, half_width_of
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -86,6 +94,18 @@ def scar_ellipse(volume_mm3: float, gap: Gap) -> Ellipse:
     return Ellipse((depth / small) ** 0.5, (depth / large) ** 0.5, angle)
 
 
+def scar_outline(volume_mm3: float, gap: Gap, face: Face | None) -> Ellipse:
+    """Outline of the scar of a worn volume, under a pad a circle.
+
+    Raises:
+        StudyError: the pad is too small for it.
+    """
+    if face is None:
+        return scar_ellipse(volume_mm3, gap)
+    radius = on_pad(lambda: turned_scar(face, volume_mm3, half_width_of(face)))
+    return Ellipse(radius, radius, 0.0)
+
+
 def patch_axes(
     stroke_mm: float,
     direction_rad: float,
@@ -147,6 +167,7 @@ class ExpectedContact:
     gap: of the unworn bodies.  hertz: the fresh contact.  scar: outline of the final scar in gross slip on a rigid rig,
     None without wear and flattening.  flattened_mm3: volume of both bodies that an effect takes away before the first
     cycle.  wear_factors: of the effects, over the test.  sticks: whether the middle of the contact sticks for good.
+    face: of a pad, whose gap is that of the ball with as large a contact.
     """
 
     gap: Gap
@@ -155,6 +176,7 @@ class ExpectedContact:
     flattened_mm3: float
     wear_factors: WearFactors
     sticks: bool = False
+    face: Face | None = None
 
     @property
     def fresh(self) -> Ellipse:
@@ -165,15 +187,23 @@ class ExpectedContact:
         """Largest half-width when both bodies together have lost a volume, never below the fresh contact's."""
         if worn_volume_mm3 <= 0.0:
             return self.fresh.major_mm
-        return max(self.fresh.major_mm, scar_ellipse(worn_volume_mm3, self.gap).major_mm)
+        return max(self.fresh.major_mm, scar_outline(worn_volume_mm3, self.gap, self.face).major_mm)
 
 
 def expected_contact(study: Study) -> ExpectedContact:
-    """What is expected of a study."""
+    """What is expected of a study.
+
+    Raises:
+        StudyError: a pad is too small for its contact or scar.
+    """
     driven, held = study.bodies
     gap = gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
-    conditions = study.conditions
+    conditions, face = study.conditions, driven.face or held.face
     hertz = hertz_of(conditions.normal_load_N, driven, held)
+    if face is not None:
+        modulus = contact_modulus(driven.material, held.material)
+        curvature = 0.375 * conditions.normal_load_N / (modulus * hertz.contact_radius_mm**3)
+        gap = (curvature, curvature, 0.0)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     flattened = _flattened_volume(study, gap)
     volume = max(_worn_volume(study, factors), flattened)
@@ -184,8 +214,8 @@ def expected_contact(study: Study) -> ExpectedContact:
         # A contact that sticks in its middle for good wears within its fresh outline.
         scar = fresh_ellipse(hertz)
     else:
-        scar = scar_ellipse(volume, gap)
-    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks)
+        scar = scar_outline(volume, gap, face)
+    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face)
 
 
 def _sticks(study: Study, hertz: PointContact) -> bool:

@@ -60,8 +60,13 @@ def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tu
 def axes_of(study: Study) -> tuple[PatchAxes, PatchAxes]:
     """Axes of the patches of the driven and the held body."""
     stroke, (driven, held) = study.conditions.displacement_amplitude_um * 1e-3, study.bodies
-    curvatures = driven.curvatures_per_mm, held.curvatures_per_mm
+    curvatures = _leading(driven), _leading(held)
     return patch_axes(stroke, radians(study.motion_angle_deg), curvatures, radians(study.crossing_angle_deg))
+
+
+def _leading(body: Body) -> tuple[float, float]:
+    """Curvatures by which a body leads the contact along; a pad keeps it under itself."""
+    return body.curvatures_per_mm if body.face is None else (1.0, 1.0)
 
 
 def geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[BodyGeometry, BodyGeometry]:

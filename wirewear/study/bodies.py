@@ -1,16 +1,25 @@
 """Bodies of a contact at a point as a study states them: how they are curved, stand, and are meshed."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, radians, sin
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
-from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, WireGeometry
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, Turned, WireGeometry
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError
-from wirewear.reference import PointContact, hertz_bodies, mindlin_stiffness, tangential_contact_modulus
+from wirewear.reference import (
+    PointContact,
+    contact_modulus,
+    hertz_bodies,
+    mindlin_stiffness,
+    tangential_contact_modulus,
+    turned_contact,
+)
+from wirewear.study.faces import Face, half_width_of
 
 _COARSE_PER_DIAMETER = 0.155
 #: Largest element of a block far from the contact, as a share of its smaller extent.
@@ -19,6 +28,8 @@ _COARSE_PER_EXTENT = 0.2
 _WIDEST = 0.6
 #: The same of a straight one over the other body's radius, or its patch.
 _STRAIGHT = 4.0
+
+Found = TypeVar("Found")
 
 
 @dataclass(frozen=True)
@@ -40,6 +51,11 @@ class Body(ABC):
     @abstractmethod
     def curvatures_per_mm(self) -> tuple[float, float]:
         """One over the radii of its surface along its axis and across, 0 where it is straight."""
+
+    @property
+    def face(self) -> Face | None:
+        """That of a pad, which its curvatures do not tell."""
+        return None
 
     @property
     def has_axis(self) -> bool:
@@ -126,17 +142,24 @@ class BlockBody(Body):
     """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides.
 
     size_mm: the radius by which its extents are chosen where they are left to the program, its own or the other body's.
+    of_pad: the face of a pad, whose curvatures are 0.
     """
 
     curvatures: tuple[float, float]
     half_width_mm: float | None
     height_mm: float | None
     size_mm: float
+    of_pad: Face | None = None
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
         """As stated."""
         return self.curvatures
+
+    @property
+    def face(self) -> Face | None:
+        """As stated."""
+        return self.of_pad
 
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BlockGeometry:
         """A block as wide as its radii allow, or where it is straight as keeps its sides far from the contact.
@@ -150,8 +173,9 @@ class BlockBody(Body):
         sharpest = max(self.curvatures)
         height = self.height_mm or (1.0 / sharpest if sharpest else min(along, across))
         coarse = _COARSE_PER_EXTENT * min(along, across, height)
-        stiffness = self.bedding_N_per_mm3
-        return BlockGeometry(*self.curvatures, along, across, height, axial, transverse, coarse, stiffness, layering)
+        face = None if self.of_pad is None else Turned(self.of_pad)
+        size, held = (along, across, height), self.bedding_N_per_mm3
+        return BlockGeometry(*self.curvatures, *size, axial, transverse, coarse, held, layering, face)
 
     @property
     def _called(self) -> str:
@@ -181,7 +205,14 @@ class BlockBody(Body):
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> PointContact:
-    """The contact of two unworn bodies; its angle is that of its major axis from the driven body's."""
+    """The contact of two unworn bodies; its angle is that of its major axis from the driven body's.
+
+    Raises:
+        StudyError: a pad is too small for the load.
+    """
+    if (face := driven.face or held.face) is not None:
+        modulus = contact_modulus(driven.material, held.material)
+        return on_pad(lambda: turned_contact(face, normal_load_N, modulus, half_width_of(face)))
     pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
     return hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
 
@@ -190,3 +221,15 @@ def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) ->
     """Mindlin's of a circle as large as that contact."""
     modulus = tangential_contact_modulus(driven.material, held.material)
     return 1e-3 * mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
+
+
+def on_pad(found: Callable[[], Found]) -> Found:
+    """What is found of a pad's contact or scar.
+
+    Raises:
+        StudyError: its face does not reach so far.
+    """
+    try:
+        return found()
+    except ValueError as problem:
+        raise StudyError(f"the pad is too small for this test: {problem}; lower load, cycles or wear.") from None

@@ -26,6 +26,21 @@ COLUMNS = ("x_um", "height_um")
 MOST_POINTS = 1_000
 
 
+WIDEST_mm = 10.0
+_ACROSS_RADIUS = 0.8
+
+
+def half_width_of(face: Face) -> float:
+    """Half-width of a pad that its study leaves open, mm."""
+    match face:
+        case Cylinder(radius_mm=radius):
+            return min(WIDEST_mm, _ACROSS_RADIUS * radius)
+        case RoundedFlat(half_width_mm=flat, edge_radius_mm=radius):
+            return min(flat + WIDEST_mm, _ACROSS_RADIUS * radius + (0.0 if face.cut else flat))
+        case TabledProfile():
+            return min(WIDEST_mm, face.reach_mm)
+
+
 def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
@@ -56,6 +71,17 @@ def _points_of_file(name: object) -> list[tuple[float, float]]:
     groups = [np.array_split(1e-3 * values, min(x.size, MOST_POINTS)) for values in (x, np.max(height) - height)]
     places, fall = (np.array([group.mean() for group in own]) for own in groups)
     return list(zip(places.tolist(), (fall - fall.min()).tolist(), strict=True))
+
+
+def size_of(face: Face) -> float:
+    """Length by which the extents of a turned pad's body are chosen, mm."""
+    match face:
+        case Cylinder(radius_mm=radius):
+            return radius
+        case RoundedFlat(half_width_mm=flat):
+            return flat
+        case TabledProfile():
+            return face.reach_mm
 
 
 class PadFace(Table):

@@ -1,14 +1,17 @@
 """Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
 
+from dataclasses import replace
 from math import radians
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
 
+from geometry import TabledProfile
 from wirewear.base.quantity import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.reference import gap_curvatures
 from wirewear.study.bodies import BlockBody, Body, Wire
+from wirewear.study.faces import FACE_KEYS, PadFaceOrFile, size_of
 from wirewear.study.keys import (
     GripAngle,
     GripStiffness,
@@ -28,7 +31,9 @@ BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"
 _CURVED = {"ball": (True, True), "flat": (False, False), "cylinder": (False, True), "barrel": (True, True)}
 #: Those that are round bars.
 _ROUND = ("wire", "tube")
-SHAPES = (*_CURVED, *_ROUND)
+#: One that is turned about the normal, with a face as a line contact's pad has one along the motion.
+PAD = "pad"
+SHAPES = (*_CURVED, *_ROUND, PAD)
 #: Thinnest wall of a tube, as a share of its diameter.
 _THINNEST_WALL = 0.02
 
@@ -95,9 +100,12 @@ class _Shape(Table):
     """What is stated first of a body of any shape."""
 
     shape: Annotated[str, PlainValidator(one_of(*SHAPES))] = Field(
-        description="ball, flat, cylinder (a block with a cylindrical face), barrel, wire (a round bar) or tube"
+        description="ball, flat, cylinder (a block with a cylindrical face), barrel, wire (a round bar), tube or pad "
+        "(with a face that is turned about the normal)"
     )
-    diameter_mm: Diameter | None = Field(None, description="diameter, of a barrel across its axis; a flat has none")
+    diameter_mm: Diameter | None = Field(
+        None, description="diameter, of a barrel across its axis; a flat and a pad have none"
+    )
     diameter_along_mm: Diameter | None = Field(None, description="diameter of a barrel's profile along its axis")
     bore_mm: Diameter | None = Field(None, description="inner diameter of a tube")
     axis_angle_deg: AxisAngle = Field(
@@ -105,7 +113,7 @@ class _Shape(Table):
     )
 
 
-class ShapedBody(GrippedBody, _Shape):
+class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
     """A body of any shape."""
 
     grip_angle_deg: GripAngle = Field(
@@ -124,12 +132,15 @@ class ShapedBody(GrippedBody, _Shape):
 
     def missing(self) -> Inconsistency | None:
         """What is to be given or left out for that shape."""
-        if (self.diameter_mm is None) != (self.shape == "flat"):
+        flat = self.shape in ("flat", PAD)
+        if (self.diameter_mm is None) != flat:
             return Inconsistency(
                 ("diameter_mm",),
                 f"is {'missing' if self.diameter_mm is None else 'given'}, but a {self.shape} has "
-                + ("no diameter" if self.shape == "flat" else "one"),
+                + ("no diameter" if flat else "one"),
             )
+        if (wanted := self._unfit_face()) is not None:
+            return wanted
         for key, shape in (("diameter_along_mm", "barrel"), ("bore_mm", "tube")):
             if (getattr(self, key) is None) == (self.shape == shape):
                 return Inconsistency((key,), f"belongs to a {shape} and to no other shape")
@@ -144,10 +155,22 @@ class ShapedBody(GrippedBody, _Shape):
             )
         return None
 
+    def _unfit_face(self) -> Inconsistency | None:
+        """What is wrong with a pad's face, or with one that another shape has."""
+        if self.shape != PAD:
+            foreign = [key for key in FACE_KEYS if getattr(self, key) is not None]
+            return Inconsistency((foreign[0],), f"is of a pad, but a {self.shape} has diameters") if foreign else None
+        if (wanted := self.missing_face()) is not None:
+            return Inconsistency(("shape",), f'is "pad", whose face is not told: {wanted}')
+        if isinstance(self.profile, TabledProfile) and not self.profile.is_even:
+            return Inconsistency(("profile_points_mm",), "begins below 0, but a turned face has points from x = 0 on")
+        return None
+
     def body(self, name: str, size_mm: float) -> Body:
         """As simulations take it."""
         if self.shape not in _ROUND:
-            return self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
+            block = self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
+            return replace(block, of_pad=self.profile) if self.shape == PAD else block
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
         length = None if self.half_width_mm is None else 2.0 * self.half_width_mm
         across, bore = self.diameter_mm or 0.0, self.bore_mm or 0.0
@@ -162,7 +185,9 @@ class LowerAndUpper(Table):
 
     def of_test(self) -> tuple[Body, Body]:
         """The lower and the upper one."""
-        size = 1.0 / max(*self.lower.curvatures_per_mm, *self.upper.curvatures_per_mm)
+        bodies = (self.lower, self.upper)
+        sharpest = max(max(body.curvatures_per_mm) for body in bodies)
+        size = 1.0 / sharpest if sharpest else max(size_of(body.profile) for body in bodies if body.shape == PAD)
         return self.lower.body("lower", size), self.upper.body("upper", size)
 
     def contradiction(self) -> Inconsistency | None:
@@ -170,6 +195,11 @@ class LowerAndUpper(Table):
         for name, body in (("lower", self.lower), ("upper", self.upper)):
             if (unfit := body.missing()) is not None:
                 return Inconsistency(("bodies", name, *unfit.keys), unfit.problem)
+        shapes = (self.lower.shape, self.upper.shape)
+        if PAD in shapes:
+            if "flat" in shapes:
+                return None
+            return Inconsistency(("bodies", "upper", "shape"), "is not a flat's, but a pad is pressed on a flat")
         crossing = radians(self.upper.axis_angle_deg - self.lower.axis_angle_deg)
         small, large, _ = gap_curvatures(self.lower.curvatures_per_mm, self.upper.curvatures_per_mm, crossing)
         if small > FLATTEST * large:
@@ -233,6 +263,8 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
     mounted = applied(tables.effects, Seam.SPECIMENS, Specimens(90.0), Age.new())
     if mounted.crossing_angle_deg != 90.0:
         return Inconsistency(("effects",), "hold crossing_angle_error, which is of crossed wires")
+    if mounted.flattening_mm and any(body.face is not None for body in tables.bodies_of_test()):
+        return Inconsistency(("effects",), "hold plasticity, which flattens round bodies and no pads")
     return None
 
 

@@ -75,6 +75,8 @@ def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
     if friction <= 0.0:
         return None
     first, second = stated.bodies
+    if first.face or second.face:
+        return None
     crossing = radians(stated.crossing_angle_deg)
     small, large, _ = gap_curvatures(first.curvatures_per_mm, second.curvatures_per_mm, crossing)
     compliance = 0.0 if isinstance(rig, str) else 1e3 / rig
