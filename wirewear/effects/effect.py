@@ -39,7 +39,7 @@ class Chain:
     """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,).
 
     Attributes:
-        radius_um, fresh_area_um2: of the wires or the cylinder, and of their contact before any wear.
+        radius_um, fresh_area_um2: of a gap alike in all directions or a cylinder, and of the contact before any wear.
         cycles, energy_J: how far the test has come.
         worn_um3: volume that both wires have lost.
         load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
@@ -87,7 +87,7 @@ class Chain:
 
     @property
     def worn_area2_um4(self) -> Array:
-        """Square of the contact's area (n,) as wear leaves it: π R V of wires, (2 L w)² of lines, w³ = 3 R V/(2 L)."""
+        """Square of the area (n,) as wear leaves it: π R V at a point, (2 L w)² of lines, w³ = 3 R V/(2 L)."""
         if self.length_um == 0.0:
             return pi * self.radius_um * self.worn_um3
         half_width = np.cbrt(1.5 * self.radius_um * self.worn_um3 / self.length_um)

@@ -6,7 +6,7 @@ from math import radians
 from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Effect
 from wirewear.effects.measurements import HALF_LOAD, INTERRUPTED_SCARS, NORMAL_FORCE, OTHER_STROKE, SCAR_MAPS
-from wirewear.effects.parameter import parameter
+from wirewear.effects.parameter import AT_A_POINT, parameter
 from wirewear.effects.seams import Age, Ageing, Loading, Seam, Specimens
 
 
@@ -120,7 +120,7 @@ class Plasticity(Effect[Specimens]):
 
     name = "plasticity"
     seam = Seam.SPECIMENS
-    contacts = ("crossed-wires",)
+    contacts = AT_A_POINT
     ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"

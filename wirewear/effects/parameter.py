@@ -150,6 +150,10 @@ def choice(*words: str) -> Any:
     return field(default=words[0], metadata={"choice": words})
 
 
+#: Kinds of contact at a point, whose bodies wear a scar that is as wide as it is long.
+AT_A_POINT = ("crossed-wires", "ball-on-flat", "point-contact")
+
+
 def form(described: Parameter, *, found: bool = True, contacts: tuple[str, ...] = ()) -> Any:
     """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wirewear.base.errors import RecordError
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from wirewear.diagnosis.model.nominal import ObserverOf
+    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.records import AnyRecord
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
+    from wirewear.records.tables import PointRecordTables
     from wirewear.results import RunResult
     from wirewear.study import Study
     from wirewear.study.template import Template
@@ -60,6 +65,29 @@ class AtAPoint:
         from wirewear.simulation import point_contact
 
         return point_contact(self.bodies)
+
+    def checked_model(self, record: AnyRecord, study: Study) -> Study:
+        """One of the same bodies, load and amplitude."""
+        from wirewear.diagnosis.model.nominal import checked_model
+
+        return checked_model(record, study)
+
+    def states(
+        self, study: Study, tables: PointRecordTables, observer_of: ObserverOf | None
+    ) -> tuple[WearStates, tuple[str, ...]]:
+        """Those of the nominal run, which may end early."""
+        from wirewear.diagnosis.model.nominal import limits_of, nominal_run
+        from wirewear.diagnosis.model.wear_states import WearStates
+
+        del tables
+        result = nominal_run(study, observer_of)
+        return WearStates.of_run(result), limits_of(result)
+
+    def setup(self, study: Study, tables: PointRecordTables) -> Setup:
+        """With the fast model's numerical freedoms as expected."""
+        from wirewear.diagnosis.model.candidates import nominal_setup
+
+        return nominal_setup(study, tables.conditions.drive)
 
     def with_effects(
         self, study: Study, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
@@ -115,7 +143,7 @@ class AtAPoint:
 
 
 class AnyBodies(AtAPoint):
-    """Two bodies of any shapes; records of their tests are not read yet."""
+    """Two bodies of any shapes."""
 
     name: ClassVar[str] = "point-contact"
     names: ClassVar[tuple[str, ...]] = (name,)
@@ -129,11 +157,6 @@ class AnyBodies(AtAPoint):
         from wirewear.study.points import ANY_BODIES
 
         return ANY_BODIES
-
-    def _not_yet(self, *_: Any) -> NoReturn:
-        raise RecordError(f"records of tests of a {self.name.replace('-', ' ')} are not supported yet.")
-
-    checked_model = states = setup = _not_yet
 
     def guessed_mapping(self, *_: Any) -> GuessedMapping:
         """No options tell shapes; RecordError says so."""

@@ -9,12 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from wirewear.kinds.points import AtAPoint
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.diagnosis.model.setup import Setup
-    from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.records import ExperimentRecord, RecordTables
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.study import Study
     from wirewear.study.template import Template
 
 
@@ -33,29 +28,6 @@ class CrossedWires(AtAPoint):
         from wirewear.study.template import CROSSED_WIRES
 
         return CROSSED_WIRES
-
-    def checked_model(self, record: ExperimentRecord, study: Study) -> Study:
-        """One of the same wires, load and amplitude."""
-        from wirewear.diagnosis.model.nominal import checked_model
-
-        return checked_model(record, study)
-
-    def states(
-        self, study: Study, tables: RecordTables, observer_of: ObserverOf | None
-    ) -> tuple[WearStates, tuple[str, ...]]:
-        """Those of the nominal run, which may end early."""
-        from wirewear.diagnosis.model.nominal import limits_of, nominal_run
-        from wirewear.diagnosis.model.wear_states import WearStates
-
-        del tables
-        result = nominal_run(study, observer_of)
-        return WearStates.of_run(result), limits_of(result)
-
-    def setup(self, study: Study, tables: RecordTables) -> Setup:
-        """With the fast model's numerical freedoms as expected."""
-        from wirewear.diagnosis.model.candidates import nominal_setup
-
-        return nominal_setup(study, tables.conditions.drive)
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

@@ -32,7 +32,7 @@ from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
-from wirewear.study.bodies import Body, hertz_of
+from wirewear.study.bodies import Body, Gap, hertz_of
 
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9
@@ -100,8 +100,7 @@ def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
 def _spots_mm(driven: Body, held: Body) -> Array:
     """Moments (3, 2, 2) along and across the motion, over its depth, of a spot rᵀHr < d as angles may be wrong."""
     askew = -ASKEW_deg, 0.0, ASKEW_deg
-    forms = [0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned)) for turned in askew]
-    return np.asarray(np.linalg.inv(forms), dtype=np.float64)
+    return np.stack([Gap.of(driven, held, turned).spot_mm for turned in askew])
 
 
 def _unlike_shapes(record: ExperimentRecord, sizes: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:

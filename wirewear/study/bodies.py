@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import cos, radians, sin
-from typing import Literal, TypeVar
+from typing import Literal, Self, TypeVar
 
 import numpy as np
 
@@ -202,6 +202,42 @@ class BlockBody(Body):
                 "[mesh]"
             )
         return width
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Between two unworn bodies: rᵀHr for r along and across the motion, `form` H (2, 2) in 1/mm.
+
+    Sheared by x → x + lean·y, which no motion along x feels, it is (along·x² + y²)/2R: crossed wires of radius R have
+    along = sin²θ and lean = −cot θ, a ball on a flat is as wires at 90°.
+    """
+
+    form: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
+        """Of bodies of which the held one may be turned further."""
+        return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
+
+    @property
+    def spot_mm(self) -> NDArray[np.float64]:
+        """H⁻¹: squares of half widths, over its depth, of what a plane cuts off."""
+        return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
+
+    @property
+    def radius_mm(self) -> float:
+        """R."""
+        return 0.5 * float(self.spot_mm[1, 1])
+
+    @property
+    def along(self) -> float:
+        """Curvature along the motion over that across, once sheared."""
+        return 2.0 * float(self.form[0, 0]) * self.radius_mm
+
+    @property
+    def lean(self) -> float:
+        """What shears it."""
+        return float(self.form[0, 1] / self.form[0, 0])
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> PointContact:

@@ -22,6 +22,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.layout import Features, Layout
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.results.scar import called
 
 _KNOWN = constants("infer.shrink")
 
@@ -141,7 +142,7 @@ class Split:
 
 
 def splits(layout: Layout) -> Iterator[Split]:
-    """Ways to leave something out, in order of preference: late loops, every second one, the scar of one wire.
+    """Ways to leave something out, in order of preference: late loops, every second one, the scar of one body.
 
     Scars are no part of what loops are scored by: only a fit that knows them can tell a rate of wear.
     """
@@ -159,10 +160,11 @@ def splits(layout: Layout) -> Iterator[Split]:
     if not chosen:
         everything = np.ones(len(layout), dtype=bool)
         yield Split((), everything, everything)
-    for name in ("fixed", "specimen"):
-        fixed = scars & layout.wire(name)
-        if fixed.any() and (scars & ~fixed).any():
-            yield Split((int(layout.cycle[fixed].max()),), fixed, ~fixed, scar=name)
+    # Bodies stand in order, the held one last.
+    names = dict.fromkeys(name for part in layout if part.observable.of_scars for name in part.sites.wire if name)
+    if len(names) > 1:
+        held = scars & layout.wire(name := [*names][-1])
+        yield Split((int(layout.cycle[held].max()),), held, ~held, scar=name)
 
 
 def _of_profiles(layout: Layout) -> Iterator[Split]:
@@ -199,8 +201,7 @@ class Shrink:
         """What was left out of scars, before the cycle: "scar of the fixed wire, "."""
         if self.scar_held_out == STRETCHES:
             return f"{STRETCHES} of the profiles, "
-        wire = {"fixed": "fixed wire"}.get(self.scar_held_out, self.scar_held_out)
-        return f"scar of the {wire}, " if wire else ""
+        return f"scar of the {called(self.scar_held_out)}, " if self.scar_held_out else ""
 
     @property
     def shows_gap(self) -> bool:

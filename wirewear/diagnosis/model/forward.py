@@ -143,12 +143,12 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
     slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
     load_N = setup.load_factor * setup.load_N
     spent = 4e-6 * setup.friction * load_N * slip * cycles
-    chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
+    chain = setup.chain(states.spot_radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
     energy = 4e-3 * chain.friction * load_N * slip
     for _ in range(_WEAR_SWEEPS):
         worn, spent = _summed(np.stack([states.wearing(setup, chain, slip) * energy, 1e-3 * energy]), steps)
         if setup.follows_wear:
-            chain = setup.chain(states.radius_um, states.fresh_area_um2, cycles, spent, worn)
+            chain = setup.chain(states.spot_radius_um, states.fresh_area_um2, cycles, spent, worn)
         else:
             chain = replace(chain, energy_J=spent, worn_um3=worn)
         layer = _Layer.of(states, chain, slip)

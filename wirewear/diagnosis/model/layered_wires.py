@@ -69,7 +69,7 @@ _OUTWORN = 4.0
 @dataclass(frozen=True)
 class LayeredCase:
     """What such a table depends on: radius of the fresh contact and stroke in slip amplitudes, the highest layer in
-    δ²/R, p_c δ²/P, the largest V R/δ⁴, and the moving wire's share of the wear.
+    δ²/R, p_c δ²/P, the largest V R/δ⁴, the moving wire's share of the wear, and `along` of the gap.
     """
 
     fresh_radius: float
@@ -78,6 +78,7 @@ class LayeredCase:
     engagement: float
     most_worn: float
     moving_share: float
+    along: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,8 +166,9 @@ def _made(case: LayeredCase) -> LayeredWires:
     heights, volumes = case.highest * _HEIGHTS, case.most_worn * _VOLUMES
     closure = _closure(case)
     # The fourth power of a radius is what wear takes for it, over a number.
-    radius = max((4.0 * case.most_worn / np.pi + (2.0 * closure) ** 2) ** 0.25, _LEAST_RADIUS)
-    wires = WornWires.unworn(heights.size, _MARGIN * radius + 0.5 * case.fresh_radius)
+    worn = 4.0 * case.most_worn * case.along**0.5 / np.pi
+    radius = max((worn + (2.0 * closure) ** 2) ** 0.25, _LEAST_RADIUS)
+    wires = WornWires.unworn(heights.size, _MARGIN * radius + 0.5 * case.fresh_radius, case.along)
     guess = 0.1 * case.fresh_radius**2 + closure * _HEIGHTS[:, None] ** 0.5 + np.zeros(wires.s.size)
     pressing = partial(pressing_layers, heights=heights, engagement=case.engagement)
     loops, marks = [], []
@@ -187,8 +189,8 @@ def _made(case: LayeredCase) -> LayeredWires:
 
 
 def _closure(case: LayeredCase) -> float:
-    """Approach of rigid unworn wires with the highest layer: 2π p_c (s (exp(w/s) − 1) − w) is the load."""
-    load = 1.0 / (2.0 * np.pi * case.engagement * case.highest)
+    """Approach of rigid unworn wires with the highest layer: 2π p_c (s (exp(w/s) − 1) − w)/√along is the load."""
+    load = case.along**0.5 / (2.0 * np.pi * case.engagement * case.highest)
     return case.highest * float(brentq(lambda share: np.expm1(share) - share - load, 0.0, np.log1p(load) + 2.0))
 
 
@@ -277,13 +279,15 @@ class FlattenedWires:
 
 
 @lru_cache(maxsize=16)
-def flattened_wires(fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5) -> FlattenedWires:
+def flattened_wires(
+    fresh_radius: float, stroke: float, deepest: float, moving_share: float = 0.5, along: float = 1.0
+) -> FlattenedWires:
     """Changes by flattenings of up to `deepest` h R/δ² along ±`stroke`, of which the moving wire takes a share of wear.
 
     `fresh_radius` is that of the unworn contact; it and the stroke are in slip amplitudes.
     """
     flattenings = deepest * _FLATTENINGS
-    wires = _flattened(flattenings, stroke, fresh_radius)
+    wires = _flattened(flattenings, stroke, fresh_radius, along)
     flats = np.stack([(lost * wires.areas[:, None]).sum(axis=(1, 2)) for lost in (wires.moving, wires.fixed)], axis=1)
     volumes = _OUTWORN * float(flats[-1].sum()) * _FLAT_VOLUMES
     guess = flattenings[:, None] + 0.1 * fresh_radius**2 + np.zeros(wires.s.size)
@@ -308,16 +312,16 @@ def flattened_wires(fresh_radius: float, stroke: float, deepest: float, moving_s
     return FlattenedWires(flattenings, volumes, wires.s, change)
 
 
-def _flattened(flattenings: Array, stroke: float, fresh_radius: float) -> WornWires:
+def _flattened(flattenings: Array, stroke: float, fresh_radius: float, along: float) -> WornWires:
     """Unworn wires, flattened by half the overlap of their unworn shapes wherever they meet during the stroke."""
     deepest = float(flattenings[-1])
-    flat = (2.0 * deepest) ** 1.5 * stroke / 1.5 + np.pi * deepest**2
-    extent = _MARGIN * (4.0 * (1.0 + _OUTWORN) * flat / np.pi) ** 0.25 + 0.5 * fresh_radius
-    wires = WornWires.unworn(flattenings.size, extent)
+    flat = (2.0 * deepest) ** 1.5 * stroke / 1.5 + np.pi * deepest**2 / along**0.5
+    extent = _MARGIN * (4.0 * (1.0 + _OUTWORN) * flat * along**0.5 / np.pi) ** 0.25 + 0.5 * fresh_radius
+    wires = WornWires.unworn(flattenings.size, extent, along)
     overlap = flattenings[:, None, None] - 0.5 * wires.y[:, None] ** 2
     past = np.maximum(np.abs(wires.moving_x) - stroke, 0.0)
     return replace(
         wires,
-        fixed=0.5 * np.maximum(overlap - 0.5 * wires.x**2, 0.0),
-        moving=0.5 * np.maximum(overlap - 0.5 * past**2, 0.0),
+        fixed=0.5 * np.maximum(overlap - 0.5 * along * wires.x**2, 0.0),
+        moving=0.5 * np.maximum(overlap - 0.5 * along * past**2, 0.0),
     )

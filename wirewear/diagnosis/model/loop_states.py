@@ -30,11 +30,8 @@ _KNOWN = constants("model.loop_states")
 #: Powers of the position s/δ in θ and in φ. A scar's ends are steeper than its middle, so high odd powers matter.
 ODD_POWERS, EVEN_POWERS = (1, 3, 5, 7, 9), (0, 2)
 
-#: Powers of s/δ in what springs add to the load where walls lift the wires.
+#: Powers of s/δ in what springs add to the load where walls lift the bodies.
 LIFT_POWERS = (2, 4)
-
-#: Order of both wires where their scars are meant.
-WIRES = ("moving", "fixed")
 
 #: Full slip comes at this multiple of Q/K_c (Mindlin): the elastic displacement of a sliding contact.
 FULL_SLIP = 1.5
@@ -107,7 +104,7 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
     `fresh_stiffness` is that of the unworn contact in N/µm.
     """
     row = result.evolution.at(loop.cycle)
-    volume = 1e9 * (row["worn_volume_moving_mm3"] + row["worn_volume_fixed_mm3"])
+    volume = 1e9 * sum(row[f"worn_volume_{body}_mm3"] for body in result.bodies)
     x, q, p = loop.relative_displacement_um, loop.tangential_force_N, loop.normal_force_N
     full = 2.0 * FULL_SLIP * friction * float(p.mean()) / fresh_stiffness
     if np.ptp(x) < _LEAST_TRAVEL * full:
@@ -122,14 +119,14 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
         sign = np.where(forward, 1.0, -1.0)
         slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
         stiffness = _stick_stiffness(x, q, p, travel, forward, slope, angle, friction, stiffness)
-    scars, skews = zip(*(_scar_figures(result, loop.cycle, wire) for wire in WIRES), strict=True)
+    scars, skews = zip(*(_scar_figures(result, loop.cycle, body) for body in result.bodies), strict=True)
     return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
 
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
     """Load in mid-stroke of a sliding contact at positions s/δ (n,), and coefficients of the rest over `LIFT_POWERS`.
 
-    Walls lift the wires against the spring that presses them, less than their slopes say: the contact gives way, too.
+    Walls lift the bodies against the spring that presses them, less than their slopes say: the contact gives way, too.
     """
     design = np.stack([u**power for power in (0, *LIFT_POWERS)], axis=1)
     found = np.linalg.lstsq(design, load_N, rcond=None)[0]
@@ -177,9 +174,9 @@ def _stick_stiffness(
     return float(np.median(FULL_SLIP * whole * (1.0 - (1.0 - done[near]) ** (2.0 / 3.0)) / travel[near]))
 
 
-def _scar_figures(result: RunResult, cycle: int, wire: str) -> tuple[list[float], float]:
+def _scar_figures(result: RunResult, cycle: int, body: str) -> tuple[list[float], float]:
     try:
-        scar = result.scar(cycle, wire)
+        scar = result.scar(cycle, body)
     except ResultError:
         # No scars were logged near this cycle.
         return [0.0] * len(SCAR_FIGURES), float("nan")

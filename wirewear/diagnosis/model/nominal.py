@@ -13,6 +13,8 @@ from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, 
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.believed import believed_study
+from wirewear.results.scar import called
+from wirewear.study.bodies import Gap
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -35,7 +37,7 @@ SAME = _KNOWN.number("same_test")
 #: What a study may state at most.
 MOST_WEAR_mm3_per_J = _KNOWN.number("most_wear_mm3_per_J")
 
-#: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the wires are too thin.
+#: Wear beyond the stated coefficient only re-labels cycles, so the run wears on; less where the bodies are too thin.
 _WEAR_MARGINS = _KNOWN.numbers("wear_margins")
 
 #: Increments of a logged loop: enough that a few fall on the micro-slip after a reversal.
@@ -92,11 +94,15 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
     """A study that is to be diagnosed against a record.
 
     Raises:
-        RecordError: it is of other wires, load or amplitude than the record's test.
+        RecordError: it is of other bodies, load or amplitude than the record's test.
     """
     believed, asked = study.conditions, record.tables.conditions
+    bodies = zip(study.bodies, record.tables.bodies_of_test, strict=True)
     pairs = {
-        "diameter_mm": (study.wires.diameter_mm, record.tables.wires.diameter_mm),
+        **{
+            f"diameter_mm of the {called(own.name)}": (min(own.diameters_mm), min(other.diameters_mm))
+            for own, other in bodies
+        },
         "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
         "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
     }
@@ -149,7 +155,7 @@ def wearing(study: Study) -> Study:
     if study.wear is not None and any(getattr(study.wear, key) for key in keys):
         return study
     conditions = study.conditions
-    amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, 0.5 * study.wires.diameter_mm
+    amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, Gap.of(*study.bodies).radius_mm
     energy_J = 4e-3 * study.contact.friction * conditions.normal_load_N * amplitude_mm * conditions.cycles
     coefficient = min(amplitude_mm**4 / radius_mm / energy_J, MOST_WEAR_mm3_per_J)
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from math import inf, radians
+from math import atan, inf
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.motion import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
+from wirewear.study.bodies import Gap
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -56,15 +57,16 @@ class Setup:
     Attributes:
         amplitude_um, load_N, cycles, frequency_Hz: conditions of the test.
         drive: where the amplitude is held, on the "sensor"'s reading or on the true "stroke".
-        friction, wear_um3_per_mJ: coefficient, and worn volume of both wires per friction energy.
+        friction, wear_um3_per_mJ: coefficient, and worn volume of both bodies per friction energy.
         compliance_um_per_N: of the holder along the motion, rotation about a pivot included.
         normal_spring_N_per_um: of the loading train.
-        crossing_error_rad: of the wires' axes from the right angle.
+        crossing_error_rad: of the wires' axes from the right angle, and by what other bodies' scars are sheared alike.
         effects: at work beside that.
         motion: how the drive passes its stroke in time.
-        length_mm: of a line contact; zero for crossed wires.
+        length_mm: of a line contact; zero for contacts at a point.
+        contact_kind: its name.
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
-        added_compliance_um_per_N: beside the rig's own, as solvers hold the wires differently.
+        added_compliance_um_per_N: beside the rig's own, as solvers hold the bodies differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
         slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep, apart,
             angle_rise, angle_tilt, angle_trend, scar_factor: numerical freedoms of the fast model: the scar's slopes,
@@ -88,6 +90,7 @@ class Setup:
     crossing_error_rad: float = 0.0
     effects: tuple[AtWork, ...] = ()
     length_mm: float = 0.0
+    contact_kind: str = "crossed-wires"
     motion: FastMotion = SINE
     friction_factor: float = 1.0
     wear_factor: float = 1.0
@@ -128,7 +131,8 @@ class Setup:
             friction=friction,
             wear_um3_per_mJ=coefficient * UM3_PER_MJ,
             compliance_um_per_N=compliance,
-            crossing_error_rad=radians(study.wires.crossing_angle_deg - 90.0),
+            crossing_error_rad=atan(Gap.of(*study.bodies).lean),
+            contact_kind=study.contact_kind,
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 
@@ -150,12 +154,8 @@ class Setup:
             compliance_um_per_N=compliance / length_mm,
             normal_spring_N_per_um=1e-3 * length_mm * holder.normal_spring_stiffness_N_per_mm2,
             length_mm=length_mm,
+            contact_kind=study.contact_kind,
         )
-
-    @property
-    def contact_kind(self) -> str:
-        """The kind of contact: one that has a length is a line contact."""
-        return "line-contact" if self.length_mm > 0.0 else "crossed-wires"
 
     def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""

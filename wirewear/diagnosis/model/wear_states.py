@@ -29,7 +29,8 @@ from wirewear.diagnosis.model.layered_wires import (
     layered_wires,
 )
 from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of
-from wirewear.reference import Elastic, hertz_crossed_cylinders, mindlin_stiffness, tangential_contact_modulus
+from wirewear.study import study_from_tables
+from wirewear.study.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
@@ -57,7 +58,7 @@ class WearStates:
     """A nominal run's states over the worn volume of both wires, one row each, volumes increasing.
 
     Attributes:
-        radius_um: of the wires.
+        radius_um: of the gap across the motion (`Gap`), that of wires.
         friction: coefficient of friction of the run.
         normal_load_N: load before any wear.
         fresh_area_um2: Hertz's contact area.
@@ -77,6 +78,7 @@ class WearStates:
         freedoms: standard deviations of the fast model's numerical freedoms on these states.
         stroke_um: to either side, along which the wires were moved; never less than the slip.
         full_slip: elastic displacement of the sliding contact over Q/K_c.
+        along: curvature of the gap along the motion over that across (`Gap`).
     """
 
     has_layers: ClassVar[bool] = True
@@ -99,23 +101,20 @@ class WearStates:
     stroke_um: float = 0.0
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
     full_slip: float = FULL_SLIP
+    along: float = 1.0
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
-        """States of a complete run of crossed wires.
+        """States of a complete run of a contact at a point.
 
         Raises:
             RunError: the run has no loops in gross slip.
         """
-        study = result.study
-        wires, contact, load = study["wires"], study["contact"], study["conditions"]["normal_load_N"]
-        radius = 500.0 * wires["diameter_mm"]
-        body = Elastic(wires["youngs_modulus_MPa"], wires["poissons_ratio"])
-        angle_deg, radius_mm = wires["crossing_angle_deg"], 1e-3 * radius
-        hertz = hertz_crossed_cylinders(load, radius_mm, radius_mm, angle_deg, first=body, second=body)
-        fresh = 1e-3 * mindlin_stiffness(tangential_contact_modulus(body, body), hertz.contact_radius_mm)
-        rows = [state_of(result, loop, contact["friction"], fresh) for loop in result.loops]
-        rows = [row for row in rows if row is not None]
+        friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
+        bodies = study_from_tables(result.study, result.label).bodies
+        gap, fresh = Gap.of(*bodies), unworn_stiffness_N_per_um(load, *bodies)
+        radius = 1e3 * gap.radius_mm
+        rows = [row for loop in result.loops if (row := state_of(result, loop, friction, fresh)) is not None]
         if not rows:
             raise RunError(
                 f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
@@ -126,9 +125,9 @@ class WearStates:
         similarity = np.maximum.accumulate(volume * radius / slip**4 * (1.0 + 1e-9 * np.arange(volume.size)))
         return cls(
             radius_um=radius,
-            friction=contact["friction"],
+            friction=friction,
             normal_load_N=load,
-            fresh_area_um2=1e6 * float(np.pi) * hertz.contact_radius_mm**2,
+            fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
             volume_um3=volume,
             slip_um=slip,
             similarity=similarity,
@@ -138,8 +137,9 @@ class WearStates:
             load_drop_N=np.maximum(load - normal, 0.0),
             lift_N=smoothed(volume, lift),
             scars=scars,
-            stroke_um=study["conditions"]["displacement_amplitude_um"],
-            extra_skew=np.nan_to_num(skews + np.tan(np.radians(angle_deg - 90.0))),
+            stroke_um=result.study["conditions"]["displacement_amplitude_um"],
+            extra_skew=np.nan_to_num(skews + gap.lean),
+            along=gap.along,
         )
 
     @property
@@ -154,6 +154,11 @@ class WearStates:
     def similar(self, worn_um3: Array, slip_um: Array) -> Array:
         """What contacts (n,) that are geometrically similar have in common: V R/δ⁴."""
         return np.asarray(worn_um3 * self.radius_um / slip_um**4)
+
+    @property
+    def spot_radius_um(self) -> float:
+        """Radius of a gap alike in all directions whose spots have the areas of this one's."""
+        return self.radius_um / float(np.sqrt(self.along))
 
     def open_share(self, chain: Chain) -> Array:
         """Share (n,) of the worn volume that opens the gap."""
@@ -203,7 +208,7 @@ class WearStates:
         slip = float(self.slip_um[0])
         deepest = DEEPEST_um * self.radius_um / slip**2
         radius, stroke, share = self._proportions
-        return flattened_wires(radius, stroke, round(deepest, 2), share)
+        return flattened_wires(radius, stroke, round(deepest, 2), share, round(self.along, 3))
 
     def layered(self) -> LayeredWires:
         """What a rough layer changes of these states."""
@@ -217,6 +222,7 @@ class WearStates:
                 engagement=_rounded(1e-6 * ENGAGEMENT_MPa * slip**2 / self.normal_load_N),
                 most_worn=_rounded(max(float(self.similarity[-1]), _LEAST_WORN)),
                 moving_share=share,
+                along=round(self.along, 3),
             )
         )
 

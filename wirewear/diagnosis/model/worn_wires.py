@@ -1,4 +1,4 @@
-"""Two crossed wires that wear on a foundation: what their gap is, where they press, and what wear takes.
+"""Two bodies such as crossed wires that wear on a foundation: their gap, where they press, and what wear takes.
 
 By Archard's law under the pressures of a Winkler foundation (Johnson, Contact Mechanics, 1985, section 4.3). Lengths
 are in slip amplitudes δ, depths in δ²/R, the load is 1.
@@ -7,7 +7,7 @@ are in slip amplitudes δ, depths in δ²/R, the load is 1.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -38,6 +38,8 @@ _NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
 class WornWires:
     """Both wires at several flattenings (k): half of the plane, y ≥ 0; by symmetry only positions s ≥ 0 are needed.
 
+    Their gap is (along·x² + y²)/2: wires at any angle and other bodies have it in sheared coordinates.
+
     What they have lost is `fixed` (k, y, x) and `moving` (k, y, X), X reaching a stroke further to either side.
     """
 
@@ -46,16 +48,17 @@ class WornWires:
     s: Array
     fixed: Array
     moving: Array
+    along: float = 1.0
 
     @classmethod
-    def unworn(cls, count: int, extent: float) -> WornWires:
-        """So many pairs of wires, on a grid that reaches so far from the middle."""
-        places = max(round(_COLUMNS / extent), 4)
+    def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
+        """So many pairs of wires, on a grid that reaches so far across from the middle."""
+        places = max(round(_COLUMNS / extent * max(along, 1.0) ** 0.5), 4)
         step = 1.0 / places
-        half = int(np.ceil(extent / step))
-        x, y = step * np.arange(-half, half + 1.0), step * np.arange(half + 1.0)
-        fixed = np.zeros((count, y.size, x.size))
-        return cls(x, y, step * np.arange(places + 1.0), fixed, np.zeros((count, y.size, x.size + 2 * places)))
+        half, rows = (int(np.ceil(reach / step)) for reach in (extent / along**0.5, extent))
+        x, y = step * np.arange(-half, half + 1.0), step * np.arange(rows + 1.0)
+        fixed, moving = (np.zeros((count, y.size, x.size + 2 * more)) for more in (0, places))
+        return cls(x, y, step * np.arange(places + 1.0), fixed, moving, along)
 
     @property
     def step(self) -> float:
@@ -78,13 +81,12 @@ class WornWires:
         return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
 
     def within(self, reach: float) -> WornWires:
-        """Views of the part up to so far from the middle."""
-        half = min(int(reach / self.step) + 2, self.y.size - 1)
-        cut = self.y.size - 1 - half
-        along = slice(cut, self.x.size - cut)
-        further = slice(cut, self.moving.shape[-1] - cut)
-        rows = slice(0, half + 1)
-        return WornWires(self.x[along], self.y[rows], self.s, self.fixed[:, rows, along], self.moving[:, rows, further])
+        """Views of the part up to so far across from the middle."""
+        cut = max(self.x.size // 2 - int(reach / self.along**0.5 / self.step) - 2, 0)
+        x, further = slice(cut, self.x.size - cut), slice(cut, self.moving.shape[-1] - cut)
+        rows = slice(0, int(reach / self.step) + 3)
+        fixed, moving = self.fixed[:, rows, x], self.moving[:, rows, further]
+        return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
 
     def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
         """Wear by a volume (of a load 1, over all positions evenly) that goes to both wires, in place."""
@@ -161,7 +163,7 @@ def equilibrium(wires: WornWires, pressing: Pressing, approach: Array) -> tuple[
         if needed > reach:
             reach = 1.1 * needed
             part = wires.within(reach)
-            unworn = 0.5 * (part.x**2 + part.y[:, None, None] ** 2)
+            unworn = 0.5 * (part.along * part.x**2 + part.y[:, None, None] ** 2)
             gap = unworn + part.fixed[:, :, None] + part.windows(part.moving)
             lowest = gap.min(axis=(1, 3)) + 1e-6
             approach = np.maximum(approach, lowest)
@@ -181,7 +183,7 @@ def contact_radius(wires: WornWires, pressure: Array) -> Array:
 
 def slopes(part: WornWires, pressure: Array) -> Array:
     """Mean slopes (k, s) of the surface between both wires, less that in mid-stroke."""
-    fixed = part.x + np.gradient(part.fixed, part.step, axis=-1)
+    fixed = part.along * part.x + np.gradient(part.fixed, part.step, axis=-1)
     slope = 0.5 * (fixed[:, :, None] - part.windows(np.gradient(part.moving, part.step, axis=-1)))
     mean = np.einsum("kysx,kysx,y->ks", pressure, slope, part.areas)
     return np.asarray(mean - mean[:, :1])

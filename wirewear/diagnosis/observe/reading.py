@@ -29,7 +29,7 @@ class Reading:
     """All repeats of a record; `notes` say which loops were left out and why.
 
     Of a record without loops, `asked_um` and `asked_N` stand in for their amplitude and force. `depth_noise_um` is
-    the stated error of one depth of a profile.
+    the stated error of one depth of a profile. `body_names` begin with the driven one.
     """
 
     loops: tuple[ReducedLoop, ...]
@@ -41,6 +41,7 @@ class Reading:
     asked_um: float = 1.0
     asked_N: float = 1.0
     depth_noise_um: float = 0.0
+    body_names: tuple[str, ...] = ()
 
     @property
     def repeats(self) -> tuple[int, ...]:
@@ -95,6 +96,7 @@ def read(record: AnyRecord) -> Reading:
         asked_um=asked.displacement_amplitude_um,
         asked_N=(tables.stated.final_friction or 1.0) * asked.normal_load_N,
         depth_noise_um=tables.depth_noise_um,
+        body_names=tables.body_names,
         **surfaces,
     )
 

@@ -1,4 +1,4 @@
-"""Maps of both wires' scars: their figures (volume, depth, length, width), and their skew."""
+"""Maps of both bodies' scars: their figures (volume, depth, length, width), and their skew."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, WIRES, scar_figures, scar_skew
+from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.observe.observable import Observable, Zone
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
@@ -31,7 +31,7 @@ FREE_FIGURE, FREE_SKEW = _KNOWN.each("free_figure", "free_skew")
 
 
 class _OfScars(Observable):
-    """One number a wire, after the last cycle."""
+    """One number a body, after the last cycle."""
 
     of_scars = True
 
@@ -53,9 +53,8 @@ class ScarFigures(_OfScars):
     zones = (Zone("scar", "scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:
-        """All figures of the wires that have maps."""
-        wires = [wire for wire in WIRES if any(scar.body == wire for scar in reading.scars)]
-        return [Site(reading.last_cycle, wire=wire, figure=figure) for wire in wires for figure in SCAR_FIGURES]
+        """All figures of the bodies that have maps."""
+        return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
         """From the map above the unworn ground."""
@@ -73,10 +72,9 @@ class ScarFigures(_OfScars):
 
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
-        code = [(WIRES.index(site.wire), SCAR_FIGURES.index(site.figure)) for site in sites]
-        wire, figure = np.array(code, dtype=int).reshape(-1, 2).T
+        figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
-        return np.asarray(np.log(np.maximum(course.scars[wire, figure], least)))
+        return np.asarray(np.log(np.maximum(course.scars[sites.level.astype(int), figure], least)))
 
 
 class ScarSkew(_OfScars):
@@ -88,10 +86,8 @@ class ScarSkew(_OfScars):
     zones = (Zone("skew", "skew of the scars"),)
 
     def sites(self, reading: Reading) -> list[Site]:
-        """One a wire that has maps."""
-        return [
-            Site(reading.last_cycle, wire=wire) for wire in WIRES if any(scar.body == wire for scar in reading.scars)
-        ]
+        """One a body that has maps."""
+        return _of_bodies(reading)
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
         """From the map above the unworn ground."""
@@ -104,7 +100,14 @@ class ScarSkew(_OfScars):
 
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
         """Those of the course's end."""
-        return np.array([course.skew[WIRES.index(site.wire)] for site in sites])
+        return np.asarray(course.skew[sites.level.astype(int)])
+
+
+def _of_bodies(reading: Reading) -> list[Site]:
+    """One for each body that has maps; the level is its place among both."""
+    worn = {scar.body for scar in reading.scars}
+    names = enumerate(reading.body_names)
+    return [Site(reading.last_cycle, level=float(place), wire=body) for place, body in names if body in worn]
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
