@@ -14,7 +14,7 @@ from tests.synthetic_results import AMPLITUDE_um, bowl, result
 from tests.test_point_contacts import STEEL
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
 from wirewear.faces import cli
-from wirewear.records import ExperimentRecord, RecordTables, check_record
+from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import Evolution, RunResult, Scar
@@ -261,3 +261,11 @@ STUDY_OF_WIRES: dict[str, Any] = {
     "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000},
     "contact": {"friction": 0.62},
 }
+
+
+def test_an_exported_map_reaches_as_far_as_the_depth_between_coarse_nodes() -> None:
+    """A ball's elements may be wider than any margin; a map that ends within the scar has lost volume."""
+    coarse = bowl("flat", DEPTH_um, SPOT_um, SPOT_um, axis_angle_deg=0.0, lines=(9, 7))
+    seen = MeasuredScar.of_run(coarse, 1, 0.0, np.random.default_rng(0))
+    assert seen.rim_um.max() < 1e-9
+    assert seen.volume_mm3 == pytest.approx(coarse.volume_mm3, rel=0.01)

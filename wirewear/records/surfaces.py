@@ -81,9 +81,13 @@ class MeasuredScar:
         worn = scar.depth_um > 0.01 * scar.max_depth_um
         if not worn.any():
             worn = np.ones_like(worn)
+        # Between nodes depth falls to that of the next, however far that is.
+        beside = np.pad(worn, 1)
+        near = sum(beside[i : i + worn.shape[0], j : j + worn.shape[1]] for i in range(3) for j in range(3)) > 0
         lines = []
         for coordinate in (x, y):
-            half = SCAR_STEP_um * np.ceil((float(np.abs(coordinate[worn]).max()) + SCAR_MARGIN_um) / SCAR_STEP_um)
+            reach, end = (float(np.abs(coordinate[nodes]).max()) for nodes in (worn, near))
+            half = SCAR_STEP_um * np.ceil(max(reach + SCAR_MARGIN_um, end) / SCAR_STEP_um)
             lines.append(np.arange(-half, half + 0.5 * SCAR_STEP_um, SCAR_STEP_um))
         depth = scar.sampled(*lines)
         return cls(repeat, scar.body, lines[0], lines[1], depth + noise_um * random.standard_normal(depth.shape))

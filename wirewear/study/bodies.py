@@ -212,7 +212,7 @@ class Gap:
     along = sin²θ and lean = −cot θ, a ball on a flat is as wires at 90°.
     """
 
-    form: NDArray[np.float64]
+    form: Array
 
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
@@ -220,7 +220,7 @@ class Gap:
         return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
 
     @property
-    def spot_mm(self) -> NDArray[np.float64]:
+    def spot_mm(self) -> Array:
         """H⁻¹: squares of half widths, over its depth, of what a plane cuts off."""
         return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
 

@@ -163,8 +163,8 @@ def splits(layout: Layout) -> Iterator[Split]:
     # Bodies stand in order, the held one last.
     names = dict.fromkeys(name for part in layout if part.observable.of_scars for name in part.sites.wire if name)
     if len(names) > 1:
-        held = scars & layout.wire(name := [*names][-1])
-        yield Split((int(layout.cycle[held].max()),), held, ~held, scar=name)
+        of_held = scars & layout.wire(name := [*names][-1])
+        yield Split((int(layout.cycle[of_held].max()),), of_held, ~of_held, scar=name)
 
 
 def _of_profiles(layout: Layout) -> Iterator[Split]:
