@@ -235,7 +235,7 @@ BUDGETS = {
     # compiled functions that stand for chains of small calls over contact arrays.
     # Point contacts of blocks with a ball's, a barrel's, a cylinder's or a flat face: 260 for their meshes, 600 above.
     # 35 spare a run to put its logged cycles together again for each writing of its file.
-    # 300 more are their records, checks and imports from heights, of whatever two bodies.
+    # 300 more are their records, checks and imports from heights, of whatever two bodies, and 60 their diagnosis.
     # 20 are names for what had been places in a tuple, and an abstract class in place of methods that raise.
     # 300 of these and 220 of wirewear's are faces of pads, surfaces as measured, and names of materials.
     # 70 are tubes: their sections, how they are held, what they must state.
@@ -253,8 +253,9 @@ BUDGETS = {
     "files of geometry, solvers and wirewear": 377,
     "rooms of wirewear": 24,
     # Kinds ask pictures and interior what there is to draw of a result and inside it; the map of running conditions
-    # asks a study for its bodies, whatever its kind, and an import from heights asks a body for its unworn surface.
-    "arrows between rooms": 142,
+    # asks a study for its bodies, whatever its kind, and an import from heights asks a body for its unworn surface;
+    # what was left out of a fit is told by what results call a body.
+    "arrows between rooms": 143,
     "questions for the kind of contact": 0,
     "lines of wirewear that import, per cent": 8.0,
 }
