@@ -12,7 +12,7 @@ import pytest
 from tests.test_point_contacts import STEEL, TEST
 from tests.test_point_records import SHAPES, run_of
 from wirewear import record_of_result
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.beginning import beginning_of
 from wirewear.diagnosis.model.candidates import library, nominal_setup
@@ -21,6 +21,7 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.model.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.fitting import fit_record
+from wirewear.kinds import kind_of
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord
 from wirewear.simulation import run_study
@@ -111,3 +112,11 @@ def test_a_ball_on_a_flat_without_a_gap_has_none_and_a_soft_rig_is_named_and_fit
     assert fitted["friction"].value == pytest.approx(FRICTION, rel=0.01)
     assert fitted["energy_wear_coefficient_mm3_per_J"].value == pytest.approx(2e-5, rel=0.02)
     assert fitted["moving_share"].value == pytest.approx(0.3, abs=0.02)
+
+
+def test_a_pad_without_a_radius_is_refused_before_anything_is_run() -> None:
+    pad = {"shape": "pad", "face_half_width_mm": 1.0, "edge_radius_mm": 5.0, **STEEL}
+    bodies = {"lower": {"shape": "flat", **STEEL}, "upper": pad}
+    study = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": bodies}, "s")
+    with pytest.raises(StudyError, match="it has no radius of its own"):
+        kind_of(study).states(study, None, None)

@@ -78,8 +78,10 @@ class AtAPoint:
         """Those of the nominal run, which may end early."""
         from wirewear.diagnosis.model.nominal import limits_of, nominal_run
         from wirewear.diagnosis.model.wear_states import WearStates
+        from wirewear.study.bodies import Gap
 
         del tables
+        Gap.of(*study.bodies)  # refused before it is run
         result = nominal_run(study, observer_of)
         return WearStates.of_run(result), limits_of(result)
 

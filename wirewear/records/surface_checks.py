@@ -85,15 +85,16 @@ class ScarSize:
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
     """What the scars of each repeat cannot be, sentences."""
     driven, held = record.tables.bodies_of_test
-    # What is curved along the motion carries the contact about on the held body.
+    # What is curved along the motion carries the contact about on the held body; a pad's face has no radius.
     along_motion = driven.curvature_per_mm()[:, 0]
-    for repeat in record.repeats if np.abs(along_motion).max() < STRAIGHT_per_mm else ():
+    known = np.abs(along_motion).max() < STRAIGHT_per_mm and not (driven.face or held.face)
+    for repeat in record.repeats if known else ():
         sizes = {scar.body: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
-        known = {body: size for body, size in sizes.items() if size is not None}
+        clear = {body: size for body, size in sizes.items() if size is not None}
         spots = _spots_mm(driven, held)
-        if found := next(_unlike_shapes(record, known, spots), None):
+        if found := next(_unlike_shapes(record, clear, spots), None):
             yield f"{found} in repeat {repeat}: {_WHY}"
-        for mirrored in _mirrored(known, spots):
+        for mirrored in _mirrored(clear, spots):
             yield f"{mirrored}, in repeat {repeat}."
 
 

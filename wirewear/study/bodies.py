@@ -216,7 +216,15 @@ class Gap:
 
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
-        """Of bodies of which the held one may be turned further."""
+        """Of bodies of which the held one may be turned further.
+
+        Raises:
+            StudyError: one has the face of a pad, whose worn shapes are similar to no other's.
+        """
+        if driven.face or held.face:
+            raise StudyError(
+                "what a pad wears under other loads and strokes is not known: it has no radius of its own."
+            )
         return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
 
     @property

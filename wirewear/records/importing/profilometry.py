@@ -155,6 +155,8 @@ def _levelled(of: MapOfBody, x: Array, y: Array, height: Array) -> tuple[Array, 
     Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
     Where the surface is curved its crown is sought, where it is straight its tilt; both are alike to second order.
     """
+    if of.body.face is not None:
+        raise RecordError(f"{of.file}: heights of a pad's face cannot be levelled: import its worn depths.")
     face, radii_um = Barrel(*of.body.curvatures_per_mm), 500.0 * np.array(of.body.diameters_mm)
     curved, limit = np.isfinite(radii_um), np.minimum(STEEP * radii_um, BEYOND_um)[:, None]
     places = _along_and_across(x, y, of.axis_deg).reshape(2, -1)
