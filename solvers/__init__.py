@@ -15,11 +15,10 @@ from solvers.holder import Guide, Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.misalignment import misaligned
-from solvers.oxygen import OxygenSupply
 from solvers.placement import PlacedBody, place
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import remeshed, transferred, transferred_wear
-from solvers.wear import WearRates
+from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [

@@ -4,6 +4,14 @@ The body is held at its grip. Contact is the only non-linearity, so nothing is l
 eliminated once: a force f on the patch's nodes moves them by u = C f relative to the grip, with the dense compliance
 C = S^-1 and S the Schur complement of the stiffness matrix. Of a body that is its own mirror image, grip included, only
 the piece on one side is condensed, once for every kind of displacement, even or odd about each plane.
+
+Schur complement of a large sparse matrix by nested substructures (the multifrontal method).
+
+The unknowns are divided recursively by separators (METIS bisections). From the leaves to the root, each substructure
+assembles a dense front, eliminates the nodes that no other substructure touches and passes its Schur complement up
+(Duff & Reid, ACM TOMS 9 (1983) 302; George, SIAM J. Numer. Anal. 10 (1973) 345). All work is in dense LAPACK
+kernels, which makes it several times faster than a general sparse factorisation followed by extracting the trailing
+block (`make bench` prints the ratio).
 """
 
 from __future__ import annotations
@@ -12,17 +20,202 @@ from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
-from scipy.linalg import lapack
+from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix, diags
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.errors import SolverError
-from solvers.near_field import Bricks
-from solvers.patch_compliance import PatchCompliance
+from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.strain import stiffness_matrix
-from solvers.substructuring import cholesky_factor, schur_complements
+
+#: Substructures of at most so many nodes are eliminated as one dense front.
+_LEAF_NODES = 120
+#: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
+_LEAST_PIVOT = 1e-12
+
+
+@dataclass(frozen=True)
+class Substructure:
+    """Nodes to be eliminated once the parts, which touch one another only through them, have been."""
+
+    eliminated: IntArray
+    parts: tuple[Substructure, ...]
+
+
+@dataclass(frozen=True)
+class System:
+    """A matrix of nodes with d unknowns each, the graph of its nodes, the rank of each node in the elimination, and the
+    ways (v, d n) to hold unknowns.
+    """
+
+    matrix: csr_matrix
+    graph: csr_matrix
+    rank: IntArray
+    d: int
+    held: BoolArray
+
+
+def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int) -> Array:
+    """Schur complement onto the kept nodes, shape (d k, d k) for k kept nodes with d unknowns each.
+
+    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
+    SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
+    zero.
+    """
+    free = np.zeros((1, matrix.shape[0]), dtype=bool)
+    return schur_complements(matrix, kept, eliminated, unknowns_per_node, free)[0]
+
+
+def schur_complements(
+    matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int, held: BoolArray
+) -> list[Array]:
+    """Schur complements as `schur_complement` gives them, one for each way (v, d n) to hold further unknowns at zero.
+
+    Kept unknowns that are held are uncoupled from all others and have a unit on the diagonal. What lies in
+    substructures without held unknowns is eliminated once for all.
+    """
+    d = unknowns_per_node
+    graph = node_graph(matrix, d)
+    tree = divided(graph, eliminated)
+    rank = np.full(graph.shape[0], -1, dtype=np.int64)
+    order = np.concatenate([elimination_order(tree), kept])
+    rank[order] = np.arange(len(order))
+    boundary, updates = _eliminate(tree, System(matrix, graph, rank, d, held))
+    where = unknowns_of(rank[boundary] - len(eliminated), d)
+    results = []
+    for of_kept, update in zip(held[:, unknowns_of(kept, d)], updates, strict=True):
+        result = _matrix_block(matrix, kept, d)
+        add_update(result, where, update)
+        hold(result, of_kept)
+        lower = np.tril(result)
+        results.append(lower + np.tril(result, -1).T)
+    return results
+
+
+def cholesky_factor(matrix: Array) -> Array:
+    """Lower Cholesky factor of the stiffness in a matrix's lower triangle, (n, n).
+
+    SolverError when the matrix is not positive definite beyond round-off, as that of a loose body.
+    """
+    factor, info = lapack.dpotrf(matrix, lower=1, clean=1)
+    if info != 0 or np.any(factor.diagonal() ** 2 < _LEAST_PIVOT * matrix.diagonal()):
+        raise SolverError("the stiffness matrix is not positive definite: the grip does not hold the body")
+    return np.asarray(factor)
+
+
+def _matrix_block(matrix: csr_matrix, nodes: IntArray, d: int) -> Array:
+    where = unknowns_of(nodes, d)
+    return np.asarray(matrix[where][:, where].toarray(order="F"))
+
+
+def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
+    """Which nodes a matrix (d n, d n) couples, (n, n) without a diagonal."""
+    rows, columns = matrix.nonzero()
+    n = matrix.shape[0] // d
+    graph = csr_matrix((np.ones(len(rows), dtype=np.int8), (rows // d, columns // d)), shape=(n, n))
+    graph.setdiag(0)
+    graph.eliminate_zeros()
+    return graph
+
+
+def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
+    """Recursive bisection: the separator of a set of nodes is eliminated after its two sides."""
+    if len(nodes) <= _LEAF_NODES:
+        return Substructure(nodes, ())
+    import pymetis
+
+    local = graph[nodes][:, nodes].tocsr()
+    _, side = pymetis.part_graph(2, pymetis.CSRAdjacency(local.indptr, local.indices))
+    second = np.asarray(side, dtype=bool)
+    touches_second = local @ second.astype(np.int32) > 0
+    touches_first = local @ (~second).astype(np.int32) > 0
+    from_first, from_second = ~second & touches_second, second & touches_first
+    separator = from_first if from_first.sum() <= from_second.sum() else from_second
+    sides = [nodes[~second & ~separator], nodes[second & ~separator]]
+    parts = tuple(divided(graph, side_nodes) for side_nodes in sides if len(side_nodes))
+    return Substructure(nodes[separator], parts)
+
+
+def elimination_order(tree: Substructure) -> IntArray:
+    """The nodes of a substructure in the order in which they are eliminated."""
+    return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
+
+
+def _eliminate(tree: Substructure, system: System) -> tuple[IntArray, list[Array]]:
+    """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update, one
+    for each way to hold unknowns: the same array where ways do not differ so far.
+
+    Of all dense matrices only the lower triangle is meant. As every front is ordered by rank, the lower triangle of
+    an update falls into the lower triangle of the front that receives it. Unknowns are held when they are eliminated:
+    to hold them in a Schur complement is the same as to hold them before.
+    """
+    parts = [_eliminate(part, system) for part in tree.parts]
+    d, own = system.d, tree.eliminated
+    boundary, position, own_matrix = front_of(own, [nodes for nodes, _ in parts], system)
+    held = system.held[:, unknowns_of(own, d)]
+    keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
+    updates: dict[tuple[object, ...], Array] = {}
+    for way, key in enumerate(keys):
+        if key in updates:
+            continue
+        front = own_matrix.copy(order="F") if any(later != key for later in keys[way:]) else own_matrix
+        for nodes, of_part in parts:
+            add_update(front, unknowns_of(position[nodes], d), of_part[way])
+        updates[key] = _reduced(front, d * len(own), held[way])
+    return boundary, [updates[key] for key in keys]
+
+
+def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
+    """The nodes that a front leaves behind, by rank; each node's position in it; the matrix of its own nodes."""
+    matrix, rank, d = system.matrix, system.rank, system.d
+    neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
+    later = neighbours[rank[neighbours] > (rank[own].max() if len(own) else -1)]
+    boundary = later[np.argsort(rank[later])].astype(np.int64)
+    position = np.full(len(rank), -1, dtype=np.int64)
+    position[own] = np.arange(len(own))
+    position[boundary] = len(own) + np.arange(len(boundary))
+    n = d * (len(own) + len(boundary))
+    front = np.zeros((n, n), order="F")
+    rows = matrix[unknowns_of(own, d)].tocoo()
+    inside = position[rows.col // d] >= 0
+    columns = rows.col[inside]
+    front[d * position[columns // d] + columns % d, rows.row[inside]] = rows.data[inside]
+    return boundary, position, front
+
+
+def _reduced(front: Array, m: int, held: BoolArray) -> Array:
+    """The update that a front leaves when its first m unknowns, some of them held, are eliminated."""
+    if m == 0:  # The two sides are not connected, so nothing separates them.
+        return front
+    hold(front, held)
+    factor = cholesky_factor(front[:m, :m])
+    coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
+    return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1))
+
+
+def hold(matrix: Array, held: BoolArray) -> None:
+    """Uncouple held unknowns, the first of the matrix, from all others."""
+    which = np.flatnonzero(held)
+    matrix[which] = 0.0
+    matrix[:, which] = 0.0
+    matrix[which, which] = 1.0
+
+
+def add_update(front: Array, where: IntArray, update: Array) -> None:
+    """front[where, where] += update in the lower triangle; `where` increases and consists of few consecutive runs."""
+    starts = np.flatnonzero(np.diff(where, prepend=-2) != 1)
+    ends = np.append(starts, len(where))[1:]
+    for j, (first, last) in enumerate(zip(starts, ends, strict=True)):
+        columns = slice(where[first], where[first] + last - first)
+        for low, high in zip(starts[j:], ends[j:], strict=True):
+            front[where[low] : where[low] + high - low, columns] += update[low:high, first:last]
+
+
+def unknowns_of(nodes: IntArray, d: int) -> IntArray:
+    """The d unknowns of each node, one node after another."""
+    return (d * nodes[:, None] + np.arange(d)).ravel()
 
 
 @dataclass(frozen=True)
@@ -32,7 +225,7 @@ class CondensedBody:
     folded: its compliance by symmetry, in mm/N (of a planar body in mm per N/mm), symmetric positive definite; unknown
     3 i + k is the displacement of patch node i (in the order of patch.nodes.ravel()) along the body's axis k, relative
     to the grip.
-    bricks: the elements under the patch, None where they are not alike: see `solvers.near_field`.
+    bricks: the elements under the patch, None where they are not alike: see `solvers.patch_compliance`.
     """
 
     patch: ContactPatch

@@ -7,7 +7,7 @@ import numpy as np
 
 from geometry import ContactPatch
 from geometry.arrays import Array, IntArray
-from solvers.near_field import Bricks, missing_displacement
+from solvers.patch_compliance import Bricks, missing_displacement
 from solvers.placement import PlacedBody
 
 #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.

@@ -15,8 +15,7 @@ from geometry import ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, BoolArray
 from solvers.kept_code import compiled
 from solvers.strain import components, tensors
-from solvers.subgrid_traction import SubgridTraction, bicubic
-from solvers.surface_lattice import line_lattice_error
+from solvers.subgrid_traction import SubgridTraction, bicubic, line_lattice_error
 from solvers.surface_stress import alike, corrected_nodes, unspread
 
 #: Distances at which shear ahead and behind is summed; their roots are evenly spaced.

@@ -15,8 +15,7 @@ import numpy as np
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.condensation import CondensedBody
-from solvers.near_field import Bricks
-from solvers.patch_compliance import PatchCompliance
+from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.quadrature import gradient
 
 

@@ -2,6 +2,12 @@
 
 Stresses are symmetric tensors of six components in VTK's order: xx, yy, zz, xy, yz, xz, in MPa, tension positive. A
 planar body's derivatives along y are zero: plane strain, and antiplane shear beside it.
+
+Linear elasticity on eight-node bricks and four-node quadrilaterals, fully integrated, assembled by scikit-fem.
+
+A planar body does not change along y. Its displacements in the plane (plane strain) and out of it (antiplane shear)
+decouple, and both follow from the same formula as a brick's with all derivatives along y zero. It has three unknowns
+per node as a brick has.
 """
 
 from __future__ import annotations

@@ -22,8 +22,7 @@ from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled
 from solvers.strain import components, tensors
-from solvers.subgrid_traction import SubgridTraction, bicubic
-from solvers.surface_lattice import lattice_error
+from solvers.subgrid_traction import SubgridTraction, bicubic, lattice_error
 
 #: Elements are alike that differ by no more than this share.
 _ALIKE = 0.02

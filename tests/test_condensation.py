@@ -17,8 +17,8 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
+from solvers.condensation import schur_complement
 from solvers.strain import stiffness_matrix
-from solvers.substructuring import schur_complement
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
 

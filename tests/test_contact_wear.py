@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from solvers import ContactProblem, ContactState, IncrementReport, OxygenSupply, SolverError, run_cycle
-from solvers.oxygen import edge_distances
+from solvers.wear import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from tests.test_planar_study import TABLES

@@ -15,7 +15,7 @@ from wirewear.loops import Sensor, SensorNoise, analyse_loop
 from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.records import LineRecord, check_record
-from wirewear.records.believed import believed_study
+from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
 from wirewear.study import load_study
 

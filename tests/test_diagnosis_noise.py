@@ -16,15 +16,15 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
-from wirewear.loops.correlated_noise import (
+from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,
     correlation_of_neighbours,
     noise_factor,
     noise_of_neighbours,
+    sample_noise,
     stretch_of,
 )
-from wirewear.loops.noise import sample_noise
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 

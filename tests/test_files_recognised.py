@@ -8,7 +8,7 @@ from click.testing import CliRunner, Result
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from wirewear.base.recognised import Held, recognised
+from wirewear.base.reading import Held, recognised
 from wirewear.faces import cli
 from wirewear.results import write_result
 

@@ -5,7 +5,7 @@ from math import log, pi
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
-from solvers.elasticity import stiffness_matrix
+from solvers.strain import stiffness_matrix
 
 from geometry import BodyMesh, GeometryError, GradedAxis, Layering, QuadMesh, WireGeometry, build_body
 from geometry.sections import wire_section

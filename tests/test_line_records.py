@@ -17,8 +17,8 @@ from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
-from wirewear.records.believed import believed_study
 from wirewear.records.remarks import Remark
+from wirewear.records.values import believed_study
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.views.comparison import compare, write_comparison
 

@@ -16,8 +16,8 @@ from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
 from wirewear.loops.clipping import rounding_noise, step_of
-from wirewear.loops.correlated_noise import correlated_noise
 from wirewear.loops.drive import period_of
+from wirewear.loops.noise import correlated_noise
 from wirewear.loops.timing import lag_of
 
 

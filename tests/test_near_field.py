@@ -8,7 +8,7 @@ from geometry.arrays import Array
 from solvers import PlacedBody, facing, place
 from solvers.interior import Interior
 from solvers.line_surface_stress import LineSurfaceStress, LoadedLine
-from solvers.near_field import Bricks, half_space_response, missing_displacement, reach
+from solvers.patch_compliance import Bricks, half_space_response, missing_displacement, reach
 from solvers.strain import integration_points
 from solvers.subgrid_traction import SubgridTraction
 from solvers.surface_stress import LoadedSurface, SurfaceStress, half_space_stress

@@ -95,7 +95,7 @@ def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path:
 
 
 def believed(record: ExperimentRecord[Any, Any]) -> dict[str, Any]:
-    from wirewear.records.believed import believed_tables
+    from wirewear.records.values import believed_tables
 
     return believed_tables(record.tables, 0.62)
 

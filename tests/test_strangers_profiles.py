@@ -10,7 +10,7 @@ from tests.test_strangers_files import filled_in
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import mapping_text
 from wirewear.records.importing.line_guessing import guessed_line_mapping
-from wirewear.records.importing.mistaken import open_lines
+from wirewear.records.importing.reader import open_lines
 
 KNOWN = {"length_mm": 10.0, "radius_mm": 6.0, "pad": {"material": "steel"}, "specimen": {"material": "steel"}} | {
     "normal_load_N": 20.0,

@@ -18,9 +18,8 @@ from wirewear.verification.hertz import STEEL, bulk_compliance, ellipse_rows, he
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
-from wirewear.verification.partial_slip import partial_slip_rows
+from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.partial_slip_run import partial_slip_run_rows
-from wirewear.verification.partial_slip_wear import partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.rows import compared, observed_order
 from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, rig_loop_rows
 

@@ -9,7 +9,7 @@ can be taken at once.
 """
 
 from solvers.contact.advancing import advance
-from solvers.contact.pressing import press
+from solvers.contact.increment import press
 from solvers.contact.problem import ContactProblem, Formulation, unloaded_state
 
 __all__ = ["ContactProblem", "Formulation", "advance", "press", "unloaded_state"]

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from solvers.contact.gaps import vertical_gaps
 from solvers.contact.increment import IncrementFailedError, LostContactError, solve_increment
+from solvers.contact.linearisation import vertical_gaps
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError

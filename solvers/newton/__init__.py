@@ -2,6 +2,6 @@
 
 from solvers.newton.iteration import solve_contact
 from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome
-from solvers.newton.system import Linearisation
+from solvers.newton.terms import Linearisation
 
 __all__ = ["LOST_CONTACT", "Linearisation", "NewtonOutcome", "solve_contact"]

@@ -18,8 +18,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.kept_code import compiled
-from solvers.newton.system import Linearisation
-from solvers.newton.terms import HolderTerms, Nodes, nodes_of
+from solvers.newton.terms import HolderTerms, Linearisation, Nodes, nodes_of
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.

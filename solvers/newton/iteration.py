@@ -12,7 +12,7 @@ from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.equations import Solution, newton_step
 from solvers.newton.holder_balance import stop_in_play
 from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcome, failed_outcome
-from solvers.newton.system import Linearisation
+from solvers.newton.terms import Linearisation
 
 _MOST_ITERATIONS = 60
 # Iterations without progress after which the increment is given up.

@@ -8,7 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
-from solvers.contact.gaps import faced, levers, vertical_gaps
+from solvers.contact.linearisation import faced, levers, vertical_gaps
 from solvers.contact_layer import layers_at_nodes
 from solvers.contact_state import ContactState
 from solvers.pairing import Pairing

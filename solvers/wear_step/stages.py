@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
-from solvers.contact.gaps import vertical_gaps
+from solvers.contact.linearisation import vertical_gaps
 from solvers.contact_state import ContactState, WearState
 from solvers.fretting import CycleTrace
 from solvers.wear_step.orbits import Orbits

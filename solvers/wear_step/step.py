@@ -8,12 +8,12 @@ from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
-from solvers.contact.gaps import faced, levers, vertical_gaps
+from solvers.contact.linearisation import faced, levers, vertical_gaps
 from solvers.contact_state import ContactState
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
 from solvers.holder import Guide, guide_from
-from solvers.oxygen import edge_distances
+from solvers.wear import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, orbits_of
 from solvers.wear_step.positions import Position, facing_nodes, positions_of

@@ -27,11 +27,9 @@ CONDENSATION_CODE = (
     "geometry",
     "solvers/condensation.py",
     "solvers/errors.py",
-    "solvers/near_field.py",
-    "solvers/patch_compliance.py",
     "solvers/kept_code.py",
+    "solvers/patch_compliance.py",
     "solvers/strain.py",
-    "solvers/substructuring.py",
 )
 
 #: What a run of crossed wires comes from.

@@ -101,8 +101,7 @@ _TOLD = {
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
-    from wirewear.base.reading import parsed_toml
-    from wirewear.base.recognised import Held, recognised
+    from wirewear.base.reading import Held, parsed_toml, recognised
     from wirewear.base.writing import prepared_folder, write_text
     from wirewear.kinds import any_study
     from wirewear.study.template import study_text
@@ -152,10 +151,10 @@ def _new_mapping(
 ) -> None:
     from dataclasses import replace
 
-    from wirewear.base.recognised import Held, require_no_other
+    from wirewear.base.reading import Held, require_no_other
     from wirewear.base.writing import prepared_folder, usable_file, write_text
     from wirewear.records.importing.guessing import mapping_text, with_files_from
-    from wirewear.records.importing.mistaken import OPEN, lines_to_fill_in
+    from wirewear.records.importing.reader import OPEN, lines_to_fill_in
 
     # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
     files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
@@ -228,7 +227,7 @@ def fit(
     Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
     from wirewear.base.locks import occupied
-    from wirewear.base.recognised import TABLE_FILE_NAME
+    from wirewear.base.reading import TABLE_FILE_NAME
     from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.fitting.fit import tables_of_record
 from wirewear.fitting.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures

@@ -191,8 +191,7 @@ def _require_no_measurement(folder: Path) -> None:
     Raises:
         RecordError: one stands there.
     """
-    from wirewear.base.reading import parsed_toml, read_text
-    from wirewear.base.recognised import TABLE_FILE_NAME
+    from wirewear.base.reading import TABLE_FILE_NAME, parsed_toml, read_text
 
     path = folder / TABLE_FILE_NAME
     if not path.is_file():
@@ -230,7 +229,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
     """
     from wirewear.records import check_record, write_record
     from wirewear.records.importing import import_record
-    from wirewear.records.importing.dry_run import draw_import, import_text
+    from wirewear.records.importing.importing import draw_import, import_text
 
     with busy("reading the files"):
         record = import_record(mapping_path)
@@ -254,7 +253,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
     from wirewear.base.locks import occupied
-    from wirewear.base.recognised import Held, recognised
+    from wirewear.base.reading import Held, recognised
     from wirewear.faces.study_script import wide_console
     from wirewear.records import read_record
     from wirewear.views.comparison import compare, differences_table, write_comparison

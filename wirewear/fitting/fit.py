@@ -30,9 +30,9 @@ from wirewear.fitting.wear import (
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
-from wirewear.records.believed import believed_tables, stated_friction
 from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
+from wirewear.records.values import believed_tables, stated_friction
 from wirewear.results import read_loops
 
 if TYPE_CHECKING:

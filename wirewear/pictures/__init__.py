@@ -9,11 +9,10 @@ from typing import TYPE_CHECKING
 from geometry.late import loaded_late
 
 if TYPE_CHECKING:
-    from wirewear.pictures.contact_fields import contact_maps, scar_sections
     from wirewear.pictures.gallery import drawings, show
     from wirewear.pictures.loops import amplitude_evolution, evolution_panels, loops_by_cycle, loops_by_run
     from wirewear.pictures.mesh import body_meshes, surface_fields
-    from wirewear.pictures.scar_maps import scar_series, scars_from_above
+    from wirewear.pictures.scar_maps import contact_maps, scar_sections, scar_series, scars_from_above
     from wirewear.pictures.scar_surfaces import scars_in_3d
     from wirewear.pictures.style import require_picture_name, save
 

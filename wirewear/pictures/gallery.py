@@ -15,9 +15,8 @@ from matplotlib.figure import Figure
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
-from wirewear.pictures.contact_fields import contact_maps, profile, scar_sections
 from wirewear.pictures.loops import draw_amplitudes, draw_depths, draw_loops, evolution_panels, loops_by_run
-from wirewear.pictures.scar_maps import draw_map, scar_series, scars_from_above
+from wirewear.pictures.scar_maps import contact_maps, draw_map, profile, scar_sections, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.pictures.style import (

@@ -7,7 +7,7 @@ import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
-from wirewear.base.recognised import TABLE_FILE_NAME
+from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
 from wirewear.records.loop_statistics import loop_statistics

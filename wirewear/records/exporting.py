@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
-from wirewear.base.recognised import TABLE_FILE_NAME
+from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.base.writing import prepared_folder, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.point_tables import TABLES, AnyTables

@@ -11,8 +11,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.base.locks import occupied
-from wirewear.base.reading import read_toml, require_within, toml_text
-from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.reading import TABLE_FILE_NAME, Held, read_toml, require_no_other, require_within, toml_text
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.line_tables import LineRecordTables

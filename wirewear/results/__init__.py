@@ -9,10 +9,9 @@ from geometry.late import loaded_late
 from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
-    from wirewear.base.recognised import RESULT_FILE_NAME
+    from wirewear.base.reading import RESULT_FILE_NAME
     from wirewear.results.contact_forces import ContactForces, largest_mean_pressure_MPa, largest_means
     from wirewear.results.hdf5 import read_result, read_results, write_result
-    from wirewear.results.readings import age_at, read_loops, sensor_of
     from wirewear.results.scar import BODIES, Scar
     from wirewear.results.values import (
         COLUMN_MEANINGS,
@@ -24,6 +23,9 @@ if TYPE_CHECKING:
         Evolution,
         Loop,
         RunResult,
+        age_at,
+        read_loops,
+        sensor_of,
     )
 
 __all__ = [

@@ -37,7 +37,7 @@ import numpy as np
 from geometry import Elastic
 from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
-from wirewear.base.recognised import RESULT_FILE_NAME, Held, require_no_other
+from wirewear.base.reading import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of

@@ -24,8 +24,7 @@ from solvers import (
     unloaded_state,
 )
 from solvers.condensation import condense
-from solvers.near_field import Bricks
-from solvers.patch_compliance import PatchCompliance
+from solvers.patch_compliance import Bricks, PatchCompliance
 from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
 from wirewear.base.identity import CONDENSATION_CODE, identity_of
 from wirewear.base.writing import in_one_step

@@ -24,9 +24,8 @@ from solvers import (
     run_cycle,
     unloaded_state,
 )
-from solvers.condensation import compliance_of, piece_to_condense
+from solvers.condensation import compliance_of, piece_to_condense, schur_complement, schur_complements
 from solvers.strain import stiffness_matrix
-from solvers.substructuring import schur_complement, schur_complements
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
 from wirewear.base.errors import LostTaskError, ResultError, RunError
 from wirewear.base.processes import end_with_parent

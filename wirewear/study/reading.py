@@ -7,8 +7,7 @@ from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
-from wirewear.base.reading import parsed_toml, read_toml
-from wirewear.base.recognised import Held, require_no_other
+from wirewear.base.reading import Held, parsed_toml, read_toml, require_no_other
 from wirewear.study.consistency import checked_tables, merged
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS

@@ -2,25 +2,174 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, MaxNLocator, NullFormatter
+from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted, words_of
+from wirewear.base.frame import figure as written
+from wirewear.base.quantity import counted, unit_of, words_of
 from wirewear.base.writing import in_one_step, write_csv, write_text, writing
-from wirewear.pictures.style import svg
-from wirewear.sweeps import pictures
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.running import SweepResult
 from wirewear.sweeps.sensitivity import Index, indices
-from wirewear.sweeps.sweep import Sweep, SweepRow, figures_named
+from wirewear.sweeps.sweep import DEPTH, Sweep, SweepRow, VariedInput, figures_named
 
 if TYPE_CHECKING:
     import polars as pl
+
+
+#: Figures that are drawn, where they vary, with a depth after the first three; units and words follow from names.
+_DRAWN = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "mid_stroke_mean_pressure_MPa")
+
+#: The figure that should be large in the last picture; the depth of the held body should be small.
+SLIP = "slip_amplitude_um"
+
+#: Medians of so many groups of runs show the trend.
+GROUPS = 8
+
+#: Runs of a group, at least; fewer show no trend.
+FEWEST = 5
+
+
+def depth_among(names: Iterable[str]) -> str:
+    """The depth of the held body, the last one among the names of figures."""
+    return next((name for name in reversed([*names]) if name.startswith(DEPTH)), "")
+
+
+def drawn_among(names: Iterable[str]) -> list[str]:
+    """Those of the figures that are drawn."""
+    known = [*names]
+    return [name for name in (*_DRAWN[:3], depth_among(known), *_DRAWN[3:]) if name in known]
+
+
+def label_of(name: str) -> str:
+    """``slip amplitude [µm]``: a column's name for people."""
+    unit = unit_of(name)
+    words = words_of(name)
+    return words if unit in ("", "1") else f"{words} [{unit}]"
+
+
+def draw_responses(factors: Sequence[VariedInput], points: Array, figures: dict[str, Array]) -> Figure:
+    """Every figure (rows) over every varied key (columns): runs as dots, joined where they differ in that key alone."""
+    rows = drawn_among(figures)
+    figure = new_figure(1.5 * len(rows) + 0.8)
+    panels = figure.subplots(len(rows), len(factors), squeeze=False, sharex="col", sharey="row")
+    for row, name in enumerate(rows):
+        panels[row][0].set_ylabel(label_of(name), fontsize=7)
+        for column, factor in enumerate(factors):
+            _response(panels[row][column], factor, points, column, figures[name])
+    for column, factor in enumerate(factors):
+        panels[-1][column].set_xlabel("\n".join(wrap(label_of(factor.key.rpartition(".")[2]), 24)), fontsize=7)
+    figure.align_ylabels()
+    return figure
+
+
+def _response(axes: Axes, factor: VariedInput, points: Array, column: int, y: Array) -> None:
+    known = np.isfinite(y)
+    x = points[:, column]
+    axes.plot(x[known], y[known], "o", color=GREY, markersize=3.2, markeredgewidth=0.0)
+    if factor.logarithmic:
+        axes.set_xscale("log")
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    else:
+        axes.xaxis.set_major_locator(MaxNLocator(4))
+        axes.xaxis.set_major_formatter(FuncFormatter(lambda value, _: written(value)))
+    for line in _lines(points[known], column, y[known]):
+        axes.plot(*line, color=VARIANT_COLOURS[0], linewidth=1.2)
+    axes.tick_params(labelsize=6.5)
+
+
+def _lines(points: Array, column: int, y: Array) -> list[tuple[Array, Array]]:
+    """Runs that differ in one key alone, as those of a grid, in its order; else medians of neighbouring runs."""
+    others = np.delete(points, column, axis=1)
+    alike = [np.flatnonzero((others == one).all(axis=1)) for one in np.unique(others, axis=0)] if others.size else []
+    joined = [runs[np.argsort(points[runs, column])] for runs in alike or [np.arange(len(points))] if runs.size > 1]
+    x = points[:, column]
+    return [(x[runs], y[runs]) for runs in joined] or [_medians(x, y)]
+
+
+def _medians(x: Array, y: Array) -> tuple[Array, Array]:
+    groups = min(GROUPS, x.size // FEWEST)
+    if groups < 2:
+        return np.empty(0), np.empty(0)
+    parts = np.array_split(np.argsort(x, kind="stable"), groups)
+    return np.array([np.median(x[part]) for part in parts]), np.array([np.median(y[part]) for part in parts])
+
+
+def draw_indices(found: Sequence[Index]) -> Figure:
+    """Bars of first-order indices, and of total ones beside them, with 95 % intervals."""
+    names, keys = list(dict.fromkeys(i.figure for i in found)), list(dict.fromkeys(i.key for i in found))
+    of = {(index.figure, index.key): index for index in found}
+    figure = new_figure(1.1 * len(names) + 0.9)
+    panels = figure.subplots(len(names), 1, squeeze=False, sharex=True)[:, 0]
+    place = np.arange(len(keys), dtype=np.float64)
+    totals = found[0].total is not None
+    for axes, name in zip(panels, names, strict=True):
+        own = [of[name, key] for key in keys]
+        shift = 0.2 if totals else 0.0
+        _bars(axes, place + shift, [i.first for i in own], [i.first_error for i in own], 0, "alone")
+        if totals:
+            values, errors = [i.total or 0.0 for i in own], [i.total_error or 0.0 for i in own]
+            _bars(axes, place - shift, values, errors, 1, "with all others")
+        axes.set_yticks(place, keys, fontsize=7)
+        axes.set_title(words_of(name), fontsize=8)
+        axes.set_xlim(min(0.0, *(i.first - i.first_error for i in own)), 1.05)
+    panels[-1].set_xlabel("share of the variance")
+    if totals:
+        panels[0].legend(loc="lower right", fontsize=7)
+    return figure
+
+
+def _bars(
+    axes: Axes, at: NDArray[np.floating[Any]], values: Sequence[float], errors: Sequence[float], colour: int, label: str
+) -> None:
+    axes.barh(
+        at,
+        values,
+        height=0.36,
+        xerr=errors,
+        color=VARIANT_COLOURS[colour],
+        error_kw={"elinewidth": 0.9, "capsize": 2.0},
+        label=label,
+    )
+
+
+def draw_front(slip: Array, depth: Array, name: str) -> Figure:
+    """Slip amplitude against depth of all runs, and those of which no other has both more slip and less depth.
+
+    name: of the depth's figure.
+    """
+    figure = new_figure(3.2)
+    axes = figure.subplots()
+    axes.plot(depth, slip, ".", color=GREY, markersize=6, label="runs")
+    best = front(slip, depth)
+    axes.plot(depth[best], slip[best], "o-", color=VARIANT_COLOURS[1], markersize=4, label="no run has both better")
+    axes.set_xlabel(label_of(name))
+    axes.set_ylabel(label_of(SLIP))
+    axes.legend()
+    return figure
+
+
+def front(more: Array, less: Array) -> NDArray[np.intp]:
+    """Places of the runs of which no other has both a larger first and a smaller second figure, by the second."""
+    order = np.lexsort([-more, less])
+    chosen, best = [], -np.inf
+    for place in order:
+        if more[place] > best:
+            best = more[place]
+            chosen.append(place)
+    return np.array(chosen, dtype=np.intp)
+
 
 TABLE, FAILURES = "table", "failures.csv"
 
@@ -99,7 +248,7 @@ def write_sweep(folder: Path, result: SweepResult) -> list[Path]:
 def page(result: SweepResult) -> str:
     """The page, which needs no other file."""
     figures = varying_figures(result)
-    found = [i for name in pictures.drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
+    found = [i for name in drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
     return frame.rendered(
         HERE / "page.html",
         {
@@ -113,7 +262,7 @@ def page(result: SweepResult) -> str:
             "indices": found,
             "cpu_s": sum(row.cpu_s for row in result.rows.values()),
         },
-        {"words": words_of, "label": pictures.label_of},
+        {"words": words_of, "label": label_of},
     )
 
 
@@ -122,7 +271,7 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
     names = figures_named([body.name for body in result.sweep.study.bodies])
-    for name in (*pictures.drawn_among(names), "worn_volume_mm3", "max_mean_pressure_MPa"):
+    for name in (*drawn_among(names), "worn_volume_mm3", "max_mean_pressure_MPa"):
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
         known = values[np.isfinite(values)]
@@ -146,22 +295,22 @@ def sentences(result: SweepResult, found: list[Index]) -> list[str]:
 def _pictures(result: SweepResult, figures: dict[str, Array], found: list[Index]) -> list[tuple[str, str, str]]:
     """Heading, caption and SVG of each."""
     design = result.sweep.design
-    drawn = {name: figures[name] for name in pictures.drawn_among(figures)}
+    drawn = {name: figures[name] for name in drawn_among(figures)}
     made: list[tuple[str, str, bytes]] = []
     if drawn:
-        image = svg(lambda: pictures.draw_responses(design.factors, design.points, drawn))
+        image = svg(lambda: draw_responses(design.factors, design.points, drawn))
         words = (
             "Each dot is a run. Lines join runs that differ in that key alone, or else medians of neighbouring runs."
         )
         made.append(("Responses", words, image))
     if found:
         words = "Shares of the variance that each key makes, with 95 % intervals."
-        made.append(("Sensitivities", words, svg(lambda: pictures.draw_indices(found))))
-    if {pictures.SLIP, depths := pictures.depth_among(drawn)} <= drawn.keys():
-        known = np.isfinite(drawn[pictures.SLIP])
-        slip, depth = drawn[pictures.SLIP][known], drawn[depths][known]
+        made.append(("Sensitivities", words, svg(lambda: draw_indices(found))))
+    if {SLIP, depths := depth_among(drawn)} <= drawn.keys():
+        known = np.isfinite(drawn[SLIP])
+        slip, depth = drawn[SLIP][known], drawn[depths][known]
         words = "Slip amplitude and depth of the held body at the last cycle."
-        made.append(("Slip against depth", words, svg(lambda: pictures.draw_front(slip, depth, depths))))
+        made.append(("Slip against depth", words, svg(lambda: draw_front(slip, depth, depths))))
     return [(head, words, frame.inline_svg(image, f"p{n}")) for n, (head, words, image) in enumerate(made)]
 
 

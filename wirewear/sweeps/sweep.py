@@ -17,8 +17,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
-from wirewear.base.reading import read_toml
-from wirewear.base.recognised import Held, require_no_other
+from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result

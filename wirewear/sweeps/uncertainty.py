@@ -23,7 +23,7 @@ from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
-from wirewear.sweeps.pictures import SLIP, depth_among, label_of
+from wirewear.sweeps.page import SLIP, depth_among, label_of
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
 from wirewear.sweeps.tables import LATIN_HYPERCUBE

@@ -1,4 +1,9 @@
-"""All reference problems in turn."""
+"""All reference problems in turn.
+
+A ball on a flat, pressed and in partial slip, and a barrel on a flat: blocks held at their backs and sides.
+
+What their size makes of approach and displacement is read from their compliances, as of wires.
+"""
 
 from collections.abc import Callable
 
@@ -22,9 +27,14 @@ from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
 from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
 from wirewear.verification.line_surface import line_surface_rows
-from wirewear.verification.partial_slip import FRICTION, partial_slip_rows, sliding_rows
+from wirewear.verification.partial_slip import (
+    FRICTION,
+    partial_slip_rows,
+    partial_slip_wear_rows,
+    sliding_rows,
+    worn_pressure_rows,
+)
 from wirewear.verification.partial_slip_run import partial_slip_run_rows
-from wirewear.verification.partial_slip_wear import partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.rows import Level, Row
 from wirewear.verification.sliding import book_keeping_rows, rig_loop_rows
 from wirewear.verification.surface import surface_rows

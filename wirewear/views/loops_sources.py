@@ -9,7 +9,7 @@ import h5py
 from wirewear.base.errors import RecordError
 from wirewear.base.guessing import guessed_layout
 from wirewear.base.quantity import FIELD_UNITS, nearest, shown
-from wirewear.base.recognised import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.records import read_record
 from wirewear.records.exporting import chosen_run
 from wirewear.records.importing.guessed_conditions import frequency_of

@@ -12,7 +12,7 @@ from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
 from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
-from wirewear.records.believed import believed_study
+from wirewear.records.values import believed_study
 from wirewear.results.scar import called
 from wirewear.study.bodies import Gap
 

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.loops.correlated_noise import noise_factor, noise_product
+from wirewear.loops.noise import noise_factor, noise_product
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
 STICK_SHARE = constants("observe.branch").number("stick_share")

@@ -27,7 +27,7 @@ from wirewear.diagnosis.observe.sites import (
     along_branches,
     rows_of,
 )
-from wirewear.loops.correlated_noise import noise_factor
+from wirewear.loops.noise import noise_factor
 
 _KNOWN = constants("observe.plateau")
 

@@ -21,7 +21,7 @@ from wirewear.diagnosis.observe.sites import (
     along_branches,
     travel_um,
 )
-from wirewear.loops.correlated_noise import noise_factor
+from wirewear.loops.noise import noise_factor
 
 _KNOWN = constants("observe.stick")
 

@@ -13,7 +13,7 @@ from wirewear.loops.cycles import split_cycles
 from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, shut
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import LoopSource
-from wirewear.records.importing.mistaken import OPEN
+from wirewear.records.importing.reader import OPEN
 from wirewear.records.values import MeasuredLoop
 
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.

@@ -16,8 +16,7 @@ from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
 from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
-from wirewear.records.importing.mistaken import OPEN
-from wirewear.records.importing.reader import TextReader
+from wirewear.records.importing.reader import OPEN, TextReader
 from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of

@@ -10,8 +10,8 @@ from wirewear.base.errors import RecordError
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.mapping import PROFILOMETER
-from wirewear.records.importing.mistaken import OPEN
 from wirewear.records.importing.profilometry import ASKEW_deg, direction_deg, grid_of_points
+from wirewear.records.importing.reader import OPEN
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body
 

@@ -14,7 +14,7 @@ from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import Touching, listed, scars_of
 from wirewear.records.importing.height_maps import is_map, matrix_of
-from wirewear.records.importing.mistaken import OPEN, open_lines
+from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.point_tables import BallTest
 from wirewear.records.tables import RecordWires
 from wirewear.results.scar import WIRES

@@ -1,21 +1,26 @@
 """From a laboratory's files to a record, by a mapping."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
+from wirewear.base.writing import prepared_folder
+from wirewear.loops import LoopError
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
 from wirewear.loops.signals import enclosed_area
+from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
-from wirewear.records.importing.mistaken import require_mapping
 from wirewear.records.importing.profilometry import surfaces_of
+from wirewear.records.importing.reader import require_mapping
 from wirewear.records.importing.sources import (
     equal_rows,
     files_of,
@@ -24,11 +29,145 @@ from wirewear.records.importing.sources import (
     require_recorded,
     wanted_columns,
 )
+from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.point_tables import TABLES
 from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
+from wirewear.records.remarks import listed, plural
+from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
+from wirewear.records.tables import PointRecordTables
 from wirewear.records.toml_file import read_tables
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.results.scar import called
+
+FEW = 5
+
+#: Scars of one wire, or profiles of one body, that are drawn.
+MOST_DRAWN = 3
+
+
+def import_text(record: AnyRecord) -> str:
+    """What would be imported, the first samples of the first loop and its figures, and those of worn surfaces."""
+    parts = (
+        (record.repeats, "repeat"),
+        (record.loops, "loop"),
+        (record.evolution, "evolution table"),
+        (record.scars, record.tables.worn.noun),
+    )
+    counts = ", ".join(plural(len(items), noun) for items, noun in parts)
+    lines = [f"note: {note}" for note in record.notes]
+    lines.append(f"{counts}; cycles {listed(record.cycles)}" if record.cycles else counts)
+    if record.loops:
+        lines += loop_lines(record.loops[0], record.tables.conditions.normal_load_N)
+    return "\n".join([*lines, *(f"{one.body}, repeat {one.repeat}: {one.sizes}" for one in record.scars)])
+
+
+def loop_lines(loop: MeasuredLoop, normal_load_N: float) -> list[str]:
+    """The first samples of a loop, and its figures."""
+    lines = [
+        f"first loop: {loop.name}, {plural(loop.time_s.size, 'sample')}",
+        f"{'time_s':>12} {'displacement_um':>16} {'tangential_force_N':>19} {'normal_force_N':>15}",
+    ]
+    normal = np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N
+    channels = (loop.time_s, loop.displacement_um, loop.tangential_force_N, normal)
+    rows = zip(*(channel[:FEW].tolist() for channel in channels), strict=True)
+    lines += [f"{time:12.6g} {x:16.6g} {q:19.6g} {p:15.6g}" for time, x, q, p in rows]
+    try:
+        figures = loop.figures(normal_load_N)
+    except LoopError as problem:
+        return [*lines, f"this is no loop that can be analysed: {problem}"]
+    lines.append(
+        f"δa {figures.displacement_amplitude_um.value:.4g} µm, δ0 {figures.slip_amplitude_um.value:.4g} µm, "
+        f"energy {figures.dissipated_energy_mJ.value:.4g} mJ, {figures.regime}"
+    )
+    return [*lines, *figures.notes]
+
+
+def draw_import(record: AnyRecord, output: Path) -> list[Path]:
+    """Draw the first loop, and of each body the first worn surfaces as they would be imported; the pictures' paths.
+
+    They stand beside where the record would be, whose folder is made if need be.
+    """
+    prepared_folder(output.parent)
+    drawn = []
+    if record.loops:
+        drawn.append(save(lambda: _picture(record.loops[0]), output.with_name(f"{output.name}_first_loop.png")))
+    name = record.tables.worn.name
+    for body in record.tables.body_names:
+        if own := record.scars_of(body)[:MOST_DRAWN]:
+            path = output.with_name(f"{output.name}_{name}_{body}.png")
+            drawn.append(save(partial(_PICTURES[name], own, body, record.tables), path))
+    return drawn
+
+
+def _scar_picture(scars: Sequence[MeasuredScar], body: str, tables: PointRecordTables) -> Figure:
+    """Depth below the fitted surface, on one scale."""
+    # As wide as its panels: one alone would stand aside.
+    figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
+    panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
+    deepest = max([1e-6, *(float(np.nanmax(scar.depth_um)) for scar in scars)])
+    for axes, scar in zip(panels, scars, strict=True):
+        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
+        axes.set_aspect("equal")
+        along = np.radians(tables.body(body).axis_angle_deg)
+        axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
+        axes.set_title(f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³")
+        axes.set_xlabel("x, along the motion [µm]")
+    panels[0].set_ylabel(f"{called(body)} (its axis dash-dotted), y [µm]")
+    figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
+    return figure
+
+
+def _profile_picture(profiles: Sequence[MeasuredProfile], body: str, _: LineRecordTables) -> Figure:
+    heights = any(one.face_um is not None for one in profiles)
+    figure = new_figure(5.0 if heights else 3.0)
+    panels = figure.subplots(2 if heights else 1, len(profiles), sharex="col", sharey="row", squeeze=False)
+    for (upper, axes), one in zip(((column[0], column[-1]) for column in panels.T), profiles, strict=True):
+        profile, (left, right) = one, one.edges_um
+        worn = (profile.x_um >= left) & (profile.x_um <= right)
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+        axes.plot(profile.x_um, profile.depth_um, color=VARIANT_COLOURS[0], linewidth=0.8)
+        axes.fill_between(profile.x_um[worn], profile.depth_um[worn], color=VARIANT_COLOURS[0], alpha=0.25)
+        axes.set_xlabel("x, along the motion [µm]")
+        upper.set_title(f"{body}, repeat {profile.repeat}\n{profile.area_um2:.4g} µm²")
+        if one.height_um is not None and one.face_um is not None:
+            upper.plot(profile.x_um, one.height_um, color=VARIANT_COLOURS[0], linewidth=0.8, label="measured")
+            fitted = {"color": VARIANT_COLOURS[1], "linestyle": "--", "linewidth": 1.2}
+            upper.plot(profile.x_um, one.face_um, **fitted, label="fitted face")
+    panels[-1][0].invert_yaxis()
+    if heights:
+        panels[0][0].set_ylabel("height [µm]")
+        panels[0][0].legend(fontsize="small")
+    panels[-1][0].set_ylabel("worn depth [µm]")
+    return figure
+
+
+_PICTURES: Mapping[str, Callable[[Any, str, Any], Figure]] = {
+    SCARS.name: _scar_picture,
+    PROFILES.name: _profile_picture,
+}
+
+
+def _picture(loop: MeasuredLoop) -> Figure:
+    figure = new_figure(3.2)
+    left, right = figure.subplots(1, 2)
+    left.plot(loop.displacement_um, loop.tangential_force_N, color=VARIANT_COLOURS[0], marker=".", markersize=3)
+    left.plot(loop.displacement_um[:1], loop.tangential_force_N[:1], color=VARIANT_COLOURS[1], marker="o", markersize=6)
+    left.set_xlabel("displacement δ [µm]")
+    left.set_ylabel("tangential force Q [N]")
+    left.set_title(f"{loop.name} (dot: first sample)")
+    right.plot(loop.time_s, loop.displacement_um, color=VARIANT_COLOURS[0])
+    right.set_xlabel("time [s]")
+    right.set_ylabel("displacement δ [µm]", color=VARIANT_COLOURS[0])
+    force = right.twinx()
+    force.plot(loop.time_s, loop.tangential_force_N, color=VARIANT_COLOURS[1], linestyle="--", linewidth=1.2)
+    force.set_ylabel("tangential force Q [N]", color=VARIANT_COLOURS[1])
+    force.spines["right"].set_visible(True)
+    force.grid(visible=False)
+    for axes in (left, right):
+        axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    return figure
+
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
 WHOLE_CYCLE = 0.9

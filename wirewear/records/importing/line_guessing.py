@@ -18,7 +18,7 @@ from wirewear.records.importing.guessing import (
     no_loops,
     recognised_files,
 )
-from wirewear.records.importing.mistaken import OPEN
+from wirewear.records.importing.reader import OPEN
 from wirewear.records.line_tables import LineTest, RecordContact
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.messages import validated

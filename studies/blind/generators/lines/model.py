@@ -25,7 +25,7 @@ from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam, effect_named
 from wirewear.planar.tables import PlanarStudy, per_mm
 from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
-from wirewear.records.believed import believed_study
+from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
