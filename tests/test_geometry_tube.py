@@ -5,11 +5,11 @@ from math import log, pi
 import numpy as np
 import pytest
 from scipy.sparse.linalg import spsolve
-from solvers.strain import stiffness_matrix
 
 from geometry import BodyMesh, GeometryError, GradedAxis, Layering, QuadMesh, WireGeometry, build_body
 from geometry.sections import wire_section
 from solvers.condensation import condense
+from solvers.strain import stiffness_matrix
 from tests.bodies import STEEL
 
 AXIS = GradedAxis(0.02, 0.04, 0.03, 0.1)

@@ -22,7 +22,15 @@ from wirewear.reference.even_line import (
     turned_load,
     turned_scar,
 )
-from wirewear.reference.half_plane import half_plane_line_stiffness, line_partial_slip_stress, line_stress
+from wirewear.reference.half_plane import (
+    half_plane_line_stiffness,
+    line_loading_traction,
+    line_partial_slip_stress,
+    line_stick_ratio,
+    line_stick_ratio_after_reversal,
+    line_stress,
+    line_traction_after_reversal,
+)
 from wirewear.reference.half_space import hertz_stress, partial_slip_stress, sliding_stress
 from wirewear.reference.hertz import (
     LineContact,
@@ -37,12 +45,6 @@ from wirewear.reference.hertz import (
     relative_curvatures,
     semi_axis_ratio,
     tangential_contact_modulus,
-)
-from wirewear.reference.line_slip import (
-    line_loading_traction,
-    line_stick_ratio,
-    line_stick_ratio_after_reversal,
-    line_traction_after_reversal,
 )
 from wirewear.reference.partial_slip_wear import (
     CrossedWireScar,
