@@ -14,6 +14,7 @@ from pathlib import Path
 
 import click
 import numpy as np
+from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
@@ -28,7 +29,6 @@ from wirewear.diagnosis.beginning import reduced_record
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.model.candidates import Candidate, effect_of, library
-from wirewear.diagnosis.model.setup import Array
 from wirewear.effects import effect_named
 from wirewear.faces.study_script import StudyScript, wide_console
 
@@ -60,7 +60,7 @@ def own_size(case: Case, problem: Problem, covariance: Covariance) -> dict[str, 
     return {"all": round(least**0.5, 2), "without_solvers": round(_squared(sure.whitened(sure.setup)) ** 0.5, 2)}
 
 
-def _squared(residual: Array) -> float:
+def _squared(residual: NDArray[np.float64]) -> float:
     return float(residual @ residual)
 
 
