@@ -186,18 +186,14 @@ def picture(result: RunResult) -> Figure:
     ):
         panels[2].plot(measured.x_um, rest + base, color=colour, label=name)
     panels[2].axhline(0.0, color=GREY, linewidth=0.8)
-    panels[2].set_title("measured less simulated depth")
-    panels[2].set_xlabel("x [µm]")
-    panels[2].set_ylabel("difference [µm]")
+    panels[2].set(title="measured less simulated depth", xlabel="x [µm]", ylabel="difference [µm]")
     panels[2].legend(title="measured from", fontsize="small", title_fontsize="small")
     cycles = [cycle for cycle in result.scar_cycles() if cycle >= 1000]
     for shade, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
         pad = result.scar(cycle, "pad")
         shown = abs(pad.axial_um) < 300.0
         panels[3].plot(pad.axial_um[shown], pad.pressure_MPa[shown, 0], color=shade, label=cycle_name(cycle))
-    panels[3].set_title("simulated pressure at mid-stroke")
-    panels[3].set_xlabel("x [µm]")
-    panels[3].set_ylabel("pressure [MPa]")
+    panels[3].set(title="simulated pressure at mid-stroke", xlabel="x [µm]", ylabel="pressure [MPa]")
     panels[3].set_ylim(bottom=0.0)
     panels[3].legend(title="cycles", fontsize="small", title_fontsize="small")
     panel_letters(panels)
@@ -211,9 +207,7 @@ def _scars(axes: Axes, simulated: MeasuredProfile, measured: MeasuredProfile) ->
     shown = abs(simulated.x_um) < 350.0
     axes.plot(simulated.x_um[shown], simulated.depth_um[shown], color=VARIANT_COLOURS[0], label="wirewear")
     axes.invert_yaxis()
-    axes.set_title("the flat after 18 000 cycles")
-    axes.set_xlabel("x [µm]")
-    axes.set_ylabel("depth [µm]")
+    axes.set(title="the flat after 18 000 cycles", xlabel="x [µm]", ylabel="depth [µm]")
     axes.legend(fontsize="small", loc="lower right")
 
 
@@ -235,9 +229,7 @@ def _depths(axes: Axes, result: RunResult, measured: MeasuredProfile) -> None:
         label="measured",
     )
     cycle_axis(axes)
-    axes.set_yscale("log")
-    axes.set_title("largest depth of the flat")
-    axes.set_ylabel("depth [µm]")
+    axes.set(yscale="log", title="largest depth of the flat", ylabel="depth [µm]")
     axes.legend(fontsize="small", loc="lower right")
 
 

@@ -120,9 +120,7 @@ def picture(run: RunResult, contacts: Sequence[Contact]) -> Figure:
     panels = list(grid.flat)
     labels = ("worn depth, fixed wire [nm]", "pressure at mid-stroke [MPa]", "distance slid in the cycle [µm]")
     for axes, label in zip(panels, labels, strict=False):
-        axes.set_xlabel("x, along the motion [µm]")
-        axes.set_ylabel(label)
-        axes.set_xlim(0.0, 1.35 * contacts[0].contact_radius_um)
+        axes.set(xlabel="x, along the motion [µm]", ylabel=label, xlim=(0.0, 1.35 * contacts[0].contact_radius_um))
         axes.axvline(contacts[0].stick_radius_um, color="#8a8a8a", linewidth=0.8, linestyle="--", label="edge of stick")
     for contact, colour in zip(contacts, cycle_colours(len(contacts)), strict=True):
         scar = contact.scar

@@ -245,10 +245,7 @@ def tables_figure(found: list[Case]) -> Figure:
                 color=colour,
                 label=f"{contact}: rotating",
             )
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_title(title)
-        axes.set_xlabel("tangential spring $K_{t,s}$ (N/mm²)")
+        axes.set(xscale="log", yscale="log", title=title, xlabel="tangential spring $K_{t,s}$ (N/mm²)")
     left, right = figure.axes
     left.set_ylabel("$K_{t,m}$ (N/mm²)")
     right.set_ylabel("$θ_{max}$ (°)")

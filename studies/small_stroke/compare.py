@@ -72,8 +72,7 @@ def picture(run: RunResult) -> Figure:
     fitted = depth[large][-1] * (cycle[large] / cycle[large][-1]) ** power
     axes.plot(cycle[large], fitted, color=VARIANT_COLOURS[1], linewidth=4, alpha=0.4, label=f"∝ N^{power:.3f}")
     cycle_axis(axes)
-    axes.set_yscale("log")
-    axes.set_ylabel("largest depth [µm]")
+    axes.set(yscale="log", ylabel="largest depth [µm]")
     axes.legend()
     return figure
 

@@ -145,9 +145,11 @@ def picture(tests: Sequence[MeasuredTest]) -> Figure:
         right.plot(demand, 1e4 * coefficient, marker="osD"[list(SHAPES).index(shape)], **_mark(colour, words))
     right.set_xscale("log")
     right.set_ylim(bottom=0.0)
-    right.set_xlabel("friction power density × half-width² [W]")
-    right.set_ylabel("volume over energy [10⁻⁴ mm³/J]")
-    right.set_title("coefficient of each test")
+    right.set(
+        xlabel="friction power density × half-width² [W]",
+        ylabel="volume over energy [10⁻⁴ mm³/J]",
+        title="coefficient of each test",
+    )
     right.legend(loc="upper right")
     panel_letters([left, right])
     return figure
@@ -171,9 +173,7 @@ def _volumes(axes: Axes, tests: Sequence[MeasuredTest]) -> None:
         axes.plot(*marks, marker="osD"[list(SHAPES).index(shape)], **_mark(colour, words))
     axes.set_xlim(0.0, 1e-3 * float(energy[-1]))
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("friction energy [kJ]")
-    axes.set_ylabel("worn volume [mm³]")
-    axes.set_title("measured volumes")
+    axes.set(xlabel="friction energy [kJ]", ylabel="worn volume [mm³]", title="measured volumes")
     axes.legend(loc="upper left")
 
 

@@ -195,9 +195,7 @@ def picture(runs: dict[str, Scar]) -> Figure:
         for name, colour, dashes in zip(chosen, VARIANT_COLOURS, VARIANT_DASHES, strict=False):
             axes.plot(1e-3 * runs[name].x_um, runs[name].depth_um, color=colour, linestyle=dashes, label=words[name])
         _published(axes, frequency)
-        axes.set_title(f"flat after 5 000 cycles, {title}")
-        axes.set_xlabel("x [mm]")
-        axes.set_ylabel("depth [µm]")
+        axes.set(title=f"flat after 5 000 cycles, {title}", xlabel="x [mm]", ylabel="depth [µm]")
         axes.invert_yaxis()
     panels[0].set_xlim(-3.0, 3.0)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=3)

@@ -230,12 +230,10 @@ def _stiffnesses(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
         )
     for values, name, style in columns:
         axes.plot([np.nan if v is None else v for v in values], y, linestyle="none", label=name, **style)
-    axes.set_xscale("log")
-    axes.set_xlim(0.6, 600.0)
+    axes.set(xscale="log", xlim=(0.6, 600.0))
     axes.set_xticks([1, 10, 100], ["1", "10", "100"])
     axes.minorticks_off()
-    axes.set_xlabel("tangential stiffness [N/µm]")
-    axes.set_title("stiffness")
+    axes.set(xlabel="tangential stiffness [N/µm]", title="stiffness")
 
 
 def _budget(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
@@ -258,8 +256,7 @@ def _budget(axes: Axes, rows: Sequence[Tribometer], y: np.ndarray) -> None:
         axes.text(101.5, place, f"of {row.displacement_amplitude_um:.1f} µm", va="center", fontsize=7.5, color=GREY)
     axes.set_xlim(0.0, 122.0)
     axes.set_xticks(range(0, 101, 20))
-    axes.set_xlabel("share of the displacement amplitude δa [%]")
-    axes.set_title("where the displacement goes")
+    axes.set(xlabel="share of the displacement amplitude δa [%]", title="where the displacement goes")
 
 
 @click.command(cls=StudyScript)

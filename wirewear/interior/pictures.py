@@ -90,11 +90,13 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
                 scale=strongest / (0.35 * reach),
                 width=0.004,
             )
-        axes.set_aspect("equal")
-        axes.set_xlim(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach)
-        axes.set_ylim(centre[1] - 1.4 * reach, centre[1] + 1.4 * reach)
-        axes.set_xlabel("x, along the motion [µm]")
-        axes.set_title(f"{called(state.name)}, shear up to {strongest:.0f} MPa")
+        axes.set(
+            aspect="equal",
+            xlim=(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach),
+            ylim=(centre[1] - 1.4 * reach, centre[1] + 1.4 * reach),
+            xlabel="x, along the motion [µm]",
+            title=f"{called(state.name)}, shear up to {strongest:.0f} MPa",
+        )
         axes.grid(visible=False)
     panels[0].set_ylabel("y [µm]")
     panel_letters(list(panels))
@@ -182,11 +184,13 @@ def _draw_cut(
         if lines:
             axes.tricontour(places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
         _outline(axes, places)
-    axes.set_aspect("equal")
-    axes.set_xlim(centre[1 - axis] - half, centre[1 - axis] + half)
-    axes.set_ylim(centre[2] - half, centre[2] + half)
-    axes.set_xlabel("x, along the motion [µm]" if axis == 1 else "y, across the motion [µm]")
-    axes.set_ylabel("z [µm]")
+    axes.set(
+        aspect="equal",
+        xlim=(centre[1 - axis] - half, centre[1 - axis] + half),
+        ylim=(centre[2] - half, centre[2] + half),
+        xlabel="x, along the motion [µm]" if axis == 1 else "y, across the motion [µm]",
+        ylabel="z [µm]",
+    )
     axes.grid(visible=False)
 
 

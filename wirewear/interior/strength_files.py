@@ -95,12 +95,10 @@ def draw_strength(strength: Strength) -> Figure:
             _draw_above(column[0], strength, values, levels)
             column[0].set_ylim(low[1], high[1])
         _draw_beneath(column[-1], strength, name, float(0.5 * (low[1] + high[1])), levels)
-        column[-1].set_ylim(low[2], high[2])
-        column[-1].set_xlabel("x, along the motion [µm]")
+        column[-1].set(ylim=(low[2], high[2]), xlabel="x, along the motion [µm]")
         column[0].set_title(title)
         for axes in column:
-            axes.set_aspect("equal")
-            axes.set_xlim(low[0], high[0])
+            axes.set(aspect="equal", xlim=(low[0], high[0]))
             axes.grid(visible=False)
         figure.colorbar(
             ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS),

@@ -81,8 +81,7 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
             axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)))
         axes.plot(x, worn, **variant_style(index))
         axes.set_title(f"{called(scar.body)}, {cycle_name(scar.cycle)} cycles")
-    axes.set_xlabel("position along the motion x [µm]")
-    axes.set_ylabel("height z [µm]")
+    axes.set(xlabel="position along the motion x [µm]", ylabel="height z [µm]")
 
 
 def animation(result: RunResult, path: Path) -> Path:
@@ -126,14 +125,14 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     for axis, values in (("x", 0), ("y", 1)):
         reach = 1.06 * max(float(np.abs(curve[values]).max()) for curve in curves.values())
         getattr(left, f"set_{axis}lim")(-reach, reach)
-    left.set_xlabel("displacement δ [µm]")
-    left.set_ylabel("tangential force Q [N]")
-    left.set_title(f"{result.label}: cycle {cycle_name(cycle)}")
+    left.set(
+        xlabel="displacement δ [µm]",
+        ylabel="tangential force Q [N]",
+        title=f"{result.label}: cycle {cycle_name(cycle)}",
+    )
     scar = result.scar(cycle, result.bodies[1])
     draw_map(right, scar, half_x, half_y, norm)
-    right.set_title(f"{called(scar.body)}, deepest {scar.max_depth_um:.3g} µm")
-    right.set_xlabel("x [µm]")
-    right.set_ylabel("y [µm]")
+    right.set(title=f"{called(scar.body)}, deepest {scar.max_depth_um:.3g} µm", xlabel="x [µm]", ylabel="y [µm]")
     sliding_arrow(right)
     scale_bar(right, round_below(0.4 * half_x))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=right, label="worn depth [µm]", shrink=0.8, pad=0.02)

@@ -49,8 +49,7 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
     ):
         for index, result in enumerate(results):
             axes.plot(result.evolution["cycle"], result.evolution[column], **variant_style(index))
-        axes.set_title(title)
-        axes.set_ylabel(label)
+        axes.set(title=title, ylabel=label)
         cycle_axis(axes)
         _widen(axes)
     panel_letters(panels)
@@ -69,8 +68,7 @@ def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
     for result in results:
         columns = result.evolution
         axes.plot(columns["cycle"], columns["displacement_amplitude_um"], color=INK, linewidth=1.0)
-    axes.set_title("displacement and slip amplitude")
-    axes.set_ylabel("amplitude [µm]")
+    axes.set(title="displacement and slip amplitude", ylabel="amplitude [µm]")
     cycle_axis(axes)
     _widen(axes)
 
@@ -86,8 +84,7 @@ def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
     for body, dashes in lines:
         axes.plot([], [], color=GREY, linestyle=dashes, label=called(body))
     axes.legend(loc="upper left")
-    axes.set_title("worst depth")
-    axes.set_ylabel("depth [µm]")
+    axes.set(title="worst depth", ylabel="depth [µm]")
     cycle_axis(axes)
     # A logarithmic axis has no place for a surface that is still unworn.
     if any((result.evolution[f"max_depth_{body}_um"] > 0.0).any() for result in results for body, _ in lines):
@@ -179,8 +176,7 @@ def _widths(count: int) -> list[float]:
 def _name_axes(axes: Axes, unit: str = "N") -> None:
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_xlabel("displacement δ [µm]")
-    axes.set_ylabel(f"tangential force Q [{unit}]")
+    axes.set(xlabel="displacement δ [µm]", ylabel=f"tangential force Q [{unit}]")
 
 
 def _finish(panels: Sequence[Axes], unit: str = "N") -> None:

@@ -61,10 +61,12 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
         for axes, body in zip(row, bodies, strict=True):
             scars = shown[cycle, body]
             _draw_section(axes, results, scars, x)
-            axes.set_title(f"{called(body)}, {cycle_name(scars[0].cycle)} cycles")
-            axes.set_aspect(exaggeration)
-            axes.set_xlim(-half_width, half_width)
-            axes.set_ylim(bottom, top)
+            axes.set(
+                title=f"{called(body)}, {cycle_name(scars[0].cycle)} cycles",
+                aspect=exaggeration,
+                xlim=(-half_width, half_width),
+                ylim=(bottom, top),
+            )
     for axes in grid[-1]:
         axes.set_xlabel("position along the motion x [µm]")
     for axes in grid[:, 0]:
@@ -131,9 +133,7 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
             )
             note = f"max {_short(float(getattr(scar, field).max()))} {unit}"
             axes.text(0.0, 1.03, note, transform=axes.transAxes, ha="left", va="bottom", fontsize=7.5)
-            axes.set_xlim(-half_x, half_x)
-            axes.set_ylim(-half_y, half_y)
-            axes.set_aspect("equal")
+            axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
         row[0].set_ylabel("y [µm]")
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, aspect=18, pad=0.015)
         ticks = root_ticks(float(norm.vmax or 1.0))
@@ -283,9 +283,7 @@ def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normali
     axes.imshow(image, cmap=DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
     axes.grid(visible=False)
     axes.spines[:].set_visible(True)
-    axes.set_xlim(-half_x, half_x)
-    axes.set_ylim(-half_y, half_y)
-    axes.set_aspect("equal")
+    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
     if scar.diameter_mm == scar.diameter_along_mm:
         return
     angle = np.radians(scar.axis_angle_deg)

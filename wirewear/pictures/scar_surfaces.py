@@ -86,9 +86,11 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
         for axes, scar, (pixels, extent) in zip(axes_row, scar_row, picture_row, strict=True):
             axes.imshow(pixels, extent=extent, interpolation="antialiased")
             axes.set_axis_off()
-            axes.set_xlim(left, right)
-            axes.set_ylim(bottom, top)
-            axes.set_title(f"{result.label}: {called(scar.body)}, {cycle_name(scar.cycle)} cycles")
+            axes.set(
+                xlim=(left, right),
+                ylim=(bottom, top),
+                title=f"{result.label}: {called(scar.body)}, {cycle_name(scar.cycle)} cycles",
+            )
             _draw_rulers(axes, round_below(0.5 * half_length))
     panel_letters(list(grid.flat))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=grid, label="worn depth [µm]", shrink=0.7, pad=0.01)

@@ -91,9 +91,11 @@ def _draw_view(axes: Axes, upper: HeldBody, lower: HeldBody, supports: Supports,
         half = 0.22 * size
         _arrow(axes, np.array([-half, below]), np.array([half, below]), MOTION_COLOUR, "<|-|>")
         axes.text(0.0, below - 0.04 * size, supports.stroke, color=MOTION_COLOUR, ha="center", va="top", fontsize=7.5)
-    axes.set_aspect("equal")
-    axes.set_xlim(-max(1.15 * wide, 0.75 * size), max(1.15 * wide, 0.75 * size))
-    axes.set_ylim(low[1] - 0.28 * size, node[1] + 0.3 * size)
+    axes.set(
+        aspect="equal",
+        xlim=(-max(1.15 * wide, 0.75 * size), max(1.15 * wide, 0.75 * size)),
+        ylim=(low[1] - 0.28 * size, node[1] + 0.3 * size),
+    )
     axes.set_axis_off()
 
 

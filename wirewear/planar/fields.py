@@ -199,11 +199,13 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
             axes.tricontourf(cut.places, values, levels=levels, cmap=STRESS_COLOURS)
             axes.tricontour(cut.places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
         centre = 0.5 * (everything[:, 2].max() + everything[:, 2].min()) if half == whole else 0.0
-        axes.set_aspect("equal")
-        axes.set_xlim(-half, half)
-        axes.set_ylim(centre - half, centre + half)
-        axes.set_xlabel("x, along the motion [µm]")
-        axes.set_title(name)
+        axes.set(
+            aspect="equal",
+            xlim=(-half, half),
+            ylim=(centre - half, centre + half),
+            xlabel="x, along the motion [µm]",
+            title=name,
+        )
         axes.grid(visible=False)
     panels[0].set_ylabel("z [µm]")
     panel_letters(list(panels))

@@ -154,8 +154,7 @@ def draw_front(slip: Array, depth: Array, name: str) -> Figure:
     axes.plot(depth, slip, ".", color=GREY, markersize=6, label="runs")
     best = front(slip, depth)
     axes.plot(depth[best], slip[best], "o-", color=VARIANT_COLOURS[1], markersize=4, label="no run has both better")
-    axes.set_xlabel(label_of(name))
-    axes.set_ylabel(label_of(SLIP))
+    axes.set(xlabel=label_of(name), ylabel=label_of(SLIP))
     axes.legend()
     return figure
 

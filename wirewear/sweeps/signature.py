@@ -175,9 +175,9 @@ def _shown(value: float) -> str:
 def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
         axes.plot(*smooth_loop(loop), solid_capstyle="butt", **style)
-    axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
-    axes.set_xlabel("displacement δ [µm]")
-    axes.set_ylabel("tangential force Q [N]")
+    axes.set(
+        title=f"loop, cycle {cycle_name(pair[0].cycle)}", xlabel="displacement δ [µm]", ylabel="tangential force Q [N]"
+    )
     _zero_lines(axes)
 
 
@@ -188,8 +188,7 @@ def _difference(axes: Axes, signature: Signature) -> None:
         label = f"cycle {cycle_name(signature.cycles[place])}"
         axes.plot(360.0 * phase, 1e3 * (changed[1] - nominal[1]), color=colour, linewidth=1.4, label=label)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_title("change of the force")
-    axes.set_xlabel("phase of the stroke [°]")
+    axes.set(title="change of the force", xlabel="phase of the stroke [°]")
     axes.set_xticks([0, 90, 180, 270, 360])
     axes.set_ylabel("ΔQ [mN]")
     axes.legend(loc="best", fontsize=7)
@@ -201,8 +200,7 @@ def _evolution(axes: Axes, signature: Signature) -> None:
         axes.plot(signature.cycles, 100.0 * np.array(change), color=colour, marker=marker, markersize=3, label=label)
     axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     cycle_axis(axes)
-    axes.set_title("change over the test")
-    axes.set_ylabel("change [%]")
+    axes.set(title="change over the test", ylabel="change [%]")
     low, high = axes.get_ylim()
     # A change below a per mille is none, and must not look like one.
     middle, half = 0.5 * (low + high), max(0.5 * (high - low), 0.5)
@@ -221,9 +219,7 @@ def _sections(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
     axes.set_xlim(-reach, reach)
     # Room for the legend below the deepest point.
     axes.set_ylim(bottom=1.35 * axes.get_ylim()[0])
-    axes.set_title("depth on y = 0")
-    axes.set_xlabel("position x [µm]")
-    axes.set_ylabel("height change [µm]")
+    axes.set(title="depth on y = 0", xlabel="position x [µm]", ylabel="height change [µm]")
     lines = [Line2D([], [], color=GREY, linewidth=width) for width in (CHANGED["linewidth"], _THIN)]
     axes.legend(lines, ["fixed wire", "moving wire"], loc="lower right", fontsize=7)
 
@@ -243,10 +239,7 @@ def _outlines(axes: Axes, scars: list[tuple[Scar, Scar]]) -> None:
                 linestyles=[style["linestyle"]],
                 linewidths=style["linewidth"],
             )
-    axes.set_aspect("equal")
-    axes.set_title("fixed wire's outline")
-    axes.set_xlabel("x [µm]")
-    axes.set_ylabel("y [µm]")
+    axes.set(aspect="equal", title="fixed wire's outline", xlabel="x [µm]", ylabel="y [µm]")
 
 
 def _reach(scar: Scar) -> float:

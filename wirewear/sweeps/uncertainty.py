@@ -115,8 +115,7 @@ def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
             )
         closed = [*range(2 * half), 0]
         axes.plot(loop.displacement_um[closed], loop.nominal_N[closed], color=VARIANT_COLOURS[0], linewidth=1.4)
-        axes.set_title(f"cycle {cycle_name(loop.cycle)}")
-        axes.set_xlabel("displacement δ [µm]")
+        axes.set(title=f"cycle {cycle_name(loop.cycle)}", xlabel="displacement δ [µm]")
     panels[0].set_ylabel("tangential force Q [N]")
     return figure
 

@@ -101,8 +101,7 @@ def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[Loop
     ):
         for column in columns:
             _draw_column(axes, result, record, column, pairs)
-        axes.set_title("δa and δ0" if len(columns) > 1 else names[columns[0]])
-        axes.set_ylabel(label)
+        axes.set(title="δa and δ0" if len(columns) > 1 else names[columns[0]], ylabel=label)
         cycle_axis(axes)
     _draw_friction(grid[1, 1], pairs)
     handles: dict[str, Artist] = {}
@@ -162,8 +161,7 @@ def _draw_friction(axes: Axes, pairs: Sequence[LoopPair]) -> None:
             markerfacecolor="white",
         )  # fmt: skip
         axes.plot([], [], color=GREY, linestyle="none", marker=mark, markersize=4, label=label)
-    axes.set_title("coefficients of friction")
-    axes.set_ylabel("coefficient of friction [–]")
+    axes.set(title="coefficients of friction", ylabel="coefficient of friction [–]")
     cycle_axis(axes)
     axes.legend(loc="best")
 
@@ -194,12 +192,10 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
             difference = title == "difference"
             colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (DEPTH_COLOURS, depth_norm)
             axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
-            axes.set_title(f"{pair.name}, {title}")
-            axes.set_aspect("equal")
+            axes.set(title=f"{pair.name}, {title}", aspect="equal")
             axes.grid(visible=False)
             axes.spines[:].set_visible(True)
-            axes.set_xlim(-half_x, half_x)
-            axes.set_ylim(-half_y, half_y)
+            axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
         row[0].set_ylabel("y [µm]")
         scale_bar(row[0], round_below(0.4 * half_x))
     for axes in grid[-1]:
@@ -223,8 +219,9 @@ def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
         for axes, (at, cut) in zip(row, cuts, strict=False):
             _draw_section(axes, at, np.stack([cut(depth) for depth in pair.measured]), cut(pair.simulated))
             axes.set_title(f"{pair.name} across it")
-        row[0].set_title(f"{pair.name} along the motion, {cycle_name(pair.simulated_cycle)} cycles")
-        row[0].set_ylabel("worn depth [µm]")
+        row[0].set(
+            title=f"{pair.name} along the motion, {cycle_name(pair.simulated_cycle)} cycles", ylabel="worn depth [µm]"
+        )
     grid[0, 0].invert_yaxis()
     for axes, label in zip(grid[-1], ("x at y = 0 [µm]", "y at x = 0 [µm]"), strict=False):
         axes.set_xlabel(label)

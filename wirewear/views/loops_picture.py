@@ -39,9 +39,11 @@ def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
         if item.figures is None:
             continue
         _panel(axes, item, item.figures)
-        axes.set_title(f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}")
-        axes.set_xlabel("displacement δ [µm]")
-        axes.set_ylabel("tangential force Q [N]")
+        axes.set(
+            title=f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}",
+            xlabel="displacement δ [µm]",
+            ylabel="tangential force Q [N]",
+        )
     _limit(panels[0], [_kept(item, item.figures) for item in chosen if item.figures is not None])
     if len(chosen) > 1:
         panel_letters(panels[: len(chosen)])
