@@ -7,16 +7,8 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+import solvers
 from geometry.arrays import Array
-from solvers import (
-    ContactProblem,
-    CycleTrace,
-    Holder,
-    adaptive_loop,
-    closed_adaptive_cycle,
-    closed_cycle,
-    first_quarter,
-)
 from solvers.holder import Guide
 from solvers.wear_path import Stroke, wear_path
 from solvers.wear_step.symmetry import Mirror, with_images
@@ -125,7 +117,7 @@ def test_the_other_stroke_is_not_guessed_unless_a_mirror_makes_it(side: float) -
         assert back.traction == pytest.approx(there.traction[MIRROR.primary] * MIRROR.signs)
 
 
-def stroke(trace: CycleTrace, *, falling: bool) -> tuple[Array, Array]:
+def stroke(trace: solvers.CycleTrace, *, falling: bool) -> tuple[Array, Array]:
     """Drive and force of one stroke, from the end before it, in the order of increasing drive."""
     drive, force = (np.append(values[-1], values) for values in (trace.drive, trace.tangential_force))
     part = np.flatnonzero((np.diff(drive) < 0.0) == falling)
@@ -134,35 +126,35 @@ def stroke(trace: CycleTrace, *, falling: bool) -> tuple[Array, Array]:
     return drive[chosen][order], force[chosen][order]
 
 
-def distance(coarse: CycleTrace, fine: CycleTrace) -> float:
+def distance(coarse: solvers.CycleTrace, fine: solvers.CycleTrace) -> float:
     """Largest distance of the fine loop's force from straight lines between the coarse one's increments, N."""
     pairs = ((stroke(coarse, falling=falling), stroke(fine, falling=falling)) for falling in (True, False))
     return max(float(np.abs(np.interp(x, *line) - q).max()) for line, (x, q) in pairs)
 
 
 @pytest.fixture(scope="module")
-def wires() -> ContactProblem:
+def wires() -> solvers.ContactProblem:
     return crossed_wires(0.010, long_patch=True, rig_N_per_mm=RIG_N_per_mm)
 
 
-def with_holder(wires: ContactProblem, name: str) -> ContactProblem:
+def with_holder(wires: solvers.ContactProblem, name: str) -> solvers.ContactProblem:
     spring = wires.holder
-    holders = {"rigid": Holder(LOAD_N), "spring": spring, "free play": replace(spring, play_mm=PLAY_mm)}
+    holders = {"rigid": solvers.Holder(LOAD_N), "spring": spring, "free play": replace(spring, play_mm=PLAY_mm)}
     return replace(wires, holder=holders[name])
 
 
 @pytest.mark.seconds
 @pytest.mark.parametrize("holder", ["rigid", "spring", "free play"])
-def test_straight_lines_between_increments_follow_a_loop_of_400(wires: ContactProblem, holder: str) -> None:
+def test_straight_lines_between_increments_follow_a_loop_of_400(wires: solvers.ContactProblem, holder: str) -> None:
     problem = with_holder(wires, holder)
-    state = first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
-    _, fine = closed_cycle(problem, state, AMPLITUDE_mm, 400)
-    _, loop = closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
+    _, fine = solvers.closed_cycle(problem, state, AMPLITUDE_mm, 400)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
     assert distance(loop, fine) <= 0.005 * SLIDING_N
     assert len(loop.drive) <= 120
     # As many increments on a cosine do not.
     count = 4 * (len(loop.drive) // 4)
-    _, cosine = closed_cycle(problem, state, AMPLITUDE_mm, count)
+    _, cosine = solvers.closed_cycle(problem, state, AMPLITUDE_mm, count)
     assert distance(cosine, fine) > distance(loop, fine)
     area = abs(enclosed_area(loop.drive, loop.tangential_force))
     assert loop.friction_work == pytest.approx(area, rel=1e-3)
@@ -177,11 +169,11 @@ def test_straight_lines_between_increments_follow_a_loop_of_400(wires: ContactPr
 
 
 @pytest.mark.slow
-def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: ContactProblem) -> None:
+def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: solvers.ContactProblem) -> None:
     problem, amplitude = with_holder(wires, "rigid"), 0.0004
-    state = first_quarter(problem, pressed(problem)[0], amplitude, INCREMENTS)
-    _, fine = closed_cycle(problem, state, amplitude, 400)
-    _, loop = closed_adaptive_cycle(problem, state, amplitude, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], amplitude, INCREMENTS)
+    _, fine = solvers.closed_cycle(problem, state, amplitude, 400)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, amplitude, INCREMENTS)
     largest = float(np.abs(fine.tangential_force).max())
     assert largest < 0.9 * SLIDING_N
     assert distance(loop, fine) <= 0.005 * largest
@@ -189,22 +181,24 @@ def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: ContactP
 
 
 @pytest.mark.parametrize("stroke_mm", [3.3e-4, 5.0e-4])
-def test_the_area_of_a_thin_loop_is_its_friction_work(wires: ContactProblem, stroke_mm: float) -> None:
+def test_the_area_of_a_thin_loop_is_its_friction_work(wires: solvers.ContactProblem, stroke_mm: float) -> None:
     problem = with_holder(wires, "rigid")
-    state = first_quarter(problem, pressed(problem)[0], stroke_mm, INCREMENTS)
-    _, loop = closed_adaptive_cycle(problem, state, stroke_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], stroke_mm, INCREMENTS)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, stroke_mm, INCREMENTS)
     force = float(np.abs(loop.tangential_force).max())
     assert 0.0 < loop.friction_work < 0.1 * 4.0 * stroke_mm * force
     assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=4e-4)
 
 
 def test_no_step_is_refined_without_end_where_the_force_is_rough(
-    wires: ContactProblem, monkeypatch: pytest.MonkeyPatch
+    wires: solvers.ContactProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = with_holder(wires, "spring")
-    state = first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
     random = np.random.default_rng(3)
-    true_force = adaptive_loop._force
-    monkeypatch.setattr(adaptive_loop, "_force", lambda at: true_force(at) + 0.003 * SLIDING_N * random.normal())
-    _, loop = closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
+    true_force = solvers.adaptive_loop._force
+    monkeypatch.setattr(
+        solvers.adaptive_loop, "_force", lambda at: true_force(at) + 0.003 * SLIDING_N * random.normal()
+    )
+    _, loop = solvers.closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
     assert len(loop.drive) < 600

@@ -10,16 +10,9 @@ from hypothesis import strategies as st
 
 from studies.blind.generators.cases import exact_class
 from studies.blind.intervals import distance
+from studies.blind.scoring import statistics
 from studies.blind.scoring.figures import batch_figures
 from studies.blind.scoring.judging import Truth, judged
-from studies.blind.scoring.statistics import (
-    Share,
-    area_interval,
-    area_under_curve,
-    calibration_error,
-    reliability,
-    roc_curve,
-)
 from tests.blind_answers import a_truth, answer, figures, perfect, truths_of
 from wirewear.effects import all_effects
 
@@ -144,18 +137,18 @@ def test_wilsons_interval_is_that_of_the_closed_form() -> None:
     hits, of, z = 7, 10, 1.959964
     middle = (hits / of + z**2 / (2 * of)) / (1 + z**2 / of)
     half = z / (1 + z**2 / of) * np.sqrt(0.7 * 0.3 / of + z**2 / (4 * of**2))
-    assert Share(hits, of).interval95 == pytest.approx((middle - half, middle + half), abs=1e-6)
-    assert Share(0, 0).interval95 is None
+    assert statistics.Share(hits, of).interval95 == pytest.approx((middle - half, middle + half), abs=1e-6)
+    assert statistics.Share(0, 0).interval95 is None
 
 
 @given(st.lists(st.integers(0, 5), min_size=1, max_size=15), st.lists(st.integers(0, 5), min_size=1, max_size=15))
 def test_the_area_is_the_share_of_pairs_won_and_lies_under_the_curve(positive: list[int], negative: list[int]) -> None:
-    area = area_under_curve(positive, negative)
+    area = statistics.area_under_curve(positive, negative)
     pairs = [1.0 if p > n else 0.5 * (p == n) for p in positive for n in negative]
     assert area == pytest.approx(np.mean(pairs))
-    false, true = roc_curve(positive, negative)
+    false, true = statistics.roc_curve(positive, negative)
     assert np.trapezoid(true, false) == pytest.approx(area)
-    interval = area_interval(positive, negative)
+    interval = statistics.area_interval(positive, negative)
     assert interval is not None
     assert 0.0 <= interval[0] <= interval[1] <= 1.0
 
@@ -164,5 +157,7 @@ def test_probabilities_that_mean_what_they_say_are_calibrated() -> None:
     random = np.random.default_rng(4)
     stated = random.random(20000)
     right = random.random(20000) < stated
-    assert (calibration_error(reliability(list(stated), list(right))) or 1.0) < 0.01
-    assert calibration_error(reliability(list(stated), [True] * 20000)) == pytest.approx(0.5, abs=0.01)
+    assert (statistics.calibration_error(statistics.reliability(list(stated), list(right))) or 1.0) < 0.01
+    assert statistics.calibration_error(statistics.reliability(list(stated), [True] * 20000)) == pytest.approx(
+        0.5, abs=0.01
+    )

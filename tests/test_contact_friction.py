@@ -9,18 +9,7 @@ from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
 from solvers.wear_step.surfaces import SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
-from wirewear.reference import (
-    Elastic,
-    PartialSlipPoint,
-    contact_modulus,
-    dissipated_energy,
-    hertz_point,
-    loading_displacement,
-    partial_slip_point,
-    stick_radius,
-    tangential_contact_modulus,
-    unloading_stiffness,
-)
+from wirewear import reference
 
 COUNT = 240
 
@@ -59,10 +48,10 @@ def test_equations_that_changed_are_solved_whatever_the_change(change: float) ->
 
 
 @pytest.fixture(scope="module")
-def mindlin() -> PartialSlipPoint:
-    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
-    radius = hertz_point(LOAD_N, RADIUS_mm, contact_modulus(steel, steel)).major_semi_axis_mm
-    return partial_slip_point(LOAD_N, FRICTION, radius, tangential_contact_modulus(steel, steel))
+def mindlin() -> reference.PartialSlipPoint:
+    steel = reference.Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
+    radius = reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel)).major_semi_axis_mm
+    return reference.partial_slip_point(LOAD_N, FRICTION, radius, reference.tangential_contact_modulus(steel, steel))
 
 
 def sines(count: int, sign: float = 1.0) -> Array:
@@ -94,7 +83,7 @@ def gross_slip(rig: ContactProblem) -> tuple[list[ContactState], list[list[Incre
 
 
 @pytest.mark.seconds
-def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: PartialSlipPoint) -> None:
+def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: reference.PartialSlipPoint) -> None:
     problem = crossed_wires(FINE_mm)
     drive = 0.9 * LIMIT_N / mindlin.stiffness_N_per_mm
     states, reports = driven(problem, pressed(problem)[0], np.linspace(0.0, drive, 7)[1:])
@@ -107,13 +96,15 @@ def test_below_the_threshold_the_centre_sticks_and_the_edge_slips(mindlin: Parti
     # Friction cones stand on inclined surfaces, so the share in the plane is not exactly 1.
     assert used[distance[loaded] > 0.9 * distance[loaded].max()] == pytest.approx(1.0, abs=0.1)
     stuck_area = last.sticking * FINE_mm**2
-    assert np.sqrt(stuck_area / np.pi) == pytest.approx(float(stick_radius(mindlin, last.tangential_force)), rel=0.2)
+    assert np.sqrt(stuck_area / np.pi) == pytest.approx(
+        float(reference.stick_radius(mindlin, last.tangential_force)), rel=0.2
+    )
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6, 0.9])
 @pytest.mark.parametrize(("mesh_mm", "tolerance"), [(FINE_mm, 0.07), pytest.param(0.005, 0.04, marks=pytest.mark.slow)])
 def test_partial_slip_follows_cattaneo_and_mindlin_in_series_with_the_wires_bulk(
-    mindlin: PartialSlipPoint, share: float, mesh_mm: float, tolerance: float
+    mindlin: reference.PartialSlipPoint, share: float, mesh_mm: float, tolerance: float
 ) -> None:
     problem = crossed_wires(mesh_mm)
     drives = share * LIMIT_N / mindlin.stiffness_N_per_mm * np.array([0.01, 0.25, 0.5, 0.75, 1.0])
@@ -122,7 +113,7 @@ def test_partial_slip_follows_cattaneo_and_mindlin_in_series_with_the_wires_bulk
     # taken from the first, sticking increment.
     bulk = drives[0] / force[0] - 1.0 / mindlin.stiffness_N_per_mm
     assert 0.0 < bulk * mindlin.stiffness_N_per_mm < 0.25
-    expected = loading_displacement(mindlin, force[-1]) + bulk * force[-1]
+    expected = reference.loading_displacement(mindlin, force[-1]) + bulk * force[-1]
     assert drives[-1] == pytest.approx(float(expected), rel=tolerance)
 
 
@@ -191,16 +182,16 @@ def test_slip_counts_under_the_pressures_at_both_ends_of_an_increment(rig: Conta
 
 
 def test_energy_and_stiffness_of_the_loop_are_those_of_the_closed_form(
-    gross_slip: Slip, mindlin: PartialSlipPoint
+    gross_slip: Slip, mindlin: reference.PartialSlipPoint
 ) -> None:
     states, reports = gross_slip
-    closed = dissipated_energy(mindlin, AMPLITUDE_mm, RIG_N_per_mm)
+    closed = reference.dissipated_energy(mindlin, AMPLITUDE_mm, RIG_N_per_mm)
     assert closed == pytest.approx(0.2580, rel=2e-3)
     assert float(works(reports)[-PER_CYCLE:].sum()) == pytest.approx(closed, rel=0.05)
     top = int(np.argmax([state.drive for state in states]))
     before, after = states[top], states[top + 1]
     slope = (forces(reports)[top] - forces(reports)[top + 1]) / (before.drive - after.drive)
-    assert slope == pytest.approx(unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.05)
+    assert slope == pytest.approx(reference.unloading_stiffness(mindlin, RIG_N_per_mm), rel=0.05)
 
 
 def test_mirrored_motion_gives_mirrored_forces(rig: ContactProblem, gross_slip: Slip) -> None:

@@ -16,16 +16,7 @@ from solvers.errors import SolverError
 from solvers.holder import Holder
 from solvers.placement import place
 from solvers.wear import WearRates
-from tests.bodies import (
-    LOAD_N,
-    STEEL,
-    DIAMETER_mm,
-    ELEMENTS_THAT_MEET_HERTZ_mm,
-    RADIUS_mm,
-    crossed_wires,
-    driven,
-    pressed,
-)
+from tests import bodies
 from tests.studies import minimal
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
@@ -112,8 +103,8 @@ def test_commands_on_a_run_whose_wires_part_leave_out_what_cannot_be_told(run: R
 
 @pytest.fixture(scope="module")
 def hertz() -> PointContact:
-    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
-    return hertz_point(LOAD_N, RADIUS_mm, contact_modulus(steel, steel))
+    steel = Elastic(bodies.STEEL.youngs_modulus_MPa, bodies.STEEL.poissons_ratio)
+    return hertz_point(bodies.LOAD_N, bodies.RADIUS_mm, contact_modulus(steel, steel))
 
 
 def errors(report: IncrementReport, height_mm: float, hertz: PointContact) -> tuple[float, float]:
@@ -124,7 +115,7 @@ def errors(report: IncrementReport, height_mm: float, hertz: PointContact) -> tu
 def test_peak_pressure_and_approach_tend_to_hertz_as_the_mesh_is_refined(hertz: PointContact) -> None:
     found = []
     for fine in (COARSE_mm, FINE_mm):
-        state, report = pressed(crossed_wires(fine))
+        state, report = bodies.pressed(bodies.crossed_wires(fine))
         found.append(errors(report, state.holder_z, hertz))
     assert found[0][0] < 0.20
     assert found[1][0] < min(0.13, found[0][0])
@@ -133,11 +124,11 @@ def test_peak_pressure_and_approach_tend_to_hertz_as_the_mesh_is_refined(hertz: 
 
 
 def test_the_contact_carries_the_load_and_nothing_sideways() -> None:
-    state, report = pressed(crossed_wires(FINE_mm))
-    assert report.normal_force == pytest.approx(LOAD_N, rel=1e-12)
-    assert abs(report.tangential_force) < 1e-9 * LOAD_N
+    state, report = bodies.pressed(bodies.crossed_wires(FINE_mm))
+    assert report.normal_force == pytest.approx(bodies.LOAD_N, rel=1e-12)
+    assert abs(report.tangential_force) < 1e-9 * bodies.LOAD_N
     for force in (state.primary_force, state.secondary_force):
-        assert force.sum(axis=0) == pytest.approx([0.0, 0.0, LOAD_N], abs=1e-9)
+        assert force.sum(axis=0) == pytest.approx([0.0, 0.0, bodies.LOAD_N], abs=1e-9)
     assert report.force_error < 1e-9
     assert report.penetration < 1e-6
     assert report.complementarity < 1e-6
@@ -145,52 +136,52 @@ def test_the_contact_carries_the_load_and_nothing_sideways() -> None:
 
 @pytest.mark.seconds
 def test_the_contact_of_equal_crossed_wires_is_as_long_as_it_is_wide(hertz: PointContact) -> None:
-    _, report = pressed(crossed_wires(FINE_mm))
+    _, report = bodies.pressed(bodies.crossed_wires(FINE_mm))
     assert report.half_width_x == pytest.approx(report.half_width_y, rel=1e-9)
     assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=FINE_mm)
     assert report.contact_area == pytest.approx(np.pi * hertz.major_semi_axis_mm**2, rel=0.1)
 
 
 def test_frictionless_sliding_needs_no_force_and_does_no_work() -> None:
-    problem = crossed_wires(COARSE_mm, long_patch=True, friction=0.0, wear=(1e-8, 1e-8))
-    state, _ = pressed(problem)
-    states, reports = driven(problem, state, np.linspace(0.0, 0.05, 11), cycles=100.0)
+    problem = bodies.crossed_wires(COARSE_mm, long_patch=True, friction=0.0, wear=(1e-8, 1e-8))
+    state, _ = bodies.pressed(problem)
+    states, reports = bodies.driven(problem, state, np.linspace(0.0, 0.05, 11), cycles=100.0)
     for piece in (piece for pieces in reports for piece in pieces):
         assert piece.friction_work == 0.0
-        assert abs(piece.tangential_force) < 5e-3 * LOAD_N
-        assert piece.normal_force == pytest.approx(LOAD_N, rel=1e-9)
+        assert abs(piece.tangential_force) < 5e-3 * bodies.LOAD_N
+        assert piece.normal_force == pytest.approx(bodies.LOAD_N, rel=1e-9)
     assert not states[-1].wear.primary_depth.any()
     assert not states[-1].wear.secondary_depth.any()
 
 
 def test_a_loading_spring_unloads_by_its_stiffness_as_the_holder_descends() -> None:
-    problem = crossed_wires(COARSE_mm, long_patch=True, spring_N_per_mm=50.0, wear=(1.5e-8, 1.5e-8))
-    state, _ = pressed(problem)
-    states, reports = driven(problem, state, np.linspace(0.005, 0.03, 6), cycles=100.0)
+    problem = bodies.crossed_wires(COARSE_mm, long_patch=True, spring_N_per_mm=50.0, wear=(1.5e-8, 1.5e-8))
+    state, _ = bodies.pressed(problem)
+    states, reports = bodies.driven(problem, state, np.linspace(0.005, 0.03, 6), cycles=100.0)
     descent = state.holder_z - states[-1].holder_z
     assert descent > 5e-6
-    assert reports[-1][-1].normal_force == pytest.approx(LOAD_N - 50.0 * descent, rel=1e-9)
+    assert reports[-1][-1].normal_force == pytest.approx(bodies.LOAD_N - 50.0 * descent, rel=1e-9)
     assert problem.holder.load_N(states[-1].holder_z, states[-1].pressed_z) == pytest.approx(
         reports[-1][-1].normal_force, rel=1e-9
     )
 
 
 def test_a_contact_that_reaches_the_edge_of_its_patch_is_an_error_with_the_place() -> None:
-    problem = crossed_wires(COARSE_mm, rig_N_per_mm=167.0)
-    state, _ = pressed(problem)
+    problem = bodies.crossed_wires(COARSE_mm, rig_N_per_mm=167.0)
+    state, _ = bodies.pressed(problem)
     with pytest.raises(SolverError, match=r"patch of the lower body at a displacement of \d+\.\d+ um; give a larger"):
-        driven(problem, state, np.linspace(0.005, 0.06, 12))
+        bodies.driven(problem, state, np.linspace(0.005, 0.06, 12))
 
 
 @pytest.mark.slow
 def test_a_mesh_of_4_um_meets_hertz_within_2_percent(hertz: PointContact) -> None:
     """A gripped wire is no half-space; 2 % is what its finite size and the mesh may cost."""
-    fine = ELEMENTS_THAT_MEET_HERTZ_mm
+    fine = bodies.ELEMENTS_THAT_MEET_HERTZ_mm
     axis = GradedAxis(fine, 0.0164, 0.012, 0.04)
-    meshed = build_body(WireGeometry(DIAMETER_mm, 1.0, axis, axis, 0.07))
-    body = condense(meshed.mesh, meshed.patch, STEEL)
+    meshed = build_body(WireGeometry(bodies.DIAMETER_mm, 1.0, axis, axis, 0.07))
+    body = condense(meshed.mesh, meshed.patch, bodies.STEEL)
     upper, lower = place(body, upper=True, axis_angle_rad=np.pi / 2), place(body, upper=False, axis_angle_rad=0.0)
-    problem = ContactProblem(upper, lower, Holder(LOAD_N), 0.62, WearRates())
+    problem = ContactProblem(upper, lower, Holder(bodies.LOAD_N), 0.62, WearRates())
     state, report = press(problem, unloaded_state(problem))
     assert report.max_pressure == pytest.approx(hertz.peak_pressure_MPa, rel=0.02)
     assert -state.holder_z == pytest.approx(hertz.approach_mm, rel=0.02)

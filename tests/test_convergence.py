@@ -12,23 +12,11 @@ from tests import synthetic_results
 from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.results import Evolution, RunResult
-from wirewear.simulation import NoObserver, discretise
-from wirewear.simulation.convergence import (
-    BASE,
-    JUMPS,
-    MESH,
-    POSITIONS,
-    Converged,
-    converge,
-    figures_of,
-    point_contact,
-    refined_study,
-    richardson,
-)
+from wirewear.simulation import NoObserver, convergence, discretise
 from wirewear.study import Study
 
 WORN = MINIMAL + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
-RUNS = (*MESH.runs, *POSITIONS.runs, *JUMPS.runs)
+RUNS = (*convergence.MESH.runs, *convergence.POSITIONS.runs, *convergence.JUMPS.runs)
 
 
 def _nobody(_label: str) -> nullcontext[NoObserver]:
@@ -46,7 +34,7 @@ class FakeRunner:
         self, study: Study, *, fidelity: str, output: Path, resume: bool, observer_of: object, jobs: int, engine: object
     ) -> list[RunResult]:
         assert (observer_of, jobs, engine) == (_nobody, 3, None)
-        base = discretise(study.variant(BASE), fidelity)
+        base = discretise(study.variant(convergence.BASE), fidelity)
         results = []
         for name in study.variant_names:
             plan = discretise(study.variant(name), fidelity)
@@ -64,34 +52,36 @@ class FakeRunner:
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
-    study = refined_study(parse_study(WORN, "s.toml"), "quick")
+    study = convergence.refined_study(parse_study(WORN, "s.toml"), "quick")
     plans = {name: discretise(study.variant(name), "quick") for name in study.variant_names}
-    base = plans.pop(BASE)
+    base = plans.pop(convergence.BASE)
     assert tuple(plans) == RUNS
-    for factor, name in zip(MESH.factors, MESH.runs, strict=True):
+    for factor, name in zip(convergence.MESH.factors, convergence.MESH.runs, strict=True):
         assert plans[name].fixed.transverse.fine_mm == pytest.approx(base.fixed.transverse.fine_mm / factor)
         assert plans[name].fixed.transverse.outer_mm == pytest.approx(base.fixed.transverse.outer_mm / factor)
-    for factor, name in zip(POSITIONS.factors, POSITIONS.runs, strict=True):
+    for factor, name in zip(convergence.POSITIONS.factors, convergence.POSITIONS.runs, strict=True):
         assert plans[name].increments_per_wear_cycle == factor * base.increments_per_wear_cycle
-    for factor, name in zip(JUMPS.factors, JUMPS.runs, strict=True):
+    for factor, name in zip(convergence.JUMPS.factors, convergence.JUMPS.runs, strict=True):
         assert plans[name].jump_tolerance == pytest.approx(base.jump_tolerance / factor**2)
     for name, plan in plans.items():
         assert plan.increments_per_cycle == base.increments_per_cycle
-        assert (plan.fixed == base.fixed) == (name not in MESH.runs)
-        assert (plan.increments_per_wear_cycle == base.increments_per_wear_cycle) == (name not in POSITIONS.runs)
-        assert (plan.jump_tolerance == base.jump_tolerance) == (name not in JUMPS.runs)
+        assert (plan.fixed == base.fixed) == (name not in convergence.MESH.runs)
+        assert (plan.increments_per_wear_cycle == base.increments_per_wear_cycle) == (
+            name not in convergence.POSITIONS.runs
+        )
+        assert (plan.jump_tolerance == base.jump_tolerance) == (name not in convergence.JUMPS.runs)
 
 
-def rows_of(runner: FakeRunner, output: Path) -> list[Converged]:
-    study, subject = parse_study(WORN, "s.toml"), replace(point_contact(("moving", "fixed")), run=runner)
-    return converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
+def rows_of(runner: FakeRunner, output: Path) -> list[convergence.Converged]:
+    study, subject = parse_study(WORN, "s.toml"), replace(convergence.point_contact(("moving", "fixed")), run=runner)
+    return convergence.converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
 
 
 def converged(runner: FakeRunner, output: Path) -> list[tuple[float, float, float]]:
     """Value, limit and error of every figure, over its exact value."""
     exact = synthetic_results.result()
     found = []
-    for row, figure in zip(rows_of(runner, output), figures_of(("moving", "fixed")), strict=True):
+    for row, figure in zip(rows_of(runner, output), convergence.figures_of(("moving", "fixed")), strict=True):
         truth = figure.of(exact)
         found.append((row.value / truth, row.limit / truth, row.error / truth))
     return found
@@ -116,7 +106,7 @@ def test_a_power_law_is_extrapolated_exactly_whatever_the_spacings(
 ) -> None:
     assume(abs(share) > 1e-3)
     spacings = [1.0, 1.0 / first, 1.0 / (first * second)]
-    found = richardson(spacings, [limit * (1.0 + share * h**order) for h in spacings])
+    found = convergence.richardson(spacings, [limit * (1.0 + share * h**order) for h in spacings])
     assert found.value == pytest.approx(limit, rel=1e-6)
     assert found.order == pytest.approx(order, abs=1e-4)
     assert found.error == pytest.approx(abs(share) * limit * spacings[-1] ** order, rel=1e-3)
@@ -126,7 +116,7 @@ def test_a_power_law_is_extrapolated_exactly_whatever_the_spacings(
 @given(st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0))
 def test_values_without_a_trend_are_not_extrapolated(one: float, two: float, three: float) -> None:
     assume((two - one) * (three - two) < 0.0 and max(abs(two - one), abs(three - two)) > 1e-3)
-    found = richardson([1.0, 0.5, 0.25], [one, two, three])
+    found = convergence.richardson([1.0, 0.5, 0.25], [one, two, three])
     assert found.value == three
     assert found.order is None
     assert found.error == max(one, two, three) - min(one, two, three)

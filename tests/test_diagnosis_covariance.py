@@ -15,14 +15,7 @@ from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance, tolerated
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe import Observable, Site
-from wirewear.diagnosis.observe.channels import (
-    Amplitude,
-    NormalForce,
-    NormalForceAtEnds,
-    NormalForceByDirection,
-    NormalForceBySides,
-)
+from wirewear.diagnosis.observe import Observable, Site, channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
@@ -42,11 +35,11 @@ SITES: dict[type[Observable], list[Site]] = {
     Stick: [Site(cycle, sign, force) for cycle in CYCLES for sign in (1, -1) for force in (-0.6, 0.0, 0.6)],
     ShelfTravel: [Site(cycle, sign, 0.1) for cycle in CYCLES for sign in (1, -1)],
     KneePeak: [Site(cycle, sign) for cycle in CYCLES for sign in (1, -1)],
-    Amplitude: [Site(cycle) for cycle in CYCLES],
-    NormalForce: [Site(cycle) for cycle in CYCLES],
-    NormalForceByDirection: [Site(cycle) for cycle in CYCLES],
-    NormalForceAtEnds: [Site(cycle) for cycle in CYCLES],
-    NormalForceBySides: [Site(cycle) for cycle in CYCLES],
+    channels.Amplitude: [Site(cycle) for cycle in CYCLES],
+    channels.NormalForce: [Site(cycle) for cycle in CYCLES],
+    channels.NormalForceByDirection: [Site(cycle) for cycle in CYCLES],
+    channels.NormalForceAtEnds: [Site(cycle) for cycle in CYCLES],
+    channels.NormalForceBySides: [Site(cycle) for cycle in CYCLES],
     Energy: [Site(cycle) for cycle in CYCLES],
     SlipAmplitude: [Site(cycle) for cycle in CYCLES],
     LargestForce: [Site(cycle) for cycle in CYCLES],
@@ -60,10 +53,10 @@ SITES: dict[type[Observable], list[Site]] = {
 FORCES = (
     PlateauForce,
     KneePeak,
-    NormalForce,
-    NormalForceByDirection,
-    NormalForceAtEnds,
-    NormalForceBySides,
+    channels.NormalForce,
+    channels.NormalForceByDirection,
+    channels.NormalForceAtEnds,
+    channels.NormalForceBySides,
     LargestForce,
 )
 
@@ -147,7 +140,7 @@ def test_under_another_load_solvers_differ_by_the_same_share_of_the_forces(facto
 def test_a_stroke_that_wanders_alike_in_every_test_is_no_gap() -> None:
     """Repeats agree on what their drive does: they tell nothing of it."""
     observed = reduce(record(repeats=3))
-    strokes = observed.layout.of_kind(Amplitude)
+    strokes = observed.layout.of_kind(channels.Amplitude)
     total = covariance_of(observed).total[np.ix_(strokes, strokes)]
     wander = 0.002 * nominal("sensor").amplitude_um * np.linspace(-1.0, 1.0, int(strokes.sum()))
     assert wander @ np.linalg.solve(total, wander) < 4.0

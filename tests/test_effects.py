@@ -9,20 +9,7 @@ from hypothesis import strategies as st
 
 from solvers import Holder, WearRates
 from tests.effect_studies import COARSE, coarse
-from wirewear import StudyError, parse_study
-from wirewear.effects import (
-    Age,
-    ContactLaw,
-    Effect,
-    Loading,
-    Parameter,
-    Quantity,
-    Seam,
-    Specimens,
-    all_effects,
-    applied,
-    measurements,
-)
+from wirewear import StudyError, effects, parse_study
 from wirewear.effects.holder import RotationalCompliance
 from wirewear.loops.sensor import Sensor
 from wirewear.study.reading import study_from_tables
@@ -49,7 +36,7 @@ FIXED = {
     "sensor_lag": ["time_s"],
 }
 
-everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
+everyone = pytest.mark.parametrize("kind", effects.all_effects().values(), ids=list(effects.all_effects()))
 
 
 def with_tables(text: str) -> str:
@@ -57,69 +44,71 @@ def with_tables(text: str) -> str:
 
 
 def test_the_effects_bear_their_fixed_names_and_parameters() -> None:
-    assert {name: list(kind.parameters()) for name, kind in all_effects().items()} == FIXED
+    assert {name: list(kind.parameters()) for name, kind in effects.all_effects().items()} == FIXED
 
 
 @everyone
-def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind: type[Effect[Any]]) -> None:
+def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind: type[effects.Effect[Any]]) -> None:
     assert "Source:" in (kind.__doc__ or "") or "Sensors" in (kind.__doc__ or "")
-    assert isinstance(kind.seam, Seam)
+    assert isinstance(kind.seam, effects.Seam)
     assert kind.signature
-    assert set(kind.confused_with) <= set(all_effects())
+    assert set(kind.confused_with) <= set(effects.all_effects())
 
 
 def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_alike_to_it() -> None:
     answers = {
-        measurement: {kind.answer_to(measurement) for kind in all_effects().values()} - {""}
-        for measurement in measurements.LIBRARY
+        measurement: {kind.answer_to(measurement) for kind in effects.all_effects().values()} - {""}
+        for measurement in effects.measurements.LIBRARY
     }
     assert {measurement: len(texts) for measurement, texts in answers.items()} == {
-        measurements.SECOND_HEIGHT: 3,
-        measurements.ENCODER: 4,
-        measurements.NORMAL_FORCE: 4,
-        measurements.HALF_LOAD: 6,
-        measurements.INTERRUPTED_SCARS: 6,
-        measurements.LOWER_FREQUENCY: 6,
-        measurements.EARLY_LOOPS: 4,
-        measurements.SCAR_MAPS: 6,
-        measurements.OTHER_STROKE: 1,
-        measurements.CLEANED_SCARS: 2,
+        effects.measurements.SECOND_HEIGHT: 3,
+        effects.measurements.ENCODER: 4,
+        effects.measurements.NORMAL_FORCE: 4,
+        effects.measurements.HALF_LOAD: 6,
+        effects.measurements.INTERRUPTED_SCARS: 6,
+        effects.measurements.LOWER_FREQUENCY: 6,
+        effects.measurements.EARLY_LOOPS: 4,
+        effects.measurements.SCAR_MAPS: 6,
+        effects.measurements.OTHER_STROKE: 1,
+        effects.measurements.CLEANED_SCARS: 2,
     }
 
 
 @given(low=st.floats(0.01, 10.0), ratio=st.floats(1.1, 100.0), place=st.floats(-3.0, 3.0), log=st.booleans())
 def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
-    one = Parameter("p", Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)
+    one = effects.Parameter("p", effects.Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)
     assert one.coordinate(one.value(place)) == pytest.approx(place, abs=1e-6)
 
 
-DESCRIPTIONS: dict[Seam, Any] = {
-    Seam.HOLDER: Holder(2.0, tangential_compliance_mm_per_N=1.0 / 167.0),
-    Seam.CONTACT: ContactLaw(0.62),
-    Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
-    Seam.SPECIMENS: Specimens(90.0),
-    Seam.LOADING: Loading(2.0),
-    Seam.SENSOR: Sensor(),
+DESCRIPTIONS: dict[effects.Seam, Any] = {
+    effects.Seam.HOLDER: Holder(2.0, tangential_compliance_mm_per_N=1.0 / 167.0),
+    effects.Seam.CONTACT: effects.ContactLaw(0.62),
+    effects.Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
+    effects.Seam.SPECIMENS: effects.Specimens(90.0),
+    effects.Seam.LOADING: effects.Loading(2.0),
+    effects.Seam.SENSOR: Sensor(),
 }
 
 
 @pytest.mark.seconds
 @everyone
 @given(cycles=st.floats(0.0, 1e6), energy=st.floats(0.0, 100.0))
-def test_an_effect_at_its_neutral_values_changes_nothing(kind: type[Effect[Any]], cycles: float, energy: float) -> None:
+def test_an_effect_at_its_neutral_values_changes_nothing(
+    kind: type[effects.Effect[Any]], cycles: float, energy: float
+) -> None:
     described = DESCRIPTIONS[kind.seam]
-    assert kind.neutral(coarse().stated).changed(described, Age(cycles, energy)) == described
+    assert kind.neutral(coarse().stated).changed(described, effects.Age(cycles, energy)) == described
 
 
 @everyone
-def test_an_effect_changes_its_own_seam_and_no_other(kind: type[Effect[Any]]) -> None:
-    effect, late = kind.sized("easy", coarse().stated), Age(1e4, 1.0)
+def test_an_effect_changes_its_own_seam_and_no_other(kind: type[effects.Effect[Any]]) -> None:
+    effect, late = kind.sized("easy", coarse().stated), effects.Age(1e4, 1.0)
     for seam, described in DESCRIPTIONS.items():
-        assert (applied([effect], seam, described, late) != described) == (seam is kind.seam)
+        assert (effects.applied([effect], seam, described, late) != described) == (seam is kind.seam)
 
 
 @everyone
-def test_a_study_with_an_effect_is_written_and_read_again(kind: type[Effect[Any]]) -> None:
+def test_a_study_with_an_effect_is_written_and_read_again(kind: type[effects.Effect[Any]]) -> None:
     for effect in (kind.sized("easy", coarse().stated), kind.neutral(coarse().stated)):
         study = coarse().with_effects(effect)
         again = study_from_tables(json.loads(json.dumps(study.resolved())), "resolved")
@@ -134,14 +123,17 @@ def test_effects_act_together_in_the_order_of_the_file() -> None:
             '[[effects]]\nname = "friction_offset"\nfriction = 0.5\n'
         )
     )
-    holder = applied(study.effects, Seam.HOLDER, Holder(2.0), Age.new())
+    holder = effects.applied(study.effects, effects.Seam.HOLDER, Holder(2.0), effects.Age.new())
     assert holder.compliance_at_contact_mm_per_N == pytest.approx(1.0 / 100.0 + 10.0**2 / 1e5)
-    assert applied(study.effects, Seam.CONTACT, ContactLaw(0.62), Age.new()).friction == 0.5
+    assert (
+        effects.applied(study.effects, effects.Seam.CONTACT, effects.ContactLaw(0.62), effects.Age.new()).friction
+        == 0.5
+    )
 
 
 def test_two_pivots_move_and_tilt_the_wire_as_both_would() -> None:
     first = Holder(2.0, rotational_compliance_rad_per_N_mm=1e-5, pivot_height_mm=10.0)
-    both = RotationalCompliance(stiffness_N_mm_per_rad=5e4, arm_mm=30.0).changed(first, Age.new())
+    both = RotationalCompliance(stiffness_N_mm_per_rad=5e4, arm_mm=30.0).changed(first, effects.Age.new())
     assert both.compliance_at_contact_mm_per_N == pytest.approx(1e-5 * 10.0**2 + 2e-5 * 30.0**2)
     tilt = both.rotational_compliance_rad_per_N_mm * both.pivot_height_mm
     assert tilt == pytest.approx(1e-5 * 10.0 + 2e-5 * 30.0)

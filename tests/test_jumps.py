@@ -8,15 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
-from solvers import (
-    ContactProblem,
-    JumpController,
-    NotConvergedError,
-    RoughLayer,
-    SolverError,
-    change_by_work,
-    take_step,
-)
+import solvers
 from solvers.contact import unloaded_state
 from tests.bodies import crossed_wires
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end
@@ -37,9 +29,9 @@ MILESTONES = (10.0, 100.0, 1000.0)
 STAGE = 1.0 - 0.5**0.5
 
 
-def rough(bare: ContactProblem, age: Age) -> ContactProblem:
+def rough(bare: solvers.ContactProblem, age: Age) -> solvers.ContactProblem:
     """The wires with a layer that wears in, which leaves the load to an ever smaller contact."""
-    return replace(bare, layers=(RoughLayer(LAYER_mm).worn_in(age.cycles, WEARS_IN_cycles),))
+    return replace(bare, layers=(solvers.RoughLayer(LAYER_mm).worn_in(age.cycles, WEARS_IN_cycles),))
 
 
 def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = False) -> tuple[float, float, float]:
@@ -51,7 +43,9 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
     motion, tally = Motion(STROKE_mm, INCREMENTS, INCREMENTS, False, unloaded_state, rough), Tally()
 
     def begun() -> WholeCycles:
-        return WholeCycles(Cycler(motion, tally, lambda *_: None), JumpController(0.1, largest_share=largest_share))
+        return WholeCycles(
+            Cycler(motion, tally, lambda *_: None), solvers.JumpController(0.1, largest_share=largest_share)
+        )
 
     jumps = begun()
     state = at_the_end(rough(bare, Age(0.0, 0.0)), STROKE_mm)
@@ -92,11 +86,11 @@ def implicit_decay(state: float, done: float, cycles: float) -> tuple[float, flo
 
 
 def integrate(tolerance: float, end: float, milestones: tuple[float, ...] = ()) -> tuple[float, list[float]]:
-    controller = JumpController(tolerance, first_jump=1.0)
+    controller = solvers.JumpController(tolerance, first_jump=1.0)
     state, done, jump = 1.0, 0.0, controller.first_jump
     visited = []
     while done < end:
-        step = take_step(controller, state, jump, done, milestones, end, implicit_decay)
+        step = solvers.take_step(controller, state, jump, done, milestones, end, implicit_decay)
         state, jump = step.state, step.next_jump
         done += step.jump
         visited.append(done)
@@ -130,42 +124,42 @@ def test_a_jump_in_which_the_contact_does_not_converge_is_cut() -> None:
     def fragile(state: float, done: float, cycles: float) -> tuple[float, float]:
         tried.append(cycles)
         if cycles > 7.0:
-            raise NotConvergedError("flickers")
+            raise solvers.NotConvergedError("flickers")
         return implicit_decay(state, done, cycles)[0], 1e-9
 
-    step = take_step(JumpController(0.1), 1.0, 40.0, 0.0, (), 1000.0, fragile)
+    step = solvers.take_step(solvers.JumpController(0.1), 1.0, 40.0, 0.0, (), 1000.0, fragile)
     assert 2.0 < step.jump <= 7.0
     assert step.next_jump <= 9.0
     assert tried[0] == 40.0
-    with pytest.raises(NotConvergedError, match="flickers"):
-        take_step(JumpController(0.1), 1.0, 1.0, 0.0, (), 1000.0, lambda *_: fragile(1.0, 0.0, 9.0))
+    with pytest.raises(solvers.NotConvergedError, match="flickers"):
+        solvers.take_step(solvers.JumpController(0.1), 1.0, 1.0, 0.0, (), 1000.0, lambda *_: fragile(1.0, 0.0, 9.0))
 
 
 def test_jumps_that_are_rejected_without_end_are_an_error() -> None:
-    controller = JumpController(1e-6, least_share=0.0)
-    with pytest.raises(SolverError, match="was rejected"):
-        take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda state, _done, _n: (state, 1.0))
+    controller = solvers.JumpController(1e-6, least_share=0.0)
+    with pytest.raises(solvers.SolverError, match="was rejected"):
+        solvers.take_step(controller, 1.0, 1e9, 1.0, (), 1e12, lambda state, _done, _n: (state, 1.0))
 
 
 def test_friction_work_that_jumps_do_not_foresee_keeps_the_energy_within_the_tolerance() -> None:
     # Work per cycle grows as 1 + N / 100, jumps foresee that it stays.
     for tolerance in (0.1, 0.02):
-        controller, energy, done, jump = JumpController(tolerance), 1.0, 1.0, 9.0
+        controller, energy, done, jump = solvers.JumpController(tolerance), 1.0, 1.0, 9.0
         steps = 0
         while done < 1e4:
 
             def attempt(state: float, before: float, cycles: float) -> tuple[float, float]:
                 foreseen, traced = 1.0 + before / 100.0, 1.0 + (before + cycles) / 100.0
                 after = state + cycles * foreseen
-                return after, change_by_work(foreseen, traced, cycles, after)
+                return after, solvers.change_by_work(foreseen, traced, cycles, after)
 
-            step = take_step(controller, energy, jump, done, (), 1e4, attempt)
+            step = solvers.take_step(controller, energy, jump, done, (), 1e4, attempt)
             energy, jump, done, steps = step.state, step.next_jump, done + step.jump, steps + 1
         assert energy == pytest.approx(1e4 + 0.5e8 / 100.0, rel=tolerance)
         assert steps < 40.0 / tolerance**0.5
 
 
 def test_what_a_jump_misses_of_the_energy_is_of_second_order() -> None:
-    whole, half = change_by_work(1.0, 1.2, 100.0, 500.0), change_by_work(1.0, 1.1, 50.0, 500.0)
+    whole, half = solvers.change_by_work(1.0, 1.2, 100.0, 500.0), solvers.change_by_work(1.0, 1.1, 50.0, 500.0)
     assert half == pytest.approx(0.5 * whole)
-    assert change_by_work(1.0, 1.0, 100.0, 0.0) == 0.0
+    assert solvers.change_by_work(1.0, 1.0, 100.0, 0.0) == 0.0

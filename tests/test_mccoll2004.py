@@ -7,15 +7,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from studies.mccoll2004.compare import (
-    base_line_um,
-    depth_comparisons,
-    measured_scar,
-    pressure_is_smooth,
-    published_scar,
-    shape_comparisons,
-    simulated_scar,
-)
+from studies.mccoll2004 import compare
 from studies.titanium_energy.compare import only_w_shaped_tests_are_off, w_shaped_tests_are_off
 from studies.titanium_energy.laws import energy_line, off_the_line
 from studies.titanium_energy.measured import MeasuredTest, read_tests
@@ -37,29 +29,29 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[RunResult, Path]:
 
 def test_the_measured_scar_is_deeper_than_the_published_model_by_what_its_source_says() -> None:
     """2.89 µm deep from the figure's zero, 3.04 from the flat; the published model 2.705 µm and 0.937e-3 mm²."""
-    measured, published = measured_scar(), published_scar()
+    measured, published = compare.measured_scar(), compare.published_scar()
     assert float(measured.depth_um.max()) == pytest.approx(2.892)
-    assert float(measured.depth_um.max()) + base_line_um(measured) == pytest.approx(3.04, abs=0.01)
+    assert float(measured.depth_um.max()) + compare.base_line_um(measured) == pytest.approx(3.04, abs=0.01)
     assert published.area_um2 == pytest.approx(937.0, rel=1e-3)
 
 
 @pytest.mark.slow
 def test_depths_are_within_one_per_cent_of_the_published_range(run: tuple[RunResult, Path]) -> None:
-    assert [(row.name, row.deviation) for row in depth_comparisons(run[0]) if not row.holds] == []
+    assert [(row.name, row.deviation) for row in compare.depth_comparisons(run[0]) if not row.holds] == []
 
 
 @pytest.mark.slow
 def test_area_and_width_are_those_of_the_published_model_and_the_measured_scar_is_larger(
     run: tuple[RunResult, Path],
 ) -> None:
-    rows = shape_comparisons(simulated_scar(run[0]))
+    rows = compare.shape_comparisons(compare.simulated_scar(run[0]))
     assert all(row.holds for row in rows if row.source == "published FE")
     assert all(row.deviation < -0.05 for row in rows if row.source.startswith("measured"))
 
 
 @pytest.mark.slow
 def test_the_pressure_at_mid_stroke_is_smooth(run: tuple[RunResult, Path]) -> None:
-    assert pressure_is_smooth(run[0]).holds
+    assert compare.pressure_is_smooth(run[0]).holds
 
 
 STUDY_OF_OXYGENATION = Path(__file__).resolve().parent.parent / "studies" / "titanium_oxygenation" / "study.toml"

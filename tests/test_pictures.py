@@ -18,19 +18,11 @@ from geometry import build_body
 from geometry.arrays import Array
 from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
-from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above
+from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.mesh import PARTS, round_facets
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    PRESSURE_COLOURS,
-    SLIP_COLOURS,
-    VARIANT_COLOURS,
-    cycle_colours,
-    styled,
-)
 from wirewear.results import Scar, write_result
 from wirewear.simulation import discretise
 from wirewear.study import load_study
@@ -62,21 +54,23 @@ def test_every_picture_is_drawn_without_an_x_server(variants: Path) -> None:
         assert width == 1275
         assert height > 400
     folder = variants / "pictures"
-    assert shows(folder / "loops.png", *cycle_colours(5))
+    assert shows(folder / "loops.png", *style.cycle_colours(5))
     for name in ("evolution.png", "sections.png"):
-        assert shows(folder / name, *VARIANT_COLOURS[:2])
+        assert shows(folder / name, *style.VARIANT_COLOURS[:2])
     for name in ("scars_from_above.png", "scar_series_rigid.png", "scar_series_compliant.png"):
-        assert shows(folder / name, *DEPTH_COLOURS(np.linspace(0.0, 1.0, 9)), part=PANELS)
+        assert shows(folder / name, *style.DEPTH_COLOURS(np.linspace(0.0, 1.0, 9)), part=PANELS)
     for run_name in ("compliant", "rigid"):
         # The pressure of the bowls is the same everywhere, as is the distance slid: the top of each scale.
-        assert shows(folder / f"contact_{run_name}.png", PRESSURE_COLOURS(1.0), SLIP_COLOURS(1.0), part=PANELS)
+        assert shows(
+            folder / f"contact_{run_name}.png", style.PRESSURE_COLOURS(1.0), style.SLIP_COLOURS(1.0), part=PANELS
+        )
     # Light changes the pale colours of a surface, not the dark ones of the scar's bottom.
-    assert shows(folder / "scars_3d.png", *DEPTH_COLOURS([0.875, 1.0]), part=PANELS)
+    assert shows(folder / "scars_3d.png", *style.DEPTH_COLOURS([0.875, 1.0]), part=PANELS)
 
 
 def test_a_map_shows_the_scar_where_it_is() -> None:
     """The moving wire's bowl of half-axes 140 × 95 µm lies along x; the fixed wire's of 90 × 95 µm across it."""
-    with styled():
+    with style.styled():
         figure = scars_from_above([result()])
     moving, fixed = figure.axes[:2]
     for axes, half_x, half_y in ((moving, 140.0, 95.0), (fixed, 95.0, 90.0)):
@@ -92,7 +86,7 @@ def test_a_map_shows_the_scar_where_it_is() -> None:
 
 def test_sections_show_the_worn_below_the_unworn_profile() -> None:
     """At the crown the moving wire has lost 12 µm, the fixed one 20 µm; its unworn profile is the wire's circle."""
-    with styled():
+    with style.styled():
         figure = scar_sections([result()], [100_000])
     for axes, depth, sag in zip(figure.axes, (12.0, 20.0), (0.0, 225.0 - (225.0**2 - 100.0**2) ** 0.5), strict=True):
         unworn, worn = axes.lines

@@ -8,31 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from geometry import (
-    ContactPatch,
-    Cylinder,
-    Elastic,
-    Flat,
-    GeometryError,
-    GradedAxis,
-    PlanarGeometry,
-    PlanarMesh,
-    Profile,
-    RoundedFlat,
-    build_planar,
-)
-from solvers import (
-    ContactProblem,
-    ContactState,
-    Holder,
-    PlacedBody,
-    WearRates,
-    advance,
-    condense,
-    place,
-    press,
-    unloaded_state,
-)
+import geometry
+import solvers
 from solvers.pairing import pair, primary_surface
 from solvers.strain import stiffness_matrix
 from wirewear import reference
@@ -47,32 +24,34 @@ from wirewear.verification.line_contact import (
 )
 
 E, NU = 200_000.0, 0.3
-STEEL = Elastic(E, NU)
+STEEL = geometry.Elastic(E, NU)
 HERTZ = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
 
-ALONG = GradedAxis(0.02, 0.1, 0.08, 0.4)
-PROFILES: dict[str, Profile] = {
-    "cylinder": Cylinder(6.0, curved_along=True),
-    "flat": Flat(),
-    "rounded": RoundedFlat(0.3, 2.0),
+ALONG = geometry.GradedAxis(0.02, 0.1, 0.08, 0.4)
+PROFILES: dict[str, geometry.Profile] = {
+    "cylinder": geometry.Cylinder(6.0, curved_along=True),
+    "flat": geometry.Flat(),
+    "rounded": geometry.RoundedFlat(0.3, 2.0),
 }
 
 
-def block(fine_mm: float, half_mm: float = 0.5, height_mm: float = 1.0, *, upper: bool = False) -> PlacedBody:
-    along = GradedAxis(fine_mm, 0.5 * half_mm, fine_mm, 0.98 * half_mm)
-    meshed = build_planar(PlanarGeometry(Flat(), half_mm, height_mm, along, far_mm=0.2))
-    return place(condense(meshed.mesh, meshed.patch, STEEL), upper=upper, axis_angle_rad=0.0)
+def block(fine_mm: float, half_mm: float = 0.5, height_mm: float = 1.0, *, upper: bool = False) -> solvers.PlacedBody:
+    along = geometry.GradedAxis(fine_mm, 0.5 * half_mm, fine_mm, 0.98 * half_mm)
+    meshed = geometry.build_planar(geometry.PlanarGeometry(geometry.Flat(), half_mm, height_mm, along, far_mm=0.2))
+    return solvers.place(solvers.condense(meshed.mesh, meshed.patch, STEEL), upper=upper, axis_angle_rad=0.0)
 
 
 @cache
-def line_contact() -> tuple[ContactProblem, ContactState]:
+def line_contact() -> tuple[solvers.ContactProblem, solvers.ContactState]:
     problem = cylinder_on_flat(HERTZ.half_width_mm / 10.0)
-    return problem, press(problem, unloaded_state(problem))[0]
+    return problem, solvers.press(problem, solvers.unloaded_state(problem))[0]
 
 
 def test_uniform_strain_is_reproduced_in_plane_and_out_of_it() -> None:
-    mesh = build_planar(
-        PlanarGeometry(Cylinder(6.0, curved_along=True), 1.0, 1.0, GradedAxis(0.1, 0.2, 0.1, 0.5), far_mm=0.2)
+    mesh = geometry.build_planar(
+        geometry.PlanarGeometry(
+            geometry.Cylinder(6.0, curved_along=True), 1.0, 1.0, geometry.GradedAxis(0.1, 0.2, 0.1, 0.5), far_mm=0.2
+        )
     ).mesh
     stiffness = stiffness_matrix(mesh, STEEL)
     x, z = mesh.points.T
@@ -113,7 +92,7 @@ def test_mirrored_planar_motion_gives_exactly_the_mirrored_forces() -> None:
     problem, pressed = line_contact()
     one, other = pressed, pressed
     for drive in (0.0006, 0.0012, 0.0030, 0.0050, 0.0044, 0.0030):
-        one, other = advance(problem, one, drive, 0.0)[0], advance(problem, other, -drive, 0.0)[0]
+        one, other = solvers.advance(problem, one, drive, 0.0)[0], solvers.advance(problem, other, -drive, 0.0)[0]
         assert tangential_force(other) == pytest.approx(-tangential_force(one), rel=1e-9)
         mirrored = other.traction[::-1] * [-1.0, 1.0, 1.0]
         assert mirrored == pytest.approx(one.traction, abs=1e-6 * HERTZ.peak_pressure_MPa)
@@ -126,7 +105,7 @@ def test_a_contact_in_partial_slip_repeats_itself_from_the_second_cycle_on() -> 
     cycle = 0.0012 * np.cos(2.0 * np.pi * np.arange(1, 17) / 16)
     ends = []
     for drive in (*stroke, *cycle, *cycle, *cycle):
-        state = advance(problem, state, float(drive), 0.0)[0]
+        state = solvers.advance(problem, state, float(drive), 0.0)[0]
         if drive == cycle[-1]:
             ends.append(state)
     assert abs(tangential_force(state)) < 0.9 * FRICTION * LOAD_N_per_mm
@@ -136,9 +115,9 @@ def test_a_contact_in_partial_slip_repeats_itself_from_the_second_cycle_on() -> 
 
 def test_a_planar_contact_wears_alpha_times_energy_on_each_body() -> None:
     problem, state = line_contact()
-    worn = replace(problem, wear=WearRates(3e-8, 1e-8), holder=Holder(LOAD_N_per_mm, 1.0 / 5e4))
+    worn = replace(problem, wear=solvers.WearRates(3e-8, 1e-8), holder=solvers.Holder(LOAD_N_per_mm, 1.0 / 5e4))
     for drive in (0.01, 0.02, 0.01, -0.01, -0.02):
-        state, _ = advance(worn, state, drive, 2000.0)
+        state, _ = solvers.advance(worn, state, drive, 2000.0)
     energy = state.wear.energy_mJ
     assert energy > 0.0
     upper = worn.upper.patch.node_areas() @ state.wear.primary_depth.ravel()
@@ -147,12 +126,12 @@ def test_a_planar_contact_wears_alpha_times_energy_on_each_body() -> None:
     assert lower == pytest.approx(1e-8 * energy, rel=1e-9)
 
 
-def body(profile: Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> PlanarMesh:
-    return build_planar(PlanarGeometry(profile, half_width_mm, height_mm, ALONG, far_mm=0.3))
+def body(profile: geometry.Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> geometry.PlanarMesh:
+    return geometry.build_planar(geometry.PlanarGeometry(profile, half_width_mm, height_mm, ALONG, far_mm=0.3))
 
 
-def line(x: list[float], profile: Profile | None = None) -> ContactPatch:
-    return ContactPatch(np.array(x), np.zeros(1), np.arange(len(x))[:, None], profile or Flat())
+def line(x: list[float], profile: geometry.Profile | None = None) -> geometry.ContactPatch:
+    return geometry.ContactPatch(np.array(x), np.zeros(1), np.arange(len(x))[:, None], profile or geometry.Flat())
 
 
 @pytest.mark.parametrize("name", PROFILES)
@@ -223,13 +202,13 @@ def test_worn_nodes_stand_in_the_worn_surface_and_the_body_loses_what_is_worn() 
 def test_a_grip_holds_the_stated_part_of_the_back_and_gives_way_as_stated() -> None:
     whole = body(PROFILES["flat"])
     assert whole.bedding is None
-    narrow = build_planar(replace(whole.geometry, grip_half_width_mm=0.5, grip_stiffness_N_per_mm3=1e4))
+    narrow = geometry.build_planar(replace(whole.geometry, grip_half_width_mm=0.5, grip_stiffness_N_per_mm3=1e4))
     assert np.abs(narrow.mesh.points[narrow.mesh.surface_nodes("grip"), 0]).max() < 0.7
     assert narrow.bedding is not None
     assert narrow.bedding.sum() == pytest.approx(1e4 * narrow.mesh.surface_lengths("grip").sum())
     assert narrow.mesh.surface_lengths("grip").sum() == pytest.approx(1.0, abs=0.31)
     assert whole.mesh.surface_lengths("grip").sum() == pytest.approx(3.0)
-    with pytest.raises(GeometryError, match="half-width must be positive"):
+    with pytest.raises(geometry.GeometryError, match="half-width must be positive"):
         replace(whole.geometry, grip_half_width_mm=0.0)
-    with pytest.raises(GeometryError, match="stiffness must be positive"):
+    with pytest.raises(geometry.GeometryError, match="stiffness must be positive"):
         replace(whole.geometry, grip_stiffness_N_per_mm3=0.0)

@@ -10,44 +10,18 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from scipy.special import ellipk
 
-from wirewear.reference import (
-    Elastic,
-    LimitingShape,
-    PartialSlipPoint,
-    WearingContact,
-    contact_modulus,
-    displacement_after_reversal,
-    energy_per_cycle,
-    hertz_crossed_cylinders,
-    hertz_elliptic,
-    hertz_line,
-    hertz_point,
-    line_loading_traction,
-    line_stick_ratio,
-    line_stick_ratio_after_reversal,
-    line_traction_after_reversal,
-    loading_displacement,
-    loading_force,
-    loading_traction,
-    partial_slip_point,
-    relative_curvatures,
-    semi_axis_ratio,
-    stick_radius,
-    stick_radius_after_reversal,
-    tangential_contact_modulus,
-    traction_after_reversal,
-)
+from wirewear import reference
 from wirewear.reference.hertz import PointContact
 
-STEEL = Elastic(210_000.0, 0.3)
-MODULUS = contact_modulus(STEEL, STEEL)
-SHEAR = tangential_contact_modulus(STEEL, STEEL)
+STEEL = reference.Elastic(210_000.0, 0.3)
+MODULUS = reference.contact_modulus(STEEL, STEEL)
+SHEAR = reference.tangential_contact_modulus(STEEL, STEEL)
 #: Steel wires of 0.45 mm crossed at right angles, moved by ±0.39 µm where they touch.
-WIRES = WearingContact(0.225, MODULUS, SHEAR, friction=0.62, drive_mm=0.39e-3)
-SHAPE = LimitingShape(0.225, approach_mm=0.909e-3, stick_radius_mm=9.37e-3)
+WIRES = reference.WearingContact(0.225, MODULUS, SHEAR, friction=0.62, drive_mm=0.39e-3)
+SHAPE = reference.LimitingShape(0.225, approach_mm=0.909e-3, stick_radius_mm=9.37e-3)
 
-CONTACT = PartialSlipPoint(2.0, 0.62, 0.0143, 2700.0)
-LINE = hertz_line(120.0, 6.0, 200000.0 / (2 * 0.91))
+CONTACT = reference.PartialSlipPoint(2.0, 0.62, 0.0143, 2700.0)
+LINE = reference.hertz_line(120.0, 6.0, 200000.0 / (2 * 0.91))
 RATIOS = st.floats(0.02, 1.0)
 
 
@@ -55,7 +29,7 @@ RATIOS = st.floats(0.02, 1.0)
 TABLE = [(30, 2.731, 0.493), (45, 1.926, 0.604), (60, 1.486, 0.717), (75, 1.202, 0.846), (85, 1.061, 0.944), (90, 1, 1)]
 
 
-def displacement(shape: LimitingShape, radius_mm: float) -> float:
+def displacement(shape: reference.LimitingShape, radius_mm: float) -> float:
     """Displacement of both half-spaces' surfaces under the shape's pressure, by Boussinesq's solution over rings."""
 
     def ring(angle: float) -> float:
@@ -99,7 +73,7 @@ def test_steel_wires_wear_as_an_independent_evaluation_of_the_formula_says() -> 
 def test_the_stuck_centre_is_about_to_slip_behind_any_bulk(share: float, normal: float, tangential: float) -> None:
     approach = 0.909e-3
     drive = share * WIRES.friction * MODULUS / SHEAR * approach
-    contact = WearingContact(0.225, MODULUS, SHEAR, WIRES.friction, drive, normal, tangential)
+    contact = reference.WearingContact(0.225, MODULUS, SHEAR, WIRES.friction, drive, normal, tangential)
     shape = contact.under_approach(approach)
     c, d = shape.stick_radius_mm, shape.approach_mm
     force = 2.0 * contact.friction * MODULUS * c * (d - c**2 / 0.225)
@@ -112,7 +86,7 @@ def disc_integral(values: np.ndarray, radius: np.ndarray) -> float:
 
 
 def test_mindlin_stiffness_of_the_steel_wires_is_sixteen_times_the_rigs() -> None:
-    steel = partial_slip_point(2.0, 0.62, 0.0143013, 2.0 * 210000.0 / 2.6 / 1.7)
+    steel = reference.partial_slip_point(2.0, 0.62, 0.0143013, 2.0 * 210000.0 / 2.6 / 1.7)
     assert steel.stiffness_N_per_mm / 167.0 == pytest.approx(16.3, abs=0.1)
 
 
@@ -120,49 +94,55 @@ def test_mindlin_stiffness_of_the_steel_wires_is_sixteen_times_the_rigs() -> Non
 def test_traction_integrates_to_the_tangential_force(ratio: float) -> None:
     radius = np.linspace(0.0, CONTACT.contact_radius_mm, 20001)
     force = ratio * CONTACT.limit_N
-    assert disc_integral(loading_traction(CONTACT, radius, force), radius) == pytest.approx(force, rel=1e-4, abs=1e-5)
+    assert disc_integral(reference.loading_traction(CONTACT, radius, force), radius) == pytest.approx(
+        force, rel=1e-4, abs=1e-5
+    )
 
 
 @given(RATIOS, st.floats(-1.0, 1.0))
 def test_traction_after_reversal_integrates_to_the_force_and_keeps_coulombs_law(ratio: float, part: float) -> None:
     radius = np.linspace(0.0, CONTACT.contact_radius_mm, 20001)
     peak = ratio * CONTACT.limit_N
-    traction = traction_after_reversal(CONTACT, radius, part * peak, peak)
+    traction = reference.traction_after_reversal(CONTACT, radius, part * peak, peak)
     assert disc_integral(traction, radius) == pytest.approx(part * peak, abs=2e-4)
-    limit = loading_traction(CONTACT, radius, CONTACT.limit_N)
+    limit = reference.loading_traction(CONTACT, radius, CONTACT.limit_N)
     assert np.all(np.abs(traction) <= limit * (1.0 + 1e-9) + 1e-9)
 
 
 @given(RATIOS, st.floats(-0.9, 0.9))
 def test_only_the_annulus_outside_the_new_stick_circle_slips_back(ratio: float, part: float) -> None:
     peak = ratio * CONTACT.limit_N
-    inner = stick_radius_after_reversal(CONTACT, part * peak, peak)
+    inner = reference.stick_radius_after_reversal(CONTACT, part * peak, peak)
     radius = np.linspace(inner, CONTACT.contact_radius_mm, 50)
-    limit = loading_traction(CONTACT, radius, CONTACT.limit_N)
-    np.testing.assert_allclose(traction_after_reversal(CONTACT, radius, part * peak, peak), -limit, atol=1e-6)
-    assert inner > float(stick_radius(CONTACT, peak))
+    limit = reference.loading_traction(CONTACT, radius, CONTACT.limit_N)
+    np.testing.assert_allclose(reference.traction_after_reversal(CONTACT, radius, part * peak, peak), -limit, atol=1e-6)
+    assert inner > float(reference.stick_radius(CONTACT, peak))
 
 
 @given(st.floats(-1.0, 1.0))
 def test_force_and_displacement_of_first_loading_are_inverse(ratio: float) -> None:
     force = ratio * CONTACT.limit_N
-    assert float(loading_force(CONTACT, loading_displacement(CONTACT, force))) == pytest.approx(force, abs=1e-9)
+    assert float(reference.loading_force(CONTACT, reference.loading_displacement(CONTACT, force))) == pytest.approx(
+        force, abs=1e-9
+    )
 
 
 def test_first_loading_starts_at_mindlins_stiffness_and_slides_at_one_and_a_half() -> None:
     small = 1e-6 * CONTACT.limit_N
-    assert small / float(loading_displacement(CONTACT, small)) == pytest.approx(CONTACT.stiffness_N_per_mm, rel=1e-5)
-    slide = float(loading_displacement(CONTACT, CONTACT.limit_N))
+    assert small / float(reference.loading_displacement(CONTACT, small)) == pytest.approx(
+        CONTACT.stiffness_N_per_mm, rel=1e-5
+    )
+    slide = float(reference.loading_displacement(CONTACT, CONTACT.limit_N))
     assert slide == pytest.approx(1.5 * CONTACT.limit_N / CONTACT.stiffness_N_per_mm)
-    assert float(loading_force(CONTACT, 3.0 * slide)) == CONTACT.limit_N
+    assert float(reference.loading_force(CONTACT, 3.0 * slide)) == CONTACT.limit_N
 
 
 @given(RATIOS)
 def test_unloading_and_reloading_close_the_loop(ratio: float) -> None:
     peak = ratio * CONTACT.limit_N
-    top = float(loading_displacement(CONTACT, peak))
-    assert float(displacement_after_reversal(CONTACT, -peak, peak)) == pytest.approx(-top, rel=1e-9)
-    assert float(displacement_after_reversal(CONTACT, peak, -peak)) == pytest.approx(top, rel=1e-9)
+    top = float(reference.loading_displacement(CONTACT, peak))
+    assert float(reference.displacement_after_reversal(CONTACT, -peak, peak)) == pytest.approx(-top, rel=1e-9)
+    assert float(reference.displacement_after_reversal(CONTACT, peak, -peak)) == pytest.approx(top, rel=1e-9)
 
 
 @given(st.floats(1e-4, 1.0))
@@ -170,29 +150,31 @@ def test_energy_of_a_cycle_is_the_area_of_its_loop(ratio: float) -> None:
     peak = ratio * CONTACT.limit_N
     # graded towards the ends of the branch, where its curvature is singular
     force = peak * np.sin(np.linspace(-math.pi / 2, math.pi / 2, 4001))
-    opening = displacement_after_reversal(CONTACT, force, peak) - displacement_after_reversal(CONTACT, force, -peak)
-    assert energy_per_cycle(CONTACT, peak) == pytest.approx(float(np.trapezoid(opening, force)), rel=1e-5)
+    opening = reference.displacement_after_reversal(CONTACT, force, peak) - reference.displacement_after_reversal(
+        CONTACT, force, -peak
+    )
+    assert reference.energy_per_cycle(CONTACT, peak) == pytest.approx(float(np.trapezoid(opening, force)), rel=1e-5)
 
 
 def test_line_contact_sticks_as_in_the_known_case() -> None:
     limit = 0.6 * 120.0
-    assert line_stick_ratio(0.5 * limit, limit) == pytest.approx(0.7071, abs=5e-5)
-    assert line_stick_ratio_after_reversal(0.0, 0.5 * limit, limit) == pytest.approx(0.8660, abs=5e-5)
+    assert reference.line_stick_ratio(0.5 * limit, limit) == pytest.approx(0.7071, abs=5e-5)
+    assert reference.line_stick_ratio_after_reversal(0.0, 0.5 * limit, limit) == pytest.approx(0.8660, abs=5e-5)
 
 
 @given(RATIOS, st.floats(-1.0, 1.0))
 def test_line_tractions_integrate_to_the_force_and_keep_coulombs_law(ratio: float, part: float) -> None:
     limit = 0.6 * 120.0
     x = np.sin(np.linspace(-math.pi / 2, math.pi / 2, 20001)) * LINE.half_width_mm
-    first = line_loading_traction(LINE, 0.6, x, ratio * limit)
-    after = line_traction_after_reversal(LINE, 0.6, x, part * ratio * limit, ratio * limit)
+    first = reference.line_loading_traction(LINE, 0.6, x, ratio * limit)
+    after = reference.line_traction_after_reversal(LINE, 0.6, x, part * ratio * limit, ratio * limit)
     assert np.trapezoid(first, x) == pytest.approx(ratio * limit, abs=1e-3)
     assert np.trapezoid(after, x) == pytest.approx(part * ratio * limit, abs=1e-3)
     assert np.all(np.abs(after) <= 0.6 * LINE.pressure(x) * (1 + 1e-9) + 1e-9)
 
 
 def steel_wires() -> PointContact:
-    return hertz_crossed_cylinders(2.0, 0.225, 0.225, 90.0, first=STEEL, second=STEEL)
+    return reference.hertz_crossed_cylinders(2.0, 0.225, 0.225, 90.0, first=STEEL, second=STEEL)
 
 
 def surface_displacement(contact: PointContact, modulus_MPa: float, x: float, y: float) -> float:
@@ -219,7 +201,7 @@ def test_steel_wires_have_the_articles_contact() -> None:
 def test_elliptic_contact_agrees_with_the_published_table(theta_deg: float, m: float, n: float) -> None:
     cosine = math.cos(math.radians(theta_deg))
     small, large = 1.0 - cosine, 1.0 + cosine
-    contact = hertz_elliptic(1.0, small, large, 100.0)
+    contact = reference.hertz_elliptic(1.0, small, large, 100.0)
     scale = (3.0 / (4.0 * 100.0 * (small + large))) ** (1.0 / 3.0)
     assert contact.major_semi_axis_mm == pytest.approx(m * scale, abs=1.2e-3 * scale)
     assert contact.minor_semi_axis_mm == pytest.approx(n * scale, abs=1.2e-3 * scale)
@@ -229,9 +211,9 @@ def test_elliptic_contact_agrees_with_the_published_table(theta_deg: float, m: f
 def test_elliptic_pressure_bends_the_surfaces_onto_each_other(
     first_mm: float, second_mm: float, angle_deg: float, x: float, y: float
 ) -> None:
-    small, large, _ = relative_curvatures(first_mm, second_mm, angle_deg)
-    modulus = contact_modulus(STEEL, STEEL)
-    contact = hertz_elliptic(2.0, small, large, modulus)
+    small, large, _ = reference.relative_curvatures(first_mm, second_mm, angle_deg)
+    modulus = reference.contact_modulus(STEEL, STEEL)
+    contact = reference.hertz_elliptic(2.0, small, large, modulus)
     x_mm, y_mm = x * contact.major_semi_axis_mm, y * contact.minor_semi_axis_mm
     closed_gap = contact.approach_mm - small * x_mm**2 - large * y_mm**2
     assert surface_displacement(contact, modulus, x_mm, y_mm) == pytest.approx(closed_gap, rel=1e-6)
@@ -239,7 +221,9 @@ def test_elliptic_pressure_bends_the_surfaces_onto_each_other(
 
 @given(st.floats(0.05, 2.0), st.floats(0.05, 2.0), st.floats(15.0, 165.0))
 def test_pressure_integrates_to_the_load(first_mm: float, second_mm: float, angle_deg: float) -> None:
-    contact = hertz_crossed_cylinders(3.0, first_mm, second_mm, angle_deg, first=STEEL, second=Elastic(70000.0, 0.33))
+    contact = reference.hertz_crossed_cylinders(
+        3.0, first_mm, second_mm, angle_deg, first=STEEL, second=reference.Elastic(70000.0, 0.33)
+    )
     radius = (np.arange(4000) + 0.5) / 4000
     a, b = contact.major_semi_axis_mm, contact.minor_semi_axis_mm
     for direction in (0.0, 1.0, math.pi / 2.0):
@@ -251,7 +235,7 @@ def test_pressure_integrates_to_the_load(first_mm: float, second_mm: float, angl
 def test_gap_curvatures_are_the_principal_ones_of_the_two_cylinders(
     first_mm: float, second_mm: float, angle_deg: float
 ) -> None:
-    small, large, major = relative_curvatures(first_mm, second_mm, angle_deg)
+    small, large, major = reference.relative_curvatures(first_mm, second_mm, angle_deg)
     omega = math.radians(angle_deg)
     for direction, expected in ((major, small), (major + math.pi / 2, large)):
         gap = math.sin(direction) ** 2 / (2 * first_mm) + math.sin(direction - omega) ** 2 / (2 * second_mm)
@@ -259,16 +243,16 @@ def test_gap_curvatures_are_the_principal_ones_of_the_two_cylinders(
 
 
 def test_exchanging_the_wires_mirrors_the_contact() -> None:
-    other = Elastic(116000.0, 0.3)
-    one = hertz_crossed_cylinders(2.0, 0.2, 0.5, 60.0, first=STEEL, second=other)
-    two = hertz_crossed_cylinders(2.0, 0.5, 0.2, 60.0, first=other, second=STEEL)
+    other = reference.Elastic(116000.0, 0.3)
+    one = reference.hertz_crossed_cylinders(2.0, 0.2, 0.5, 60.0, first=STEEL, second=other)
+    two = reference.hertz_crossed_cylinders(2.0, 0.5, 0.2, 60.0, first=other, second=STEEL)
     assert one.major_semi_axis_mm == pytest.approx(two.major_semi_axis_mm, rel=1e-12)
     assert one.major_angle_rad == pytest.approx(math.radians(60.0) - two.major_angle_rad, rel=1e-12)
 
 
 def test_line_contact_has_the_known_half_width_and_carries_its_load() -> None:
-    titanium_like = Elastic(200000.0, 0.3)
-    contact = hertz_line(120.0, 6.0, contact_modulus(titanium_like, titanium_like))
+    titanium_like = reference.Elastic(200000.0, 0.3)
+    contact = reference.hertz_line(120.0, 6.0, reference.contact_modulus(titanium_like, titanium_like))
     assert contact.half_width_mm == pytest.approx(0.09134, abs=5e-6)
     assert contact.peak_pressure_MPa == pytest.approx(836.4, abs=0.05)
     x = np.linspace(-1.0, 1.0, 200001) * contact.half_width_mm
@@ -279,7 +263,7 @@ def test_line_contact_has_the_known_half_width_and_carries_its_load() -> None:
 @pytest.mark.parametrize("share", [0.2, 0.5, 1.0, 2.0, 2.6])
 def test_means_about_the_middle_are_the_load_there_over_the_length(share: float) -> None:
     """Against sums over the pressure itself; share: of the radius, or of half the width."""
-    point, line = steel_wires(), hertz_line(120.0, 6.0, 1.1e5)
+    point, line = steel_wires(), reference.hertz_line(120.0, 6.0, 1.1e5)
     r = (np.arange(20_000) + 0.5) / 20_000 * 0.5 * share * point.contact_radius_mm
     on_disc = float((point.pressure(r) * r).sum() / r.sum())
     assert point.mean_over_disc_MPa(share * point.contact_radius_mm) == pytest.approx(on_disc, rel=1e-4)
@@ -290,11 +274,11 @@ def test_means_about_the_middle_are_the_load_there_over_the_length(share: float)
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: Elastic(-1.0, 0.3), "youngs_modulus_MPa must be positive"),
-        (lambda: Elastic(1.0, 0.6), "poissons_ratio must lie between"),
-        (lambda: hertz_point(0.0, 1.0, 1.0), "normal_load_N must be positive"),
-        (lambda: relative_curvatures(1.0, 1.0, 180.0), "crossing_angle_deg must lie between"),
-        (lambda: semi_axis_ratio(0.5), "curvature_ratio must be at least 1"),
+        (lambda: reference.Elastic(-1.0, 0.3), "youngs_modulus_MPa must be positive"),
+        (lambda: reference.Elastic(1.0, 0.6), "poissons_ratio must lie between"),
+        (lambda: reference.hertz_point(0.0, 1.0, 1.0), "normal_load_N must be positive"),
+        (lambda: reference.relative_curvatures(1.0, 1.0, 180.0), "crossing_angle_deg must lie between"),
+        (lambda: reference.semi_axis_ratio(0.5), "curvature_ratio must be at least 1"),
     ],
 )
 def test_values_out_of_range_are_named(call: object, message: str) -> None:

@@ -6,23 +6,8 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
+import solvers
 from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, Profile, build_planar
-from solvers import (
-    ContactProblem,
-    ContactState,
-    Holder,
-    RoughLayer,
-    Symmetry,
-    WearRates,
-    advance,
-    closed_trace,
-    condense,
-    move_stuck,
-    place,
-    press,
-    symmetry_of,
-    unloaded_state,
-)
 from tests.bodies import crossed_wires, pressed
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped, wires
 from wirewear import reference
@@ -45,7 +30,7 @@ def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
 ) -> None:
     stroke = STROKES_mm[rig_N_per_mm]
     problem = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm or None, wear=RATES)
-    symmetry = symmetry_of(problem) if folded else Symmetry()
+    symmetry = solvers.symmetry_of(problem) if folded else solvers.Symmetry()
     start = at_the_end(problem, stroke)
     jump = jumped(problem, start, CYCLES, symmetry=symmetry, stroke_mm=stroke)
     before, after = work(problem, start, stroke), work(problem, jump.state, stroke)
@@ -53,9 +38,9 @@ def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
     assert jump.friction_work == pytest.approx(after, abs=0.3 * abs(after - before))
 
 
-def work(problem: ContactProblem, state: ContactState, stroke_mm: float) -> float:
+def work(problem: solvers.ContactProblem, state: solvers.ContactState, stroke_mm: float) -> float:
     with threadpool_limits(limits=1, user_api="blas"):
-        return closed_trace(problem, state, stroke_mm, INCREMENTS, Symmetry())[1].friction_work
+        return solvers.closed_trace(problem, state, stroke_mm, INCREMENTS, solvers.Symmetry())[1].friction_work
 
 
 @pytest.mark.seconds
@@ -91,10 +76,10 @@ def test_behind_a_soft_rig_slip_gives_up_what_a_growing_friction_takes() -> None
 @pytest.mark.seconds
 @pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 6.0e-4), (20.0, 0.045)])
 def test_a_layer_that_wears_in_leaves_its_shear_to_the_slip(rig_N_per_mm: float | None, stroke_mm: float) -> None:
-    layer = RoughLayer(1e-4)
+    layer = solvers.RoughLayer(1e-4)
     bare = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm, wear=RATES)
 
-    def problem_at(cycles: float, _energy_mJ: float) -> ContactProblem:
+    def problem_at(cycles: float, _energy_mJ: float) -> solvers.ContactProblem:
         return replace(bare, layers=(layer.worn_in(cycles, 4e3),))
 
     rough = problem_at(0.0, 0.0)
@@ -122,7 +107,7 @@ def wide() -> PlanarMesh:
 
 
 def test_wide_bodies_of_different_materials_are_as_stiff_as_half_planes(wide: PlanarMesh) -> None:
-    motion = move_stuck(wide, wide, STIFF, SOFT, HALF_WIDTH_mm)
+    motion = solvers.move_stuck(wide, wide, STIFF, SOFT, HALF_WIDTH_mm)
     first, second = STIFF, SOFT
     exact = reference.half_plane_line_stiffness(first, second, HALF_WIDTH_mm, 1.0, 1.0)
     # Between different materials shear also presses, which the closed form leaves out.
@@ -136,30 +121,30 @@ def test_a_contact_run_just_after_its_reversal_is_as_stiff_as_the_stuck_bodies()
     exact = reference.hertz_line(load, radius, reference.contact_modulus(*(reference.Elastic(210_000.0, 0.3),) * 2))
     a = exact.half_width_mm
     pad, flat = (body(p, 5.0, 5.0, a, 24) for p in (Cylinder(radius, curved_along=True), Flat()))
-    stuck = move_stuck(pad, flat, STIFF, STIFF, a).force_N_per_mm2
-    upper, lower = (condense(b.mesh, b.patch, STIFF) for b in (pad, flat))
-    problem = ContactProblem(
-        upper=place(upper, upper=True, axis_angle_rad=0.0),
-        lower=place(lower, upper=False, axis_angle_rad=0.0),
-        holder=Holder(load),
+    stuck = solvers.move_stuck(pad, flat, STIFF, STIFF, a).force_N_per_mm2
+    upper, lower = (solvers.condense(b.mesh, b.patch, STIFF) for b in (pad, flat))
+    problem = solvers.ContactProblem(
+        upper=solvers.place(upper, upper=True, axis_angle_rad=0.0),
+        lower=solvers.place(lower, upper=False, axis_angle_rad=0.0),
+        holder=solvers.Holder(load),
         friction=friction,
-        wear=WearRates(),
+        wear=solvers.WearRates(),
     )
-    state, _ = press(problem, unloaded_state(problem))
+    state, _ = solvers.press(problem, solvers.unloaded_state(problem))
     farthest = 1.5 * friction * load / stuck
     for drive in np.linspace(0.0, farthest, 6)[1:]:
-        state, _ = advance(problem, state, float(drive), 0.0)
+        state, _ = solvers.advance(problem, state, float(drive), 0.0)
     assert abs(state.primary_force[:, 0].sum()) == pytest.approx(friction * load, rel=1e-3)
     step = 0.01 * farthest
-    after, _ = advance(problem, state, farthest - step, 0.0)
+    after, _ = solvers.advance(problem, state, farthest - step, 0.0)
     change = abs(float((after.primary_force - state.primary_force)[:, 0].sum()))
     assert change / step == pytest.approx(stuck, rel=0.01)
 
 
 def test_bodies_change_places_without_changing_the_force_and_no_node_of_the_joint_parts() -> None:
     wide = body(Flat(), 10.0, 10.0)
-    motion = move_stuck(wide, wide, SOFT, STIFF, HALF_WIDTH_mm)
-    swapped = move_stuck(wide, wide, STIFF, SOFT, HALF_WIDTH_mm)
+    motion = solvers.move_stuck(wide, wide, SOFT, STIFF, HALF_WIDTH_mm)
+    swapped = solvers.move_stuck(wide, wide, STIFF, SOFT, HALF_WIDTH_mm)
     assert swapped.force_N_per_mm2 == pytest.approx(motion.force_N_per_mm2, rel=1e-6)
     nodes, x = wide.patch.nodes[:, 0], wide.patch.axial_mm
     inside, beside = np.abs(x) <= HALF_WIDTH_mm, np.abs(x) > 1.5 * HALF_WIDTH_mm

@@ -13,20 +13,10 @@ from studies.tribometers import article
 from studies.tribometers.article import compliance_suffices, one_rig_one_stiffness, stiffness_comparisons
 from studies.tribometers.judge import Tribometer, judge, read_tribometers
 from studies.tribometers.rows import NUMBERS, read_rows
+from wirewear import reference
 from wirewear.base.errors import RecordError
 from wirewear.loops import analyse_loop
 from wirewear.planar.contact_stiffness import ASSUMED, line_contact_stiffness
-from wirewear.reference import (
-    Elastic,
-    closed_loop,
-    contact_modulus,
-    half_plane_line_stiffness,
-    hertz_point,
-    mindlin_stiffness,
-    partial_slip_point,
-    slip_amplitude,
-    tangential_contact_modulus,
-)
 from wirewear.study.materials import material_named
 
 PUBLISHED = Path(__file__).resolve().parent.parent / "studies" / "tribometers" / "tribometers.csv"
@@ -71,7 +61,7 @@ def test_contact_lengths_follow_from_half_width_and_load_within_4_percent_of_the
 
 
 def test_a_round_pad_of_6_mm_is_softer_than_a_half_plane_and_a_wide_block_hardly(tmp_path: Path) -> None:
-    half_planes = {a: half_plane_line_stiffness(TITANIUM, TITANIUM, a, 1.0) for a in (0.076, 0.549)}
+    half_planes = {a: reference.half_plane_line_stiffness(TITANIUM, TITANIUM, a, 1.0) for a in (0.076, 0.549)}
     assert line_contact_stiffness(6.0, 0.076, TITANIUM, TITANIUM) < 0.92 * half_planes[0.076]
     assert line_contact_stiffness(40.0, 0.549, TITANIUM, TITANIUM) == pytest.approx(half_planes[0.549], rel=0.06)
 
@@ -85,17 +75,17 @@ def test_stiffness_grows_with_the_contact(radius: float, share: float) -> None:
 
 
 def test_stiffness_is_proportional_to_the_modulus() -> None:
-    twice = Elastic(2.0 * TITANIUM.youngs_modulus_MPa, TITANIUM.poissons_ratio)
+    twice = reference.Elastic(2.0 * TITANIUM.youngs_modulus_MPa, TITANIUM.poissons_ratio)
     expected = 2.0 * line_contact_stiffness(6.0, 0.076, TITANIUM, TITANIUM)
     assert line_contact_stiffness(6.0, 0.076, twice, twice) == pytest.approx(expected, rel=1e-6)
 
 
 @pytest.mark.parametrize("rig", [167.0, 1000.0, 5000.0])
 def test_a_closed_form_loop_analysed_as_a_measured_one_is_explained(tmp_path: Path, rig: float) -> None:
-    modulus = tangential_contact_modulus(STEEL, STEEL)
-    radius = hertz_point(2.0, 0.225, contact_modulus(STEEL, STEEL)).contact_radius_mm
-    contact = partial_slip_point(2.0, 0.62, radius, modulus)
-    loop = closed_loop(contact, 0.06, rig, samples=400)
+    modulus = reference.tangential_contact_modulus(STEEL, STEEL)
+    radius = reference.hertz_point(2.0, 0.225, reference.contact_modulus(STEEL, STEEL)).contact_radius_mm
+    contact = reference.partial_slip_point(2.0, 0.62, radius, modulus)
+    loop = reference.closed_loop(contact, 0.06, rig, samples=400)
     figures = analyse_loop(1e3 * loop.displacement_mm, loop.tangential_force_N)
     assert figures.measured_stiffness_N_per_um is not None
     values = {
@@ -104,8 +94,12 @@ def test_a_closed_form_loop_analysed_as_a_measured_one_is_explained(tmp_path: Pa
         "measured_stiffness_N_per_um": figures.measured_stiffness_N_per_um.value,
     }
     (found,) = read_tribometers(table(tmp_path, changed(WIRES, **values)))
-    assert found.contact_stiffness_N_per_um == pytest.approx(1e-3 * mindlin_stiffness(modulus, radius), rel=1e-9)
-    assert found.predicted_slip_amplitude_um == pytest.approx(1e3 * slip_amplitude(contact, 0.06, rig), abs=0.01)
+    assert found.contact_stiffness_N_per_um == pytest.approx(
+        1e-3 * reference.mindlin_stiffness(modulus, radius), rel=1e-9
+    )
+    assert found.predicted_slip_amplitude_um == pytest.approx(
+        1e3 * reference.slip_amplitude(contact, 0.06, rig), abs=0.01
+    )
     assert found.verdict.startswith("compliance explains it")
     assert found.rig_stiffness_N_per_um is not None
     if rig == 167.0:

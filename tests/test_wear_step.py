@@ -7,20 +7,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_limits
 
-from solvers import (
-    CondensedBody,
-    ContactProblem,
-    Holder,
-    RoughLayer,
-    Symmetry,
-    ThirdBody,
-    WearRates,
-    closed_trace,
-    jump_cycles,
-    misaligned,
-    place,
-    symmetry_of,
-)
+import solvers
 from solvers.wear_step.symmetry import mirrored
 from tests.bodies import LOAD_N, condensed_wire
 from tests.wear_jumps import (
@@ -45,14 +32,14 @@ CYCLES = 300.0
 
 
 @pytest.fixture(scope="module")
-def problem() -> ContactProblem:
+def problem() -> solvers.ContactProblem:
     return wires()
 
 
-def turned(angle_deg: float) -> ContactProblem:
+def turned(angle_deg: float) -> solvers.ContactProblem:
     """Wires that cross at another angle, which leaves them only the turn by half a circle."""
     right = wires()
-    upper = place(condensed_wire(MESH_mm), upper=True, axis_angle_rad=float(np.radians(angle_deg)))
+    upper = solvers.place(condensed_wire(MESH_mm), upper=True, axis_angle_rad=float(np.radians(angle_deg)))
     return replace(right, upper=upper)
 
 
@@ -60,11 +47,11 @@ def turned(angle_deg: float) -> ContactProblem:
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0])
 def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg: float) -> None:
     posed = turned(angle_deg)
-    symmetry = symmetry_of(posed)
+    symmetry = solvers.symmetry_of(posed)
     assert symmetry.order == (4 if angle_deg == 90.0 else 2)
     assert symmetry.half_cycle is not None
     with threadpool_limits(1, user_api="blas"):
-        start, half = closed_trace(posed, worn(posed, 50.0), STROKE_mm, INCREMENTS, symmetry)
+        start, half = solvers.closed_trace(posed, worn(posed, 50.0), STROKE_mm, INCREMENTS, symmetry)
         # A trace that has the symmetries to the last bit, which round-off in Newton's method does not leave.
         if symmetry.across is not None:
             half = replace(half, states=tuple(even_across(state, symmetry.across) for state in half.states))
@@ -74,10 +61,14 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
             secondary_slid=start.secondary_slid,
         )
         whole = whole_of(start, half, symmetry.half_cycle)
-        unfolded = jump_cycles(lambda *_: posed, start, whole, Symmetry(), 50.0, CYCLES)
-        folds = [(symmetry, half), (Symmetry(half_cycle=symmetry.half_cycle), half), (Symmetry(symmetry.across), whole)]
+        unfolded = solvers.jump_cycles(lambda *_: posed, start, whole, solvers.Symmetry(), 50.0, CYCLES)
+        folds = [
+            (symmetry, half),
+            (solvers.Symmetry(half_cycle=symmetry.half_cycle), half),
+            (solvers.Symmetry(symmetry.across), whole),
+        ]
         for kept, trace in folds:
-            folded = jump_cycles(lambda *_: posed, start, trace, kept, 50.0, CYCLES)
+            folded = solvers.jump_cycles(lambda *_: posed, start, trace, kept, 50.0, CYCLES)
             assert folded.unknowns <= 0.7 * unfolded.unknowns or kept.order == 1
             for one, other in zip(depths(posed, folded.state), depths(posed, unfolded.state), strict=True):
                 assert np.abs(one - other).max() < 1e-10 * other.max()
@@ -85,10 +76,10 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
 
 
 @pytest.mark.seconds
-def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(problem: ContactProblem) -> None:
-    leaning = misaligned(problem, np.radians(5.0))
-    assert symmetry_of(leaning).half_cycle is None
-    assert symmetry_of(leaning).across is not None
+def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(problem: solvers.ContactProblem) -> None:
+    leaning = solvers.misaligned(problem, np.radians(5.0))
+    assert solvers.symmetry_of(leaning).half_cycle is None
+    assert solvers.symmetry_of(leaning).across is not None
     state = worn(leaning, CYCLES)
     upright = worn(problem, CYCLES)
     assert state.wear.energy_mJ == pytest.approx(upright.wear.energy_mJ, rel=0.05)
@@ -98,7 +89,7 @@ def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(prob
 
 
 @pytest.mark.seconds
-def test_depths_are_never_negative_and_never_shrink(problem: ContactProblem) -> None:
+def test_depths_are_never_negative_and_never_shrink(problem: solvers.ContactProblem) -> None:
     state = at_the_end(problem)
     for cycles in (5.0, 30.0, 200.0, 1000.0):
         after = jumped(problem, state, cycles).state
@@ -121,22 +112,22 @@ def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> N
 
 
 @pytest.mark.seconds
-def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: ContactProblem) -> None:
-    def in_metres(body: CondensedBody) -> CondensedBody:
-        return CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
+def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: solvers.ContactProblem) -> None:
+    def in_metres(body: solvers.CondensedBody) -> solvers.CondensedBody:
+        return solvers.CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
 
     metres = replace(
         problem,
-        upper=place(in_metres(condensed_wire(MESH_mm)), upper=True, axis_angle_rad=np.pi / 2),
-        lower=place(in_metres(condensed_wire(MESH_mm, 0.08, 0.11)), upper=False, axis_angle_rad=0.0),
-        holder=Holder(LOAD_N, 1e-3 / RIG_N_per_mm),
+        upper=solvers.place(in_metres(condensed_wire(MESH_mm)), upper=True, axis_angle_rad=np.pi / 2),
+        lower=solvers.place(in_metres(condensed_wire(MESH_mm, 0.08, 0.11)), upper=False, axis_angle_rad=0.0),
+        holder=solvers.Holder(LOAD_N, 1e-3 / RIG_N_per_mm),
         # mm3/mJ is m3/J times 1e6; a joule is 1e3 mJ and a cubic metre 1e9 mm3.
-        wear=WearRates(*RATES).scaled(1e-6),
+        wear=solvers.WearRates(*RATES).scaled(1e-6),
     )
     small = jumped(problem, at_the_end(problem), CYCLES)
     # Symmetries are found by absolute distances between nodes: without any, both take the whole path.
     plain, large = (
-        jumped(posed, at_the_end(posed, stroke), CYCLES, symmetry=Symmetry(), stroke_mm=stroke)
+        jumped(posed, at_the_end(posed, stroke), CYCLES, symmetry=solvers.Symmetry(), stroke_mm=stroke)
         for posed, stroke in ((problem, STROKE_mm), (metres, 1e-3 * STROKE_mm))
     )
     assert (large.iterations, large.unknowns, large.active) == (plain.iterations, plain.unknowns, plain.active)
@@ -178,11 +169,11 @@ def test_the_change_of_pressures_falls_with_the_jump() -> None:
 @pytest.mark.parametrize(
     ("layer", "least", "most"),
     # Roughness spreads the load, so that the scar is shallower; debris fills a part of it, so that it is deeper.
-    [(RoughLayer(1.5e-4), 0.7, 0.99), (ThirdBody(0.3, modulus_MPa=2e4), 1.01, 1.3)],
+    [(solvers.RoughLayer(1.5e-4), 0.7, 0.99), (solvers.ThirdBody(0.3, modulus_MPa=2e4), 1.01, 1.3)],
     ids=["rough", "third body"],
 )
 def test_layers_between_the_surfaces_wear_with_the_books_in_order(
-    problem: ContactProblem, layer: RoughLayer | ThirdBody, least: float, most: float
+    problem: solvers.ContactProblem, layer: solvers.RoughLayer | solvers.ThirdBody, least: float, most: float
 ) -> None:
     layered = replace(problem, layers=(layer,))
     state = worn(layered, 20.0, CYCLES)
@@ -194,8 +185,10 @@ def test_layers_between_the_surfaces_wear_with_the_books_in_order(
 
 
 @pytest.mark.seconds
-def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_jump(problem: ContactProblem) -> None:
-    def fading(cycle: float, _energy_mJ: float) -> ContactProblem:
+def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_jump(
+    problem: solvers.ContactProblem,
+) -> None:
+    def fading(cycle: float, _energy_mJ: float) -> solvers.ContactProblem:
         return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * (cycle - 1.0) / CYCLES))
 
     start = at_the_end(problem)

@@ -17,18 +17,7 @@ import click
 from rich.console import Console
 from rich.progress import MofNCompleteColumn, Progress
 
-from studies.blind import (
-    LIBRARY_EFFECTS,
-    LINE_TIERS,
-    OTHERS,
-    TIERS,
-    default_key_path,
-    generator_of,
-    make_batch,
-    score_batch,
-    score_table,
-    verified,
-)
+from studies import blind
 from studies.blind.options import outside_option, stated_scatter_option
 from wirewear import RunError
 from wirewear.base.cluster import engine_of
@@ -70,8 +59,8 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
     """Records of single effects and pairs that no oracle has seen yet; to be run when all diagnoses are made."""
     oracle = diagnoses / "oracle"
     return [
-        partial(answer_told, batch / truth.case, truth.effects, LIBRARY_EFFECTS, oracle)
-        for truth in verified(batch, key).truths
+        partial(answer_told, batch / truth.case, truth.effects, blind.LIBRARY_EFFECTS, oracle)
+        for truth in blind.verified(batch, key).truths
         if truth.kind in ("single", "pair") and not answered(oracle / truth.case)
     ]
 
@@ -80,7 +69,9 @@ def oracle_tasks(batch: Path, key: Path, diagnoses: Path) -> list[Task]:
 @click.argument("output", type=click.Path(path_type=Path))
 @click.option("--cases", type=click.IntRange(1), required=True, help="Records.")
 @click.option("--seed", type=click.IntRange(0), required=True, help="Seed; development and scoring use different ones.")
-@click.option("--tier", type=click.Choice((*TIERS, *LINE_TIERS, OTHERS)), default="T2", show_default=True)
+@click.option(
+    "--tier", type=click.Choice((*blind.TIERS, *blind.LINE_TIERS, blind.OTHERS)), default="T2", show_default=True
+)
 @click.option("--law", help="Friction law of T2; scoring: those simulators of T3. Without it those for development.")
 @outside_option
 @click.option("--tests", type=click.IntRange(1), default=10, show_default=True, help="Different nominal tests.")
@@ -106,15 +97,15 @@ def main(
     """Make, diagnose and score a blind batch in OUTPUT; the same command continues one that was interrupted."""
     output, engine = prepared_folder(output.resolve()), engine_of(jobs, scheduler)
     until = time.monotonic() + 3600.0 * most_hours
-    batch, key = output / "records", default_key_path(output / "records")
+    batch, key = output / "records", blind.default_key_path(output / "records")
     console = wide_console(120)
     with Progress(console=Console(stderr=True), transient=True) as bar:
         shown = bar.add_task("records made", total=cases)
-        make_batch(
+        blind.make_batch(
             batch,
             cases=cases,
             seed=seed,
-            generator=generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter),
+            generator=blind.generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter),
             tests=tests,
             engine=engine,
             progress=lambda done, _: bar.update(shown, completed=done),
@@ -125,8 +116,8 @@ def main(
         whole = run_tasks(oracle_tasks(batch, key, diagnoses), engine, "records told to the oracle", until)
     if not whole:
         raise RunError("the time is up; the same command continues where it stopped.")
-    score = score_batch(batch, diagnoses, key_path=key)
-    console.print(score_table(score.report))
+    score = blind.score_batch(batch, diagnoses, key_path=key)
+    console.print(blind.score_table(score.report))
     click.echo(f"{diagnoses / 'score.html'}")
 
 

@@ -20,17 +20,7 @@ from numpy.typing import NDArray
 from wirewear import ResultError
 from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
-from wirewear.pictures.style import (
-    GREY,
-    INK,
-    VARIANT_COLOURS,
-    cycle_axis,
-    cycle_colours,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    save,
-)
+from wirewear.pictures import style
 from wirewear.records import LineRecord, MeasuredProfile, read_record
 from wirewear.results import RunResult, Scar, read_results
 
@@ -174,38 +164,40 @@ def roughness_explains_the_rest(simulated: MeasuredProfile) -> Finding:
 
 def picture(result: RunResult) -> Figure:
     """Scars at the end, depths over cycles, what is left between measurement and simulation, pressures."""
-    figure = new_figure(5.4)
+    figure = style.new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
     simulated, measured = simulated_scar(result), measured_scar()
     _scars(panels[0], simulated, measured)
     _depths(panels[1], result, measured)
     rest = measured.depth_um - np.interp(measured.x_um, simulated.x_um, simulated.depth_um)
     for base, colour, name in (
-        (0.0, INK, "figure's zero"),
-        (base_line_um(measured), VARIANT_COLOURS[1], "untouched flat"),
+        (0.0, style.INK, "figure's zero"),
+        (base_line_um(measured), style.VARIANT_COLOURS[1], "untouched flat"),
     ):
         panels[2].plot(measured.x_um, rest + base, color=colour, label=name)
-    panels[2].axhline(0.0, color=GREY, linewidth=0.8)
+    panels[2].axhline(0.0, color=style.GREY, linewidth=0.8)
     panels[2].set(title="measured less simulated depth", xlabel="x [µm]", ylabel="difference [µm]")
     panels[2].legend(title="measured from", fontsize="small", title_fontsize="small")
     cycles = [cycle for cycle in result.scar_cycles() if cycle >= 1000]
-    for shade, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+    for shade, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
         pad = result.scar(cycle, "pad")
         shown = abs(pad.axial_um) < 300.0
-        panels[3].plot(pad.axial_um[shown], pad.pressure_MPa[shown, 0], color=shade, label=cycle_name(cycle))
+        panels[3].plot(pad.axial_um[shown], pad.pressure_MPa[shown, 0], color=shade, label=style.cycle_name(cycle))
     panels[3].set(title="simulated pressure at mid-stroke", xlabel="x [µm]", ylabel="pressure [MPa]")
     panels[3].set_ylim(bottom=0.0)
     panels[3].legend(title="cycles", fontsize="small", title_fontsize="small")
-    panel_letters(panels)
+    style.panel_letters(panels)
     return figure
 
 
 def _scars(axes: Axes, simulated: MeasuredProfile, measured: MeasuredProfile) -> None:
     published = published_scar()
-    axes.plot(measured.x_um, measured.depth_um, color=GREY, linewidth=1.0, label="measured")
-    axes.plot(published.x_um, published.depth_um, "o", color=VARIANT_COLOURS[1], markersize=3, label="published FE")
+    axes.plot(measured.x_um, measured.depth_um, color=style.GREY, linewidth=1.0, label="measured")
+    axes.plot(
+        published.x_um, published.depth_um, "o", color=style.VARIANT_COLOURS[1], markersize=3, label="published FE"
+    )
     shown = abs(simulated.x_um) < 350.0
-    axes.plot(simulated.x_um[shown], simulated.depth_um[shown], color=VARIANT_COLOURS[0], label="wirewear")
+    axes.plot(simulated.x_um[shown], simulated.depth_um[shown], color=style.VARIANT_COLOURS[0], label="wirewear")
     axes.invert_yaxis()
     axes.set(title="the flat after 18 000 cycles", xlabel="x [µm]", ylabel="depth [µm]")
     axes.legend(fontsize="small", loc="lower right")
@@ -214,21 +206,21 @@ def _scars(axes: Axes, simulated: MeasuredProfile, measured: MeasuredProfile) ->
 def _depths(axes: Axes, result: RunResult, measured: MeasuredProfile) -> None:
     worn = [(cycle, result.scar(cycle, "specimen").max_depth_um) for cycle in result.scar_cycles()]
     cycles, depths = zip(*[pair for pair in worn if pair[1] > 0.0], strict=True)
-    axes.plot(cycles, depths, color=VARIANT_COLOURS[0], label="wirewear")
+    axes.plot(cycles, depths, color=style.VARIANT_COLOURS[0], label="wirewear")
     table = pl.read_csv(_HERE / "published_fe_depths.csv", comment_prefix="#")
     middle = 0.5 * (table["shallower_um"] + table["deeper_um"])
-    axes.plot(table["cycle"], middle, "o", color=VARIANT_COLOURS[1], markersize=4, label="published FE")
+    axes.plot(table["cycle"], middle, "o", color=style.VARIANT_COLOURS[1], markersize=4, label="published FE")
     half = 0.5 * base_line_um(measured)
     axes.errorbar(
         [CYCLES],
         [float(measured.depth_um.max()) + half],
         [half],
-        color=GREY,
+        color=style.GREY,
         capsize=3,
         linestyle="none",
         label="measured",
     )
-    cycle_axis(axes)
+    style.cycle_axis(axes)
     axes.set(yscale="log", title="largest depth of the flat", ylabel="depth [µm]")
     axes.legend(fontsize="small", loc="lower right")
 
@@ -255,7 +247,7 @@ def main(result_dir: Path, folder: Path) -> None:
         findings_of(result),
     )
     folder.mkdir(parents=True, exist_ok=True)
-    drawn = save(partial(picture, result), folder / "mccoll2004.png")
+    drawn = style.save(partial(picture, result), folder / "mccoll2004.png")
     console = wide_console(132)
     console.print(comparison_table(comparisons))
     console.print(finding_table(findings))

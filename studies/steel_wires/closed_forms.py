@@ -2,19 +2,9 @@
 
 import numpy as np
 
-from wirewear import ResultError
+from wirewear import ResultError, reference
 from wirewear.base.verdicts import Comparison
 from wirewear.loops import analyse_loop
-from wirewear.reference import (
-    Elastic,
-    closed_loop,
-    contact_modulus,
-    dissipated_energy,
-    hertz_point,
-    partial_slip_point,
-    slip_amplitude,
-    tangential_contact_modulus,
-)
 
 from .pair import LATE, WIRES, Pair, analysed, value_of
 
@@ -22,25 +12,27 @@ from .pair import LATE, WIRES, Pair, analysed, value_of
 def first_loop_comparisons(pair: Pair) -> list[Comparison]:
     """First simulated cycle against Hertz and the loop of a Cattaneo–Mindlin contact behind a spring, without wear."""
     study = pair.compliant.study
-    wire = Elastic(study["wires"]["youngs_modulus_MPa"], study["wires"]["poissons_ratio"])
+    wire = reference.Elastic(study["wires"]["youngs_modulus_MPa"], study["wires"]["poissons_ratio"])
     load, friction = study["conditions"]["normal_load_N"], study["contact"]["friction"]
     amplitude_mm = 1e-3 * study["conditions"]["displacement_amplitude_um"]
     rig = study["holder"]["tangential_stiffness_N_per_mm"]
-    hertz = hertz_point(load, 0.5 * study["wires"]["diameter_mm"], contact_modulus(wire, wire))
-    contact = partial_slip_point(load, friction, hertz.contact_radius_mm, tangential_contact_modulus(wire, wire))
+    hertz = reference.hertz_point(load, 0.5 * study["wires"]["diameter_mm"], reference.contact_modulus(wire, wire))
+    contact = reference.partial_slip_point(
+        load, friction, hertz.contact_radius_mm, reference.tangential_contact_modulus(wire, wire)
+    )
     first = {run.variant: {name: float(column[0]) for name, column in run.evolution.items()} for run in pair.runs}
     comparisons = []
     for run, stiffness in ((pair.compliant, rig), (pair.rigid, np.inf)):
         slip, energy = (first[run.variant][name] for name in ("slip_amplitude_um", "dissipated_energy_mJ"))
-        slip_expected = 1e3 * slip_amplitude(contact, amplitude_mm, stiffness)
-        energy_expected = dissipated_energy(contact, amplitude_mm, stiffness)
+        slip_expected = 1e3 * reference.slip_amplitude(contact, amplitude_mm, stiffness)
+        energy_expected = reference.dissipated_energy(contact, amplitude_mm, stiffness)
         comparisons += [
             Comparison(f"{run.variant}: δ0 [µm]", slip, slip_expected, 0.01, "closed form"),
             Comparison(f"{run.variant}: energy per cycle [mJ]", energy, energy_expected, 0.02, "closed form"),
         ]
     taken = first["rigid"]["slip_amplitude_um"] - first["compliant"]["slip_amplitude_um"]
     loop = pair.compliant.loops[0]
-    ideal = closed_loop(contact, amplitude_mm, rig, samples=loop.time_s.size)
+    ideal = reference.closed_loop(contact, amplitude_mm, rig, samples=loop.time_s.size)
     # The analysis fits a line to a curved branch: the same is done to the closed form, on as many samples.
     expected = analyse_loop(1e3 * ideal.displacement_mm, ideal.tangential_force_N).measured_stiffness_N_per_um
     stiffness = analysed(loop).measured_stiffness_N_per_um

@@ -8,17 +8,7 @@ from bisect import bisect_left
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from wirewear.base.delimited import (
-    MISSING,
-    DelimitedLayout,
-    DelimitedText,
-    decoded,
-    encoding_of,
-    fields_of,
-    in_doubt,
-    is_clock,
-    ungrouped,
-)
+from wirewear.base import delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
@@ -112,13 +102,13 @@ class GuessedLayout:
     of each, where several stand below the same names, or the one whose rows end before the text does; else empty.
     """
 
-    layout: DelimitedLayout
+    layout: delimited.DelimitedLayout
     names: tuple[str, ...]
     units: tuple[str, ...]
     width: int = 0
     sample_rate_Hz: float | None = None
     clocks: bool = False
-    tables: tuple[DelimitedLayout, ...] = ()
+    tables: tuple[delimited.DelimitedLayout, ...] = ()
     step_um: float | None = None
 
     @property
@@ -134,8 +124,8 @@ def guessed_layout(path: Path) -> GuessedLayout:
         RecordError: the file cannot be read.
         NoTableError: no table of numbers is found in it.
     """
-    data, told = decoded(path)
-    encoding = told or encoding_of(data)
+    data, told = delimited.decoded(path)
+    encoding = told or delimited.encoding_of(data)
     text = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
@@ -155,7 +145,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
         "s" if place in best.clocks else (below or _unit_of_name(name))
         for place, (name, below) in enumerate(zip(names, units, strict=True))
     )
-    layout = DelimitedLayout(
+    layout = delimited.DelimitedLayout(
         delimiter=best.delimiter,
         decimal=best.decimal,
         encoding=encoding,
@@ -165,17 +155,17 @@ def guessed_layout(path: Path) -> GuessedLayout:
         # LabVIEW names a column of remarks, which most rows lack.
         ragged=names[best.width :] == ("Comment",),
     )
-    read = DelimitedText(path, "\n".join(lines).encode(), layout).names if names else ()
+    read = delimited.DelimitedText(path, "\n".join(lines).encode(), layout).names if names else ()
     if read != names or not all(names):
         # Names with blanks between columns that are parted by blanks, or none: numbers name columns.
-        layout = DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
+        layout = delimited.DelimitedLayout(best.delimiter, best.decimal, encoding, best.first, names_line=False)
     rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
     step = _STEP.search("\n".join(lines[: best.first]))
     step_um = float(step[1].replace(",", ".")) * FIELD_UNITS["um"][step[2]] if step else None
     return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um)
 
 
-def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
+def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.DelimitedLayout, ...]:
     """The tables of a text that goes on below the first one's rows: with the same names again, or with words alone."""
     head, start = layout.header_lines, layout.lines_before_rows
     starts = [0, *(match.end() for match in re.finditer("\n", text))]
@@ -199,9 +189,9 @@ def _tables(text: str, layout: DelimitedLayout) -> tuple[DelimitedLayout, ...]:
 
 def _thousands_or_fractions(lines: list[str], table: _Table) -> str:
     """A number that may be either: no number of the table tells, and its column has others without any sign."""
-    rows = [fields_of(line, table.delimiter) for line in lines if line.strip()]
+    rows = [delimited.fields_of(line, table.delimiter) for line in lines if line.strip()]
     signed = [field for row in rows for field in row if table.decimal in field]
-    if not signed or not all(map(in_doubt, signed)):
+    if not signed or not all(map(delimited.in_doubt, signed)):
         return ""
     places = (own for own in zip(*rows, strict=False) if any(field.isdecimal() for field in own))
     return next((field for own in places for field in own if table.decimal in field), "")
@@ -226,7 +216,9 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
     for place, line in enumerate([*lines, "end"]):
         if not line.strip() and run:
             continue
-        kinds = "".join(_kind(ungrouped(field, decimal), number) for field in fields_of(line, delimiter)).rstrip(" ")
+        kinds = "".join(
+            _kind(delimited.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
+        ).rstrip(" ")
         if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
             kinds = ""
         joined = _joined(profile, kinds)
@@ -241,11 +233,11 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
 
 def _kind(field: str, number: re.Pattern[str]) -> str:
     """A number, a time of day, text, or nothing."""
-    if not field or MISSING.fullmatch(field):
+    if not field or delimited.MISSING.fullmatch(field):
         return " "
     if number.fullmatch(field):
         return "n"
-    return "c" if is_clock(field) else "t"
+    return "c" if delimited.is_clock(field) else "t"
 
 
 def _joined(profile: str, kinds: str) -> str | None:
@@ -261,7 +253,7 @@ def _joined(profile: str, kinds: str) -> str | None:
 
 def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _Table:
     # Of readings that explain as many lines, that with more decimal fractions is likelier than that with more columns.
-    fields = [fields_of(lines[place], spelled.delimiter) for place in rows[:5]]
+    fields = [delimited.fields_of(lines[place], spelled.delimiter) for place in rows[:5]]
     fractions = sum(spelled.decimal in field for row in fields for field in row)
     score = len(rows) * (1.0 - profile.count("t") / len(profile)) + 0.01 * min(fractions, 50)
     score += 0.5 if spelled.delimiter else 0.0
@@ -275,7 +267,7 @@ def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _T
 
 def _are_halves(lines: list[str], rows: list[int]) -> bool:
     """Whether two whole numbers a row are the halves of one with a decimal comma: ``0,0123`` has no column of 0123."""
-    halves = [fields_of(lines[place], ",") for place in rows]
+    halves = [delimited.fields_of(lines[place], ",") for place in rows]
     whole = all(len(own) == 2 and re.fullmatch(r"-?\d+", own[0]) and own[1].isdecimal() for own in halves)
     return whole and any(re.match(r"0\d", own[1]) for own in halves)
 
@@ -288,7 +280,7 @@ def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple
         named = any(re.search(r"[^\W\d_]", field) for field in fields) or _are_units(fields)
         if fields and named:
             candidates.append((place, fields))
-        elif lines[place].strip() and (candidates or len(fields_of(lines[place], table.delimiter)) > 1):
+        elif lines[place].strip() and (candidates or len(delimited.fields_of(lines[place], table.delimiter)) > 1):
             break
         if len(candidates) == 2:
             break
@@ -306,7 +298,7 @@ def _names(lines: list[str], table: _Table) -> tuple[tuple[str, ...], int, tuple
 def _named_fields(line: str, table: _Table) -> list[str]:
     """The fields of a line that may name a table's columns; none where they are too few."""
     line = _COMMENT.sub("", line) if table.delimiter is None else line
-    fields = fields_of(line, table.delimiter)
+    fields = delimited.fields_of(line, table.delimiter)
     if table.delimiter is None and len(fields) != table.width:
         spaced = [re.split(r"\t+|\s{2,}", line.strip()), re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", line)]
         fields = next((one for one in spaced if len(one) == table.width), [])
@@ -324,7 +316,9 @@ def _are_units(fields: list[str]) -> bool:
 
 def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -> tuple[str, ...]:
     """Units of LabVIEW's channels, which a line of the header states; its times are in seconds."""
-    labels = next((fields_of(line, table.delimiter)[1:] for line in header if line.startswith("Y_Unit_Label")), None)
+    labels = next(
+        (delimited.fields_of(line, table.delimiter)[1:] for line in header if line.startswith("Y_Unit_Label")), None
+    )
     if labels is None:
         return ()
     left = iter(labels)
@@ -353,7 +347,7 @@ def _unit_of_name(name: str) -> str:
 def _rate(header: list[str], table: _Table) -> float | None:
     """Samples per second as the header states them."""
     for line in header:
-        fields = fields_of(line, table.delimiter)
+        fields = delimited.fields_of(line, table.delimiter)
         if fields[0] == "Delta_X" and len(fields) > 1:
             step = float(fields[1].replace(",", "."))
             return 1.0 / step if step > 0.0 else None

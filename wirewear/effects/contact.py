@@ -8,19 +8,8 @@ from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
 from wirewear.base.course import Course
 from wirewear.base.quantity import Quantity
+from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
-from wirewear.effects.measurements import (
-    CLEANED_SCARS,
-    EARLY_LOOPS,
-    ENCODER,
-    HALF_LOAD,
-    INTERRUPTED_SCARS,
-    LOWER_FREQUENCY,
-    NORMAL_FORCE,
-    OTHER_STROKE,
-    SCAR_MAPS,
-    SECOND_HEIGHT,
-)
 from wirewear.effects.parameter import AT_A_POINT, added, exponent, form, limit_um, order, parameter, part, share
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 
@@ -40,10 +29,10 @@ class FrictionOffset(Effect[ContactLaw]):
     signature = "height and knee of the loop move together, at all cycles"
     confused_with = ("normal_load_drift", "friction_evolution")
     answers = (
-        NORMAL_FORCE.shows("as modelled, under friction that is off throughout"),
-        HALF_LOAD.shows("half the height at half the load"),
-        INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
-        SCAR_MAPS.shows("volumes that follow the measured energy"),
+        measurements.NORMAL_FORCE.shows("as modelled, under friction that is off throughout"),
+        measurements.HALF_LOAD.shows("half the height at half the load"),
+        measurements.INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
+        measurements.SCAR_MAPS.shows("volumes that follow the measured energy"),
     )
 
     friction: float = parameter(
@@ -76,10 +65,10 @@ class FrictionEvolution(Effect[ContactLaw]):
     signature = "the loop's height drifts over the cycles, not tied to the worn depth"
     confused_with = ("normal_load_drift", "friction_offset")
     answers = (
-        NORMAL_FORCE.shows("as modelled, under friction that changes"),
-        INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
-        EARLY_LOOPS.shows("only the height changes"),
-        OTHER_STROKE.shows("the same course over the cycles"),
+        measurements.NORMAL_FORCE.shows("as modelled, under friction that changes"),
+        measurements.INTERRUPTED_SCARS.shows("volumes that follow the measured energy"),
+        measurements.EARLY_LOOPS.shows("only the height changes"),
+        measurements.OTHER_STROKE.shows("the same course over the cycles"),
     )
     # What its forms leave of ten laws over three decades, in the mean square: 2 % (0 to 3.4 %).
     model_error = 0.03
@@ -149,11 +138,11 @@ class RoughnessCompliance(Effect[ContactLaw]):
     signature = "a soft stick branch early on that vanishes as it wears in and stiffens with the load"
     confused_with = ("tangential_compliance", "third_body")
     answers = (
-        SECOND_HEIGHT.shows("both points move alike"),
-        ENCODER.shows("less of the stroke reaches the contact"),
-        HALF_LOAD.shows("a stick branch that is softer at half the load"),
-        LOWER_FREQUENCY.shows("the soft branch stays"),
-        EARLY_LOOPS.shows("the stick branch stiffens"),
+        measurements.SECOND_HEIGHT.shows("both points move alike"),
+        measurements.ENCODER.shows("less of the stroke reaches the contact"),
+        measurements.HALF_LOAD.shows("a stick branch that is softer at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the soft branch stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch stiffens"),
     )
     model_error = 0.08
 
@@ -234,12 +223,12 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     signature = "a soft stick branch that grows with the cycles; hooks smaller than the worn depth would give"
     confused_with = ("roughness_compliance", "wear_rate_offset", "tangential_compliance")
     answers = (
-        SECOND_HEIGHT.shows("both points move alike"),
-        ENCODER.shows("less of the stroke reaches the contact"),
-        HALF_LOAD.shows("a stick branch that is softer at half the load"),
-        LOWER_FREQUENCY.shows("the soft branch stays"),
-        EARLY_LOOPS.shows("the stick branch softens"),
-        CLEANED_SCARS.shows("deeper scars once cleaned"),
+        measurements.SECOND_HEIGHT.shows("both points move alike"),
+        measurements.ENCODER.shows("less of the stroke reaches the contact"),
+        measurements.HALF_LOAD.shows("a stick branch that is softer at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the soft branch stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch softens"),
+        measurements.CLEANED_SCARS.shows("deeper scars once cleaned"),
     )
     model_error = 0.12
 

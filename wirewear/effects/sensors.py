@@ -3,16 +3,8 @@
 from dataclasses import dataclass, replace
 
 from wirewear.base.quantity import Quantity
+from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
-from wirewear.effects.measurements import (
-    EARLY_LOOPS,
-    ENCODER,
-    HALF_LOAD,
-    LOWER_FREQUENCY,
-    NORMAL_FORCE,
-    SCAR_MAPS,
-    SECOND_HEIGHT,
-)
 from wirewear.effects.parameter import choice, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
 from wirewear.loops.sensor import Sensor
@@ -32,10 +24,10 @@ class DisplacementGain(Effect[Sensor]):
     signature = "the whole loop is stretched, slip and displacement amplitude alike; scar lengths contradict the stroke"
     confused_with = ("tangential_compliance",)
     answers = (
-        SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
-        ENCODER.shows("the rig's sensor reads another stroke"),
-        LOWER_FREQUENCY.shows("the stretch stays"),
-        SCAR_MAPS.shows("lengths that contradict the stroke read"),
+        measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
+        measurements.ENCODER.shows("the rig's sensor reads another stroke"),
+        measurements.LOWER_FREQUENCY.shows("the stretch stays"),
+        measurements.SCAR_MAPS.shows("lengths that contradict the stroke read"),
     )
 
     gain: float = parameter(
@@ -68,11 +60,11 @@ class DisplacementLoadCoupling(Effect[Sensor]):
     signature = "false compliance, stick slopes unequal on both branches; energy unchanged"
     confused_with = ("tangential_compliance", "rotational_compliance")
     answers = (
-        SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
-        ENCODER.shows("the rig's sensor leans"),
-        HALF_LOAD.shows("a lean of the same slope at half the load"),
-        LOWER_FREQUENCY.shows("the lean stays"),
-        EARLY_LOOPS.shows("the stick branch stays"),
+        measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
+        measurements.ENCODER.shows("the rig's sensor leans"),
+        measurements.HALF_LOAD.shows("a lean of the same slope at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the lean stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch stays"),
     )
     prior_weight = 0.5
 
@@ -116,8 +108,8 @@ class ForceCrosstalk(Effect[Sensor]):
     signature = "force offset ∝ normal load, normal force ripples with the tangential one; energy unchanged"
     confused_with = ("misalignment",)
     answers = (
-        NORMAL_FORCE.shows("it ripples with the motion"),
-        HALF_LOAD.shows("an offset in proportion to the load even without contact"),
+        measurements.NORMAL_FORCE.shows("it ripples with the motion"),
+        measurements.HALF_LOAD.shows("an offset in proportion to the load even without contact"),
     )
 
     coefficient: float = parameter(
@@ -149,9 +141,9 @@ class SensorLag(Effect[Sensor]):
     signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
     confused_with = ()
     answers = (
-        SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
-        ENCODER.shows("one of the rig's channels comes late"),
-        LOWER_FREQUENCY.shows("the branches close up"),
+        measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
+        measurements.ENCODER.shows("one of the rig's channels comes late"),
+        measurements.LOWER_FREQUENCY.shows("the branches close up"),
     )
 
     time_s: float = parameter(

@@ -6,22 +6,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from wirewear.loops import opening
 from wirewear.loops.branches import Branch, upright
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.courses import Courses, courses_of
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
-from wirewear.loops.opening import (
-    MICROJOULE_IN_MILLIJOULE,
-    MOST_IN_PARTIAL_SLIP,
-    by_energy,
-    dissipated_energy,
-    energy_ratio,
-    force_amplitude,
-    mean_force,
-    narrow,
-    slip_amplitude,
-)
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import (
     RESOLVED,
@@ -95,7 +85,7 @@ def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured,
     slip = bounded(slip_um, amplitude_um.value)
     if slip is not None:
         return slip
-    energy_uJ = max(energy_mJ.value, 0.0) / MICROJOULE_IN_MILLIJOULE
+    energy_uJ = max(energy_mJ.value, 0.0) / opening.MICROJOULE_IN_MILLIJOULE
     least = min(energy_uJ / max(4.0 * force_N.value, 1e-300), amplitude_um.value)
     return Measured(0.5 * (least + amplitude_um.value), (least, amplitude_um.value))
 
@@ -157,10 +147,10 @@ def analyse_loop(
     loop, courses = _followed(loop)
     loop, courses, other, lag = _in_time(loop, courses)
     forward, backward = courses.both
-    force = mean_force(loop)
-    energy = dissipated_energy(loop)
-    slip = slip_amplitude(loop, forward, backward, force.value)
-    still = dissipated_energy(loop.without_drift).value
+    force = opening.mean_force(loop)
+    energy = opening.dissipated_energy(loop)
+    slip = opening.slip_amplitude(loop, forward, backward, force.value)
+    still = opening.dissipated_energy(loop.without_drift).value
     if not energy.interval95[0] <= still <= energy.interval95[1]:
         moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
         loop = loop.noted(MAY_DRIFT.format(moved, moved / float(np.ptp(loop.displacement_um)), still))
@@ -183,16 +173,16 @@ def analyse_loop(
     position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
-    amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
+    amplitude, largest_force = _displacement_amplitude(loop, courses), opening.force_amplitude(loop, tops)
     high = sliding.height_N
-    widest = None if high is None or min(energy.value, high.value) <= 0.0 else by_energy(energy, high)
-    reread = widest is not None and narrow(slip, widest, amplitude.value)
+    widest = None if high is None or min(energy.value, high.value) <= 0.0 else opening.by_energy(energy, high)
+    reread = widest is not None and opening.narrow(slip, widest, amplitude.value)
     read = widest if widest is not None and reread else slip
     if widest is not None:
         read = read.reaching(widest.value)
     if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
-    ratio = energy_ratio(energy, amplitude, largest_force)
+    ratio = opening.energy_ratio(energy, amplitude, largest_force)
     if not courses.slide and not viscous and ratio is not None and (hidden := _hidden(courses, ratio)):
         loop, read = loop.noted(hidden), _all_along(read, courses, energy, amplitude)
     slip = allowed_slip(read, amplitude, energy, largest_force)
@@ -209,7 +199,7 @@ def analyse_loop(
         end_hook_ratio=sliding.hook,
         corner_curvature=None if corner is None else corner.curvature,
         energy_ratio=ratio,
-        system_free_ratio=energy_ratio(energy, slip, largest_force),
+        system_free_ratio=opening.energy_ratio(energy, slip, largest_force),
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
         free_play_um=courses.free_play,
@@ -231,7 +221,7 @@ def analyse_loop(
 
 def _hidden(courses: Courses, ratio: Measured) -> str | None:
     """Why a loop without a plateau may slide all along; None if nothing shows it."""
-    if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
+    if ratio.interval95[0] > opening.MOST_IN_PARTIAL_SLIP:
         return HIDDEN.format(ratio.value)
     return WALLED if all(_stiffens(branch) for branch, _ in courses.both) else None
 
@@ -251,7 +241,7 @@ def _all_along(read: Measured, courses: Courses, energy: Measured, amplitude: Me
     (forward, _), (backward, _) = courses.both
     centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
     height = height_at((forward, backward), (np.inf,), centre, half)
-    found = by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
+    found = opening.by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
     return found.reaching(amplitude.value)
 
 
@@ -261,15 +251,15 @@ def _in_time(loop: CleanLoop, courses: Courses) -> tuple[CleanLoop, Courses, flo
     That is the energy as read where the force was late for certain, and else the one without the lag that the
     reversals allow for. What comes early for certain is noted: a late displacement is not all that makes it so.
     """
-    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
+    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), opening.dissipated_energy(loop).value
     if lag is None:
         return loop, courses, as_read, 0.0
     sooner = earlier(loop, lag.value)
-    value = dissipated_energy(sooner).value
+    value = opening.dissipated_energy(sooner).value
     if not is_certain(lag):
         return loop, courses, value, lag.value
     if lag.value < 0.0:
-        most = dissipated_energy(earlier(loop, lag.interval95[0])).value
+        most = opening.dissipated_energy(earlier(loop, lag.interval95[0])).value
         return loop.noted(EARLY.format(-lag.value, value)), courses, most, lag.value
     sooner = sooner.noted(LATE.format(lag.value, as_read))
     return sooner, courses_of(sooner), as_read, 0.0
@@ -309,7 +299,7 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     if loop.normal_force_N is None or not energy.value or not slip.value:
         return None
     load = Measured.from_deviation(float(np.mean(loop.normal_force_N)), loop.normal_noise_N)
-    return energy.over(slip, load, times=0.25 / MICROJOULE_IN_MILLIJOULE)
+    return energy.over(slip, load, times=0.25 / opening.MICROJOULE_IN_MILLIJOULE)
 
 
 def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:

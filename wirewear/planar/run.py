@@ -18,20 +18,8 @@ from wirewear.effects import problem_with
 from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, RunResult, Scar
-from wirewear.simulation import NoObserver, Observer
+from wirewear.simulation import NoObserver, Observer, convergence
 from wirewear.simulation.contact_forces import forces_on
-from wirewear.simulation.convergence import (
-    JUMPS,
-    MESH,
-    POSITIONS,
-    PRESSURES,
-    Figure,
-    RefinedSubject,
-    Resolution,
-    each_refined,
-    finer_tolerance,
-    last_of,
-)
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, OneMesh
@@ -96,14 +84,14 @@ class PlanarRecord(Recorded):
 DERIVED = ("report.html", "profiles.png", "loops.png", "variants.png", "profiles.csv", "loops.csv", "evolution.csv")
 
 FIGURES = (
-    Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
-    Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ")),
-    Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
-    Figure("depth of the pad", "µm", last_of("max_depth_pad_um")),
-    Figure("depth of the specimen", "µm", last_of("max_depth_specimen_um")),
-    Figure("worn area of both bodies", "µm²", lambda result: 1e6 * float(result.worn_volume_mm3[-1])),
-    Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
-    *PRESSURES,
+    convergence.Figure("largest tangential force", "N/mm", convergence.last_of("max_tangential_force_N")),
+    convergence.Figure("energy of the last cycle", "mJ/mm", convergence.last_of("dissipated_energy_mJ")),
+    convergence.Figure("slip amplitude δ0", "µm", convergence.last_of("slip_amplitude_um")),
+    convergence.Figure("depth of the pad", "µm", convergence.last_of("max_depth_pad_um")),
+    convergence.Figure("depth of the specimen", "µm", convergence.last_of("max_depth_specimen_um")),
+    convergence.Figure("worn area of both bodies", "µm²", lambda result: 1e6 * float(result.worn_volume_mm3[-1])),
+    convergence.Figure("half-width of the contact", "µm", convergence.last_of("contact_half_width_um")),
+    *convergence.PRESSURES,
 )
 
 
@@ -215,9 +203,13 @@ def _record(run: PlanarRun) -> PlanarRecord:
     return PlanarRecord(run.study, run.fidelity, run.planned.settings() | {"identity": str(run.identity)})
 
 
-def resolutions_of(study: PlanarStudy) -> tuple[Resolution, ...]:
+def resolutions_of(study: PlanarStudy) -> tuple[convergence.Resolution, ...]:
     """Those that a study has: without wear there are no jumps."""
-    return (MESH, POSITIONS, JUMPS) if max(study.energy_coefficients()) > 0.0 else (MESH, POSITIONS)
+    return (
+        (convergence.MESH, convergence.POSITIONS, convergence.JUMPS)
+        if max(study.energy_coefficients()) > 0.0
+        else (convergence.MESH, convergence.POSITIONS)
+    )
 
 
 def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
@@ -230,16 +222,16 @@ def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
         raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")
     tolerance, mesh = plan(study, fidelity).jump_tolerance, study.mesh
 
-    def finer(resolution: Resolution, factor: float) -> dict[str, float]:
+    def finer(resolution: convergence.Resolution, factor: float) -> dict[str, float]:
         return {
-            MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
-            POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
-            JUMPS: {"jump_tolerance": finer_tolerance(tolerance, factor)},
+            convergence.MESH: {"mesh_refinement": factor * mesh.mesh_refinement},
+            convergence.POSITIONS: {"increments_refinement": factor * mesh.increments_refinement},
+            convergence.JUMPS: {"jump_tolerance": convergence.finer_tolerance(tolerance, factor)},
         }[resolution]
 
-    settings = each_refined(resolutions_of(study), finer)
+    settings = convergence.each_refined(resolutions_of(study), finer)
     refined = {name: study.model_copy(update={"mesh": mesh.model_copy(update=own)}) for name, own in settings.items()}
     return study.with_variants(tuple((name, own.named(name)) for name, own in refined.items()))
 
 
-LINES = RefinedSubject(FIGURES, resolutions_of, refined_study, run_planar_variants)
+LINES = convergence.RefinedSubject(FIGURES, resolutions_of, refined_study, run_planar_variants)

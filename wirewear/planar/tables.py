@@ -11,30 +11,8 @@ from solvers import Coulomb
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import Quantity
 from wirewear.effects import Effect
+from wirewear.study import keys
 from wirewear.study.faces import PadFaceOrFile
-from wirewear.study.keys import (
-    Amplitude,
-    ArchardCoefficient,
-    Cycles,
-    Effects,
-    ElementSize,
-    Frequency,
-    Friction,
-    GripStiffness,
-    IncrementsPerCycle,
-    MaterialName,
-    NamedTable,
-    OfMaterial,
-    PivotHeight,
-    PoissonsRatio,
-    Refinement,
-    Table,
-    Tolerance,
-    WearCoefficient,
-    YoungsModulus,
-    one_of,
-    values_in_no_variant,
-)
 from wirewear.study.tables import FrictionLawKey, Log
 from wirewear.study.template import Template
 
@@ -60,14 +38,14 @@ _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2"
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}
 
 
-class MaterialTable(OfMaterial):
+class MaterialTable(keys.OfMaterial):
     """An elastic material."""
 
-    material: MaterialName | None = Field(
+    material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
     )
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
     @property
     def elastic(self) -> Elastic:
@@ -75,12 +53,12 @@ class MaterialTable(OfMaterial):
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
-class ResolutionTable(Table):
+class ResolutionTable(keys.Table):
     """Resolution in space and time; what is left out follows from --fidelity."""
 
-    contact_mesh_um: ElementSize | None = Field(None, description="element size under the contact")
+    contact_mesh_um: keys.ElementSize | None = Field(None, description="element size under the contact")
     far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
-    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+    increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
 
 
 class HeldTable(MaterialTable):
@@ -89,7 +67,7 @@ class HeldTable(MaterialTable):
     grip_width_mm: Extent | None = Field(
         None, description="width of the back that is held, about its middle; all by default"
     )
-    grip_stiffness_N_per_mm3: GripStiffness = Field(
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness of the grip per area, a number or "rigid"'
     )
 
@@ -121,41 +99,41 @@ class Specimen(HeldTable):
     )
 
 
-class PlanarConditions(Table):
+class PlanarConditions(keys.Table):
     """What is asked of the rig."""
 
     normal_load_N_per_mm: LineLoad = Field(description="normal load per length of the contact", examples=[390.0])
-    displacement_amplitude_um: Amplitude = Field(
+    displacement_amplitude_um: keys.Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[35.0]
     )
-    cycles: Cycles = Field(description="length of the test", examples=[10000])
-    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
-        "sinusoidal", description='displacement over time: "sinusoidal" or "triangular"'
+    cycles: keys.Cycles = Field(description="length of the test", examples=[10000])
+    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(keys.one_of("triangular", "sinusoidal"))] = (
+        Field("sinusoidal", description='displacement over time: "sinusoidal" or "triangular"')
     )
-    frequency_Hz: Frequency = Field(1.0, description="cycles per second")
+    frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
 
 
-class PlanarContact(Table):
+class PlanarContact(keys.Table):
     """The friction law."""
 
-    friction: Friction = Field(description="coefficient of friction", examples=[0.9])
+    friction: keys.Friction = Field(description="coefficient of friction", examples=[0.9])
     friction_law: FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
 
 
-class PlanarWear(Table):
+class PlanarWear(keys.Table):
     """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
 
-    pad_energy_mm3_per_J: WearCoefficient = Field(0.0, description="energy wear coefficient of the pad")
-    specimen_energy_mm3_per_J: WearCoefficient = Field(0.0, description="energy wear coefficient of the specimen")
-    pad_archard_mm3_per_N_m: ArchardCoefficient = Field(0.0, description="Archard wear coefficient of the pad")
-    specimen_archard_mm3_per_N_m: ArchardCoefficient = Field(
+    pad_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the pad")
+    specimen_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the specimen")
+    pad_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(0.0, description="Archard wear coefficient of the pad")
+    specimen_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(
         0.0, description="Archard wear coefficient of the specimen"
     )
 
 
-class PlanarHolder(Table):
+class PlanarHolder(keys.Table):
     """The rig: springs between the pad's holder and ground, and that of the loading train."""
 
     tangential_stiffness_N_per_mm2: LineStiffness = Field(
@@ -164,7 +142,7 @@ class PlanarHolder(Table):
     rotational_stiffness_N_per_rad: RotationalLineStiffness = Field(
         "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
     )
-    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
+    pivot_height_mm: keys.PivotHeight | None = Field(None, description="height of that pivot above the contact")
     normal_spring_stiffness_N_per_mm2: LineSpringStiffness = Field(
         0.0, description="stiffness of the loading spring per length of the contact; 0 is a dead weight"
     )
@@ -173,20 +151,22 @@ class PlanarHolder(Table):
 class PlanarMeshing(ResolutionTable):
     """Resolution in space and time, and the extent of the fine mesh."""
 
-    scar_half_width_um: ElementSize | None = Field(
+    scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
     )
-    jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
-    mesh_refinement: Refinement = Field(1.0, description="elements are smaller than asked for by this factor")
-    increments_refinement: Refinement = Field(1.0, description="time steps are shorter than asked for by this factor")
+    jump_tolerance: keys.Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
+    mesh_refinement: keys.Refinement = Field(1.0, description="elements are smaller than asked for by this factor")
+    increments_refinement: keys.Refinement = Field(
+        1.0, description="time steps are shorter than asked for by this factor"
+    )
 
 
-class PlanarStudy(NamedTable):
+class PlanarStudy(keys.NamedTable):
     """A study of a line contact as a value."""
 
     contact_kind: ClassVar[str] = "line-contact"
 
-    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(one_of(*KINDS))] = Field(
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*KINDS))] = Field(
         description="kind of contact", examples=[KINDS[0]]
     )
     pad: Pad = Field(description="the pad")
@@ -195,7 +175,7 @@ class PlanarStudy(NamedTable):
     contact: PlanarContact = Field(description="friction")
     wear: PlanarWear = Field(PlanarWear(), description="wear of both bodies; without this table nothing wears")
     holder: PlanarHolder = Field(PlanarHolder(), description="stiffness of the rig")
-    effects: Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
+    effects: keys.Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")
 
@@ -245,7 +225,7 @@ class PlanarStudy(NamedTable):
 
     def unused_values(self) -> Iterator[tuple[str, str, object]]:
         """Table, key and value of what the file gives for all variants while each of them has another value."""
-        return values_in_no_variant(self, [study for _, study in self._variants])
+        return keys.values_in_no_variant(self, [study for _, study in self._variants])
 
     def _with(self, name: str, variants: tuple[tuple[str, "PlanarStudy"], ...]) -> "PlanarStudy":
         copy = self.model_copy()

@@ -9,32 +9,13 @@ from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.reading import planar_study_from_tables
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen
+from wirewear.records import tables
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord
 from wirewear.records.surfaces import PROFILES
-from wirewear.records.tables import (
-    DisplacementNoise,
-    FileName,
-    Noise,
-    RecordConditions,
-    StatedFriction,
-    StatedRig,
-    StatedScatter,
-    Tolerance,
-    known_of,
-)
 from wirewear.results.scar import BODIES
+from wirewear.study import keys
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
-from wirewear.study.keys import (
-    ArchardCoefficient,
-    MaterialName,
-    OfMaterial,
-    PoissonsRatio,
-    Table,
-    WearCoefficient,
-    YoungsModulus,
-    one_of,
-)
 
 #: Keys of a study of one millimetre by those of a record, and whether the record's are of the whole length.
 OF_WHOLE = {
@@ -50,64 +31,67 @@ OF_WHOLE = {
 }
 
 
-class RecordContact(Table):
+class RecordContact(keys.Table):
     """What touches: loads and forces of the record are those of the whole contact."""
 
-    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(one_of(*KINDS))] = Field(
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*KINDS))] = Field(
         description="kind of contact", examples=[KINDS[0]]
     )
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
 
-class RecordBody(OfMaterial):
+class RecordBody(keys.OfMaterial):
     """A body: its elastic constants, and how far from the contact it is held; None where the owner does not say."""
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
 
-    material: MaterialName | None = Field(
+    material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants"
     )
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[200000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
 
 
 class RecordPad(PadFace, RecordBody):
     """The pad: its face and its elastic constants."""
 
 
-class LineConditions(RecordConditions):
+class LineConditions(tables.RecordConditions):
     """What was asked of the rig."""
 
-    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(one_of("triangular", "sinusoidal"))] = Field(
-        "sinusoidal", description='displacement over time: "sinusoidal" or "triangular"'
+    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(keys.one_of("triangular", "sinusoidal"))] = (
+        Field("sinusoidal", description='displacement over time: "sinusoidal" or "triangular"')
     )
 
 
-class LineStatedWear(Table):
+class LineStatedWear(keys.Table):
     """The wear that the rig's owner states, of either body."""
 
     WEAR: ClassVar[tuple[str, ...]] = tuple(key for key, _ in OF_WHOLE.values() if "_wear_" in key)
 
-    pad_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+    pad_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
         None, description="worn volume of the pad per dissipated energy"
     )
-    specimen_energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+    specimen_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
         None, description="worn volume of the specimen per dissipated energy"
     )
-    pad_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+    pad_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
         None, description="worn volume of the pad per load and sliding distance"
     )
-    specimen_archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+    specimen_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
         None, description="worn volume of the specimen per load and sliding distance"
     )
 
 
-class LineStated(StatedRig, LineStatedWear, StatedFriction):
+class LineStated(tables.StatedRig, LineStatedWear, tables.StatedFriction):
     """What the rig's owner states; what is not stated is taken as ideal."""
 
-    stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(one_of("rig only", "bodies"))] = Field(
-        "rig only", description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it'
+    stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(keys.one_of("rig only", "bodies"))] = (
+        Field(
+            "rig only",
+            description='what that stiffness is of: "rig only", or "bodies" where pad and specimen add to it',
+        )
     )
 
     def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
@@ -118,21 +102,21 @@ class LineStated(StatedRig, LineStatedWear, StatedFriction):
         return super().with_fitted({**fitted, **rig, **other})
 
 
-class LineNoise(Noise):
+class LineNoise(tables.Noise):
     """Standard deviations of one sample; None where the owner does not know."""
 
-    depth_um: DisplacementNoise | None = Field(
+    depth_um: tables.DisplacementNoise | None = Field(
         None, description="error of one depth of a profile, such as that of reading it from a figure", examples=[0.05]
     )
 
 
-class LineFiles(Table):
+class LineFiles(keys.Table):
     """Where the data stand, beside experiment.toml; any may be missing, but not all."""
 
-    loops: FileName | None = Field(None, description="file of the loops", examples=["loops.csv"])
-    evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
-    profile_pad: FileName | None = Field(None, description="file of the pad's worn profile at the end")
-    profile_specimen: FileName | None = Field(None, description="file of the specimen's worn profile at the end")
+    loops: tables.FileName | None = Field(None, description="file of the loops", examples=["loops.csv"])
+    evolution: tables.FileName | None = Field(None, description="file of the evolution over the cycles")
+    profile_pad: tables.FileName | None = Field(None, description="file of the pad's worn profile at the end")
+    profile_specimen: tables.FileName | None = Field(None, description="file of the specimen's worn profile at the end")
 
 
 class LineTest(OfRecord):
@@ -147,8 +131,10 @@ class LineTest(OfRecord):
     conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
     stated: LineStated = Field(LineStated(), description="what the rig's owner states")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
-    scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
-    tolerance: Tolerance = Field(Tolerance(), description="differences that count as none")
+    scatter: tables.StatedScatter = Field(
+        tables.StatedScatter(), description="scatter between tests on fresh specimens"
+    )
+    tolerance: tables.Tolerance = Field(tables.Tolerance(), description="differences that count as none")
     metadata: Metadata = Field(Metadata(), description="surroundings, surfaces and origin of the test")
 
     @property
@@ -186,8 +172,8 @@ class LineTest(OfRecord):
         round_pad = study["pad"].get("radius_mm") is not None
         return {
             "contact": {"kind": CYLINDER_ON_FLAT if round_pad else KINDS[0], "length_mm": length_mm},
-            "pad": known_of(RecordPad, {**study["pad"], "material": None}),
-            "specimen": known_of(RecordBody, {**study["specimen"], "material": None}),
+            "pad": tables.known_of(RecordPad, {**study["pad"], "material": None}),
+            "specimen": tables.known_of(RecordBody, {**study["specimen"], "material": None}),
         }
 
     @classmethod

@@ -13,31 +13,8 @@ from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.results.scar import WIRES
-from wirewear.study import Study, study_from_tables
+from wirewear.study import Study, keys, study_from_tables
 from wirewear.study.bodies import Body, Wire, unworn_stiffness_N_per_um
-from wirewear.study.keys import (
-    Amplitude,
-    CrossingAngle,
-    Cycles,
-    Diameter,
-    Frequency,
-    Friction,
-    GripAngle,
-    GripStiffness,
-    HolderStiffness,
-    Length,
-    MotionAngle,
-    NormalLoad,
-    PivotHeight,
-    PoissonsRatio,
-    RotationalStiffness,
-    Share,
-    SpringStiffness,
-    Table,
-    WearCoefficient,
-    YoungsModulus,
-    checked_text,
-)
 from wirewear.study.tables import Wires
 
 DRIVES = ("sensor", "stroke")
@@ -62,7 +39,7 @@ def _checked_frame(value: object) -> str:
 
 
 def _checked_file_name(value: object) -> str:
-    name = checked_text(value)
+    name = keys.checked_text(value)
     if not name.isprintable() or name.startswith(("/", "\\")) or ".." in name.replace("\\", "/").split("/"):
         raise ValueError(f"is {shown(value)}, but must name a file in the record's own folder")
     return name
@@ -77,22 +54,24 @@ WearFactor = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
 RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
 
 
-class RecordWires(Table):
+class RecordWires(keys.Table):
     """What the specimens are: two alike."""
 
-    diameter_mm: Diameter = Field(description="diameter of the wires", examples=[0.45])
-    crossing_angle_deg: CrossingAngle = Field(90.0, description="angle between the wires' axes")
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    motion_angle_deg: MotionAngle = Field(
+    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
+    crossing_angle_deg: keys.CrossingAngle = Field(90.0, description="angle between the wires' axes")
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    motion_angle_deg: keys.MotionAngle = Field(
         0.0, description="direction of the motion against the moving wire's axis, about the upward normal"
     )
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    length_mm: Length | None = Field(None, description="length of a wire between its ends")
-    grip_angle_deg: GripAngle | None = Field(
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    length_mm: keys.Length | None = Field(None, description="length of a wire between its ends")
+    grip_angle_deg: keys.GripAngle | None = Field(
         None, description="part of the circumference, about the back, that is held; without it 90°"
     )
-    grip_length_mm: Length | None = Field(None, description="length that is held, about the middle; without it all")
-    grip_stiffness_N_per_mm3: GripStiffness | None = Field(
+    grip_length_mm: keys.Length | None = Field(
+        None, description="length that is held, about the middle; without it all"
+    )
+    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
         None, description='stiffness of the grip per area, a number or "rigid"; without it rigid'
     )
 
@@ -105,29 +84,29 @@ class RecordWires(Table):
         return moving, replace(moving, name="fixed", axis_angle_deg=self.crossing_angle_deg - self.motion_angle_deg)
 
 
-class RecordConditions(Table):
+class RecordConditions(keys.Table):
     """What was asked of the rig."""
 
-    normal_load_N: NormalLoad = Field(description="normal load between the wires", examples=[2.0])
-    displacement_amplitude_um: Amplitude = Field(
+    normal_load_N: keys.NormalLoad = Field(description="normal load between the wires", examples=[2.0])
+    displacement_amplitude_um: keys.Amplitude = Field(
         description="displacement amplitude asked for, half the stroke", examples=[60.0]
     )
-    frequency_Hz: Frequency = Field(description="cycles per second", examples=[3.0])
-    cycles: Cycles = Field(description="length of the test", examples=[100000])
+    frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
+    cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
     drive: Annotated[Literal["sensor", "stroke"], PlainValidator(_checked_drive)] = Field(
         "sensor", description="where the amplitude is held: on the sensor's reading, or on the true motion"
     )
 
 
-class StatedFrictionEvolution(Table):
+class StatedFrictionEvolution(keys.Table):
     """Running-in of the friction that the owner knows of: exponential from the initial to the final coefficient."""
 
-    initial: Friction = Field(description="coefficient of friction at the start", examples=[0.44])
-    final: Friction = Field(description="coefficient of friction in the end", examples=[0.66])
+    initial: keys.Friction = Field(description="coefficient of friction at the start", examples=[0.44])
+    final: keys.Friction = Field(description="coefficient of friction in the end", examples=[0.66])
     cycles: RunningIn = Field(description="cycles after which 63 % of the change has happened", examples=[3000])
 
 
-class StatedWearRateEvolution(Table):
+class StatedWearRateEvolution(keys.Table):
     """Running-in of the wear that the owner knows of: factors on the wear coefficient, exponential in between."""
 
     initial_factor: WearFactor = Field(description="factor on the wear coefficient at the start", examples=[3.0])
@@ -135,23 +114,23 @@ class StatedWearRateEvolution(Table):
     cycles: RunningIn = Field(description="cycles after which 63 % of the change has happened", examples=[10000])
 
 
-class StatedFriction(Table):
+class StatedFriction(keys.Table):
     """The friction that the rig's owner states."""
 
-    friction: Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
+    friction: keys.Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
 
 
 class StatedRig(StatedFriction):
     """What the rig's owner states of it, and of what changes over the cycles."""
 
-    tangential_stiffness_N_per_mm: HolderStiffness = Field(
+    tangential_stiffness_N_per_mm: keys.HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
     )
-    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
+    rotational_stiffness_N_mm_per_rad: keys.RotationalStiffness = Field(
         "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
     )
-    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
-    normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
+    pivot_height_mm: keys.PivotHeight | None = Field(None, description="height of that pivot above the contact")
+    normal_spring_stiffness_N_per_mm: keys.SpringStiffness = Field(
         0.0, description="stiffness of the loading spring; 0 is a dead weight"
     )
     friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
@@ -167,22 +146,22 @@ class StatedRig(StatedFriction):
         return self.model_copy(update={"friction_evolution": None, **fitted})
 
 
-class StatedWear(Table):
+class StatedWear(keys.Table):
     """The wear that the rig's owner states."""
 
     WEAR: ClassVar[tuple[str, ...]] = ("energy_wear_coefficient_mm3_per_J", "moving_share")
 
-    energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+    energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
         None, description="worn volume of both wires together per dissipated energy", examples=[3.0e-5]
     )
-    moving_share: Share = Field(0.5, description="part of the worn volume that the moving wire loses")
+    moving_share: keys.Share = Field(0.5, description="part of the worn volume that the moving wire loses")
 
 
 class Stated(StatedRig, StatedWear, StatedFriction):
     """What the rig's owner states; what is not stated is taken as ideal."""
 
 
-class Noise(Table):
+class Noise(keys.Table):
     """Standard deviations of one sample; None where the owner does not know."""
 
     displacement_um: DisplacementNoise | None = Field(None, description="noise of the displacement sensor")
@@ -190,7 +169,7 @@ class Noise(Table):
     normal_force_N: ForceNoise | None = Field(None, description="noise of the normal force")
 
 
-class StatedScatter(Table):
+class StatedScatter(keys.Table):
     """Standard deviations between tests on fresh specimens; None where the owner does not know."""
 
     friction: Spread | None = Field(None, description="relative scatter of the friction", examples=[0.05])
@@ -200,7 +179,7 @@ class StatedScatter(Table):
     displacement_zero_um: DisplacementNoise | None = Field(None, description="scatter of the displacement's zero")
 
 
-class Tolerance(Table):
+class Tolerance(keys.Table):
     """Differences that the owner takes for practically equal, relative.
 
     The defaults are what laboratories calibrate to: force transducers and extensometers of class 1 are within 1 %
@@ -213,7 +192,7 @@ class Tolerance(Table):
     volume: Spread = Field(0.05, description="the same of worn volumes, depths and sizes of scars")
 
 
-class Frames(Table):
+class Frames(keys.Table):
     """What x of each scar's map runs along, from the point of first contact."""
 
     scar_moving: Frame = Field("test", description='"test", x along the motion, or "wire", x along the body\'s axis')
@@ -224,7 +203,7 @@ class Frames(Table):
     scar_upper: Frame = Field("test", description="of the upper body")
 
 
-class Files(Table):
+class Files(keys.Table):
     """Where the data stand, beside experiment.toml; of scars those of the record's bodies."""
 
     loops: FileName = Field(description="file of the loops", examples=["loops.csv"])
@@ -238,7 +217,7 @@ class Files(Table):
     frames: Frames = Field(Frames(), description="what x of the scars runs along")
 
 
-def known_of(table: type[Table], values: Mapping[str, Any]) -> dict[str, Any]:
+def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, Any]:
     """Those values of which a table of the record knows the key."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
@@ -261,7 +240,7 @@ class PointTest(OfTest):
         """One of them."""
         return self.bodies_of_test[self.body_names.index(name)]
 
-    def require_bodies(self, where: str, *given: Table) -> None:
+    def require_bodies(self, where: str, *given: keys.Table) -> None:
         """See that tables with a key for each body of any kind of contact give those of the test's own bodies alone.
 
         Raises:

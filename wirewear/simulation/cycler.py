@@ -3,35 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from solvers import (
-    ContactProblem,
-    ContactState,
-    CycleTrace,
-    Guide,
-    IncrementReport,
-    Symmetry,
-    change_by_work,
-    closed_adaptive_cycle,
-    closed_cycle,
-    closed_trace,
-    first_quarter,
-    jump_cycles,
-    kept_by,
-    press,
-    remeshed,
-    run_cycle,
-    settled,
-    symmetry_of,
-)
+import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
 from wirewear.simulation.tally import Tally
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
-Watch = Callable[[ContactState, float], None]
+Watch = Callable[[solvers.ContactState, float], None]
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
-Attempt = Callable[[ContactState, float, float], tuple[ContactState, float]]
+Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
 
 
 @dataclass(frozen=True)
@@ -47,8 +28,8 @@ class Motion:
     increments: int
     wear_increments: int
     follows_force: bool
-    fresh: Callable[[ContactProblem], ContactState]
-    aged: Callable[[ContactProblem, Age], ContactProblem]
+    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
+    aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
 
 
 @dataclass(frozen=True)
@@ -78,12 +59,12 @@ class _Traced:
     reports: of all increments that took.
     """
 
-    problem: ContactProblem
-    state: ContactState
-    symmetry: Symmetry
-    start: ContactState
-    trace: CycleTrace
-    reports: list[IncrementReport]
+    problem: solvers.ContactProblem
+    state: solvers.ContactState
+    symmetry: solvers.Symmetry
+    start: solvers.ContactState
+    trace: solvers.CycleTrace
+    reports: list[solvers.IncrementReport]
 
     @property
     def work_mJ(self) -> float:
@@ -102,55 +83,59 @@ class Cycler:
         """Without a first guess, before the first cycle."""
         self._latest: _Traced | None = None
         self.motion, self.tally, self._tell = motion, tally, watch
-        self.guide: Guide | None = None
+        self.guide: solvers.Guide | None = None
         self.now = 1.0
         self.friction_work_mJ = 0.0
 
-    def aged(self, problem: ContactProblem, state: ContactState, cycles: float) -> ContactProblem:
+    def aged(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float
+    ) -> solvers.ContactProblem:
         """The problem as it is at that cycle and after the friction energy accumulated so far."""
         return self.motion.aged(problem, Age(cycles, 1e-3 * state.wear.energy_mJ))
 
-    def pressed(self, problem: ContactProblem) -> tuple[ContactState, IncrementReport]:
+    def pressed(self, problem: solvers.ContactProblem) -> tuple[solvers.ContactState, solvers.IncrementReport]:
         """Fresh bodies under the normal load, at mid-stroke."""
         state = self.motion.fresh(problem)
-        state, report = press(self.aged(problem, state, 0.0), state)
+        state, report = solvers.press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
 
-    def moved_out(self, problem: ContactProblem, state: ContactState) -> ContactState:
+    def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """From mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
-        return first_quarter(fresh, state, motion.amplitude_mm, motion.increments, self._watch)
+        return solvers.first_quarter(fresh, state, motion.amplitude_mm, motion.increments, self._watch)
 
-    def worn(self, problem: ContactProblem, state: ContactState, before: float, cycles: float) -> ContactState:
+    def worn(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
+    ) -> solvers.ContactState:
         """The state after one cycle that wears as `cycles` cycles after `before`."""
         return self.cycled(problem, state, before, cycles)[0]
 
     def cycled(
-        self, problem: ContactProblem, state: ContactState, before: float, cycles: float
-    ) -> tuple[ContactState, CycleTrace]:
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
+    ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """One cycle that wears as `cycles` cycles after `before` (0: frozen), at the age in their middle."""
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
-        state, trace = run_cycle(
+        state, trace = solvers.run_cycle(
             current, state, motion.amplitude_mm, motion.wear_increments, cycles, self._watch, self.guide
         )
         self._took(trace)
         return state, trace
 
-    def wearing(self, problem: ContactProblem, state: ContactState, done: float) -> Attempt:
+    def wearing(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> Attempt:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
         traced, in_vain = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
         # that is resumed between both, and traces it anew, counts as one that is not.
         self._count(traced)
 
-        def attempt(_state: ContactState, before: float, cycles: float) -> tuple[ContactState, float]:
-            def problem_at(cycle: float, energy_mJ: float) -> ContactProblem:
+        def attempt(_state: solvers.ContactState, before: float, cycles: float) -> tuple[solvers.ContactState, float]:
+            def problem_at(cycle: float, energy_mJ: float) -> solvers.ContactProblem:
                 return self.motion.aged(problem, Age(cycle, 1e-3 * energy_mJ))
 
             while in_vain:
                 self._count(in_vain.pop())
-            jump = jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
+            jump = solvers.jump_cycles(problem_at, traced.start, traced.trace, traced.symmetry, before, cycles)
             self.guide, self.friction_work_mJ = jump.guide, jump.friction_work
             if not jump.uncertain:
                 return jump.state, jump.pressure_change
@@ -159,23 +144,23 @@ class Cycler:
             after = self._traced(problem, jump.state, before + cycles)
             in_vain.append(after)
             self.friction_work_mJ = after.work_mJ
-            missed = change_by_work(jump.friction_work, after.work_mJ, cycles, jump.state.wear.energy_mJ)
+            missed = solvers.change_by_work(jump.friction_work, after.work_mJ, cycles, jump.state.wear.energy_mJ)
             return jump.state, max(jump.pressure_change, missed)
 
         return attempt
 
-    def _traced(self, problem: ContactProblem, state: ContactState, done: float) -> _Traced:
+    def _traced(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> _Traced:
         """The cycle after so many cycles, traced once for each state."""
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion
-        symmetry, reports = kept_by(symmetry_of(current), state), list[IncrementReport]()
+        symmetry, reports = solvers.kept_by(solvers.symmetry_of(current), state), list[solvers.IncrementReport]()
 
-        def watch(passed: ContactState, report: IncrementReport) -> None:
+        def watch(passed: solvers.ContactState, report: solvers.IncrementReport) -> None:
             reports.append(report)
             self._tell(passed, self.now)
 
-        start, trace = closed_trace(
+        start, trace = solvers.closed_trace(
             current, state, motion.amplitude_mm, motion.wear_increments, symmetry, watch, self.guide
         )
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
@@ -186,39 +171,43 @@ class Cycler:
         for report in traced.reports:
             self.tally.counters.count(report)
 
-    def measured(self, problem: ContactProblem, state: ContactState, done: float) -> tuple[ContactState, CycleTrace]:
+    def measured(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float
+    ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
         how = (motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments)
         if motion.follows_force:
             # Where the contact wears, the next jump starts from the cycle that leads to the loop.
             moved = None if problem.wear.none else self._traced(problem, state, done).trace
-            after, trace = closed_adaptive_cycle(current, state, *how, moved=moved)
+            after, trace = solvers.closed_adaptive_cycle(current, state, *how, moved=moved)
         else:
-            after, trace = closed_cycle(current, state, *how)
+            after, trace = solvers.closed_cycle(current, state, *how)
         self._took(trace)
         if self.goes_on_from(problem, state):
             self.guide = guide
         return after, trace
 
-    def goes_on_from(self, problem: ContactProblem, state: ContactState) -> bool:
+    def goes_on_from(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> bool:
         """Whether the next jump starts from this state, whatever is measured of it: its cycle is traced already."""
         known = self._latest
         return known is not None and known.state is state and known.problem is problem
 
-    def remeshed(self, problem: ContactProblem, state: ContactState, onto: ContactProblem, done: float) -> ContactState:
+    def remeshed(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, onto: solvers.ContactProblem, done: float
+    ) -> solvers.ContactState:
         """The state on the meshes of another problem, settled there by half a cycle with the wear frozen."""
         before, after = (self.aged(either, state, done) for either in (problem, onto))
-        state, report = remeshed(before, state, after)
+        state, report = solvers.remeshed(before, state, after)
         self.tally.counters.count(report)
-        state, trace = settled(after, state, self.motion.amplitude_mm, self.motion.wear_increments, self._watch)
+        state, trace = solvers.settled(after, state, self.motion.amplitude_mm, self.motion.wear_increments, self._watch)
         self.guide = trace.guide
         return state
 
-    def _took(self, trace: CycleTrace) -> None:
+    def _took(self, trace: solvers.CycleTrace) -> None:
         self.guide, self.friction_work_mJ = trace.guide, trace.friction_work
         self.tally.counters.simulated_cycles += 1
 
-    def _watch(self, state: ContactState, report: IncrementReport) -> None:
+    def _watch(self, state: solvers.ContactState, report: solvers.IncrementReport) -> None:
         self.tally.counters.count(report)
         self._tell(state, self.now)

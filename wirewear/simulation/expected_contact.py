@@ -10,15 +10,8 @@ from typing import Any
 import numpy as np
 
 from solvers import WearRates
+from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
-from wirewear.reference import (
-    PointContact,
-    contact_modulus,
-    gap_curvatures,
-    partial_slip_point,
-    tangential_contact_modulus,
-    turned_scar,
-)
 from wirewear.study import Study
 from wirewear.study.bodies import hertz_of, on_pad
 from wirewear.study.faces import Face, half_width_of
@@ -78,7 +71,7 @@ class PatchAxes:
     transverse: PatchAxis
 
 
-def fresh_ellipse(hertz: PointContact) -> Ellipse:
+def fresh_ellipse(hertz: reference.PointContact) -> Ellipse:
     """Contact of the unworn bodies."""
     return Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
 
@@ -102,7 +95,7 @@ def scar_outline(volume_mm3: float, gap: Gap, face: Face | None) -> Ellipse:
     """
     if face is None:
         return scar_ellipse(volume_mm3, gap)
-    radius = on_pad(lambda: turned_scar(face, volume_mm3, half_width_of(face)))
+    radius = on_pad(lambda: reference.turned_scar(face, volume_mm3, half_width_of(face)))
     return Ellipse(radius, radius, 0.0)
 
 
@@ -171,7 +164,7 @@ class ExpectedContact:
     """
 
     gap: Gap
-    hertz: PointContact
+    hertz: reference.PointContact
     scar: Ellipse | None
     flattened_mm3: float
     wear_factors: WearFactors
@@ -197,11 +190,11 @@ def expected_contact(study: Study) -> ExpectedContact:
         StudyError: a pad is too small for its contact or scar.
     """
     driven, held = study.bodies
-    gap = gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
+    gap = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
     conditions, face = study.conditions, driven.face or held.face
     hertz = hertz_of(conditions.normal_load_N, driven, held)
     if face is not None:
-        modulus = contact_modulus(driven.material, held.material)
+        modulus = reference.contact_modulus(driven.material, held.material)
         curvature = 0.375 * conditions.normal_load_N / (modulus * hertz.contact_radius_mm**3)
         gap = (curvature, curvature, 0.0)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
@@ -218,7 +211,7 @@ def expected_contact(study: Study) -> ExpectedContact:
     return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face)
 
 
-def _sticks(study: Study, hertz: PointContact) -> bool:
+def _sticks(study: Study, hertz: reference.PointContact) -> bool:
     """Whether the displacement is too small for the unworn bodies to slide by Cattaneo and Mindlin, on a rigid rig.
 
     The contact between gripped bodies is softer and slides later. Effects may make it slide earlier: with any, it is
@@ -227,8 +220,8 @@ def _sticks(study: Study, hertz: PointContact) -> bool:
     if study.effects or not study.contact.friction:
         return False
     radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
-    modulus = tangential_contact_modulus(*(body.material for body in study.bodies))
-    contact = partial_slip_point(study.conditions.normal_load_N, study.contact.friction, radius, modulus)
+    modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
+    contact = reference.partial_slip_point(study.conditions.normal_load_N, study.contact.friction, radius, modulus)
     return 1e-3 * study.conditions.displacement_amplitude_um < contact.full_slip_displacement_mm
 
 

@@ -10,15 +10,8 @@ import numpy as np
 
 from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, Turned, WireGeometry
 from geometry.arrays import Array
+from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.reference import (
-    PointContact,
-    contact_modulus,
-    hertz_bodies,
-    mindlin_stiffness,
-    tangential_contact_modulus,
-    turned_contact,
-)
 from wirewear.study.faces import Face, half_width_of
 
 _COARSE_PER_DIAMETER = 0.155
@@ -248,23 +241,23 @@ class Gap:
         return float(self.form[0, 1] / self.form[0, 0])
 
 
-def hertz_of(normal_load_N: float, driven: Body, held: Body) -> PointContact:
+def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
     """The contact of two unworn bodies; its angle is that of its major axis from the driven body's.
 
     Raises:
         StudyError: a pad is too small for the load.
     """
     if (face := driven.face or held.face) is not None:
-        modulus = contact_modulus(driven.material, held.material)
-        return on_pad(lambda: turned_contact(face, normal_load_N, modulus, half_width_of(face)))
+        modulus = reference.contact_modulus(driven.material, held.material)
+        return on_pad(lambda: reference.turned_contact(face, normal_load_N, modulus, half_width_of(face)))
     pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
-    return hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
+    return reference.hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
 
 
 def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
     """Mindlin's of a circle as large as that contact."""
-    modulus = tangential_contact_modulus(driven.material, held.material)
-    return 1e-3 * mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
+    modulus = reference.tangential_contact_modulus(driven.material, held.material)
+    return 1e-3 * reference.mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
 
 
 def on_pad(found: Callable[[], Found]) -> Found:

@@ -10,18 +10,9 @@ from geometry import TabledProfile
 from wirewear.base.quantity import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.reference import gap_curvatures
+from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire
 from wirewear.study.faces import FACE_KEYS, PadFaceOrFile, size_of
-from wirewear.study.keys import (
-    GripAngle,
-    GripStiffness,
-    MaterialName,
-    OfMaterial,
-    PoissonsRatio,
-    Table,
-    YoungsModulus,
-    one_of,
-)
 from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
 
@@ -45,19 +36,19 @@ Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
 AxisAngle = Annotated[float, PlainValidator(Quantity("deg", -180.0, 180.0))]
 
 
-class GrippedBody(OfMaterial):
+class GrippedBody(keys.OfMaterial):
     """A body of one material, held by its holder."""
 
-    material: MaterialName | None = Field(
+    material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
     )
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
     half_width_mm: Extent | None = Field(
         None, description="of the block that is meshed, to each side; without it the program chooses"
     )
     height_mm: Extent | None = Field(None, description="of the block, from its contact to its held back")
-    grip_stiffness_N_per_mm3: GripStiffness = Field(
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness per area of what holds back and sides, a number or "rigid"'
     )
 
@@ -69,7 +60,7 @@ class GrippedBody(OfMaterial):
         return BlockBody(name, *held, axis_angle_deg, curvatures, self.half_width_mm, self.height_mm, size_mm)
 
 
-class _Diameter(Table):
+class _Diameter(keys.Table):
     """What is stated first of a ball."""
 
     diameter_mm: Diameter = Field(description="diameter of the ball", examples=[12.7])
@@ -79,7 +70,7 @@ class BallTable(GrippedBody, _Diameter):
     """The ball, held above the flat."""
 
 
-class BallAndFlat(Table):
+class BallAndFlat(keys.Table):
     """A ball held above a flat that is driven."""
 
     ball: BallTable = Field(description="the ball, whose holder carries the rig's compliance")
@@ -96,10 +87,10 @@ class BallAndFlat(Table):
         return None
 
 
-class _Shape(Table):
+class _Shape(keys.Table):
     """What is stated first of a body of any shape."""
 
-    shape: Annotated[str, PlainValidator(one_of(*SHAPES))] = Field(
+    shape: Annotated[str, PlainValidator(keys.one_of(*SHAPES))] = Field(
         description="ball, flat, cylinder (a block with a cylindrical face), barrel, wire (a round bar), tube or pad "
         "(with a face that is turned about the normal)"
     )
@@ -116,10 +107,10 @@ class _Shape(Table):
 class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
     """A body of any shape."""
 
-    grip_angle_deg: GripAngle = Field(
+    grip_angle_deg: keys.GripAngle = Field(
         90.0, description="part of a wire's or tube's circumference, about its back, that is held"
     )
-    held_at: Annotated[Literal["back", "ends"], PlainValidator(one_of("back", "ends"))] = Field(
+    held_at: Annotated[Literal["back", "ends"], PlainValidator(keys.one_of("back", "ends"))] = Field(
         "back", description="where a wire or tube is held"
     )
 
@@ -177,7 +168,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
         return Wire(name, *held, self.axis_angle_deg, across, length, self.grip_angle_deg, None, self.held_at, bore)
 
 
-class LowerAndUpper(Table):
+class LowerAndUpper(keys.Table):
     """Two bodies of any shapes."""
 
     lower: ShapedBody = Field(description="the lower body, which is driven")

@@ -7,17 +7,9 @@ import numpy as np
 from geometry import Elastic, build_body
 from geometry.arrays import Array
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
+from wirewear.verification import sliding
 from wirewear.verification.hertz import LOAD_N, STEEL, crossed, scaled, wire_geometry
 from wirewear.verification.rows import Level, Row, compared
-from wirewear.verification.sliding import (
-    FRICTION,
-    AMPLITUDE_mm,
-    RIG_STIFFNESS_N_per_mm,
-    at_end_of_stroke,
-    jumped,
-    sliding_wires,
-    whole_loop,
-)
 
 _WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 
@@ -37,11 +29,11 @@ _SI = _UnitSystem(1e-3, 1e6)
 def limit_rows(level: Level) -> tuple[Row, ...]:
     """Swapped roles, mirrored motion, rigid and frictionless limits, and SI units against mm, N, MPa."""
     resolution = level.loop_resolution
-    plain = whole_loop(sliding_wires(resolution)).tangential_force
-    swapped = whole_loop(sliding_wires(resolution, primary_is_upper=False)).tangential_force
-    mirrored = whole_loop(sliding_wires(resolution), -AMPLITUDE_mm).tangential_force
-    rigid = whole_loop(sliding_wires(resolution, rig_compliance_mm_per_N=0.0)).tangential_force
-    stiff = whole_loop(sliding_wires(resolution, rig_compliance_mm_per_N=1e-12)).tangential_force
+    plain = sliding.whole_loop(sliding.sliding_wires(resolution)).tangential_force
+    swapped = sliding.whole_loop(sliding.sliding_wires(resolution, primary_is_upper=False)).tangential_force
+    mirrored = sliding.whole_loop(sliding.sliding_wires(resolution), -sliding.AMPLITUDE_mm).tangential_force
+    rigid = sliding.whole_loop(sliding.sliding_wires(resolution, rig_compliance_mm_per_N=0.0)).tangential_force
+    stiff = sliding.whole_loop(sliding.sliding_wires(resolution, rig_compliance_mm_per_N=1e-12)).tangential_force
     return (
         _difference("Swapped roles", "largest difference of loops over µP", swapped, plain, 1e-2),
         _difference("Mirrored motion", "largest difference of mirrored loops over µP", -mirrored, plain, 1e-9),
@@ -53,12 +45,12 @@ def limit_rows(level: Level) -> tuple[Row, ...]:
 
 def _difference(problem: str, quantity: str, one: Array, other: Array, tolerance: float) -> Row:
     largest = float(np.abs(one - other).max())
-    return compared(problem, quantity, largest / (FRICTION * LOAD_N), 0.0, tolerance, scale=1.0)
+    return compared(problem, quantity, largest / (sliding.FRICTION * LOAD_N), 0.0, tolerance, scale=1.0)
 
 
 def _frictionless(resolution: float) -> Row:
-    problem = sliding_wires(resolution, friction=0.0, wear=_WEAR)
-    worn = jumped(problem, at_end_of_stroke(problem), 1.0)
+    problem = sliding.sliding_wires(resolution, friction=0.0, wear=_WEAR)
+    worn = sliding.jumped(problem, sliding.at_end_of_stroke(problem), 1.0)
     deepest = float(max(worn.wear.primary_depth.max(), worn.wear.secondary_depth.max()))
     return compared("No friction", "deepest wear under the energy law [mm]", deepest, 0.0, 0.0, scale=1.0)
 
@@ -90,7 +82,7 @@ def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
     """Pressing, a quarter of a cycle and the reversal after it, in a unit system."""
     problem = _in_units(resolution, units)
     state, report = press(problem, unloaded_state(problem))
-    path = AMPLITUDE_mm * np.concatenate([np.linspace(0.1, 1.0, 10), np.linspace(0.95, 0.5, 6)])
+    path = sliding.AMPLITUDE_mm * np.concatenate([np.linspace(0.1, 1.0, 10), np.linspace(0.95, 0.5, 6)])
     iterations, force, holder = [report.iterations], [], [(state.holder_x, state.holder_z)]
     for drive in path:
         state, reports = advance(problem, state, float(drive) * units.length, 0.0)
@@ -107,4 +99,4 @@ def _in_units(resolution: float, units: _UnitSystem) -> ContactProblem:
     meshed = scaled(build_body(wire_geometry(resolution, long_patch=True)), units.length)
     material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
     body = condense(meshed.mesh, meshed.patch, material)
-    return crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)
+    return crossed(body, body, Holder(LOAD_N, units.length / sliding.RIG_STIFFNESS_N_per_mm), friction=sliding.FRICTION)

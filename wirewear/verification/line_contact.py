@@ -9,20 +9,9 @@ evaluated at the force that was computed.
 
 import numpy as np
 
+import solvers
 from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
 from geometry.arrays import Array
-from solvers import (
-    ContactProblem,
-    ContactState,
-    Holder,
-    WearRates,
-    advance,
-    condense,
-    move_stuck,
-    place,
-    press,
-    unloaded_state,
-)
 from wirewear import reference
 from wirewear.simulation import mean_pressures
 from wirewear.verification.rows import Level, Row, compared
@@ -49,7 +38,7 @@ def stuck_line_rows(level: Level) -> tuple[Row, ...]:
     along = GradedAxis(a / level.line_resolution, 1.2 * a, a, 3.0 * a)
     block = build_planar(PlanarGeometry(Flat(), _BLOCK_mm, _BLOCK_mm, along, _FAR_mm, 1.2))
     material = Elastic(MATERIAL.youngs_modulus_MPa, MATERIAL.poissons_ratio)
-    computed = move_stuck(block, block, material, material, a).stiffness_between(DEPTH_mm)
+    computed = solvers.move_stuck(block, block, material, material, a).stiffness_between(DEPTH_mm)
     exact = reference.half_plane_line_stiffness(MATERIAL, MATERIAL, a, 1.0, DEPTH_mm)
     return (compared("Line contact, stuck", "stiffness, points 1 mm deep [N/mm²]", computed, exact, _TOLERANCE),)
 
@@ -58,7 +47,7 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
     """Half-width, peak and mean pressure; stick zone at Q* = 0.5 µP, and inner edge of reverse slip back at Q = 0."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
     problem = cylinder_on_flat(exact.half_width_mm / level.line_resolution)
-    pressed, report = press(problem, unloaded_state(problem))
+    pressed, report = solvers.press(problem, solvers.unloaded_state(problem))
     a = half_width(problem, pressed.traction[:, 2])
     limit = FRICTION * LOAD_N_per_mm
     loaded = to_force(problem, pressed, _SHARE * limit)
@@ -90,17 +79,17 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> ContactProblem:
+def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> solvers.ContactProblem:
     """A cylindrical pad on a wide flat specimen, both 8 mm high, meshed with `element_mm` under the contact."""
     pad = build_planar(pad_geometry(element_mm))
     specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.geometry.along))
-    upper, lower = (condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
-    return ContactProblem(
-        upper=place(upper, upper=True, axis_angle_rad=0.0),
-        lower=place(lower, upper=False, axis_angle_rad=0.0),
-        holder=Holder(LOAD_N_per_mm),
+    upper, lower = (solvers.condense(body.mesh, body.patch, MATERIAL) for body in (pad, specimen))
+    return solvers.ContactProblem(
+        upper=solvers.place(upper, upper=True, axis_angle_rad=0.0),
+        lower=solvers.place(lower, upper=False, axis_angle_rad=0.0),
+        holder=solvers.Holder(LOAD_N_per_mm),
         friction=friction,
-        wear=WearRates(),
+        wear=solvers.WearRates(),
     )
 
 
@@ -112,7 +101,9 @@ def pad_geometry(element_mm: float) -> PlanarGeometry:
     return PlanarGeometry(Cylinder(RADIUS_mm, curved_along=True), 5.0, 8.0, along)
 
 
-def to_force(problem: ContactProblem, state: ContactState, force_N_per_mm: float) -> ContactState:
+def to_force(
+    problem: solvers.ContactProblem, state: solvers.ContactState, force_N_per_mm: float
+) -> solvers.ContactState:
     """Displace the flat in steps until the tangential force passes the one given, the last step shortened to meet it.
 
     Raises ValueError when the force is not reached, as beyond µP.
@@ -120,21 +111,21 @@ def to_force(problem: ContactProblem, state: ContactState, force_N_per_mm: float
     start = tangential_force(state)
     step = float(np.copysign(_STEP_mm, force_N_per_mm - start))
     for _ in range(_MOST_STEPS):
-        ahead, _reports = advance(problem, state, state.drive + step, 0.0)
+        ahead, _reports = solvers.advance(problem, state, state.drive + step, 0.0)
         before, after = tangential_force(state), tangential_force(ahead)
         share = (force_N_per_mm - before) / (after - before) if after != before else np.inf
         if share <= 1.0:
-            return advance(problem, state, state.drive + share * step, 0.0)[0]
+            return solvers.advance(problem, state, state.drive + share * step, 0.0)[0]
         state = ahead
     raise ValueError(f"a tangential force of {force_N_per_mm:g} N/mm was not reached")
 
 
-def tangential_force(state: ContactState) -> float:
+def tangential_force(state: solvers.ContactState) -> float:
     """Force per thickness on the pad along the motion, N/mm."""
     return float(state.primary_force[:, 0].sum())
 
 
-def half_width(problem: ContactProblem, elliptic: Array) -> float:
+def half_width(problem: solvers.ContactProblem, elliptic: Array) -> float:
     """Half-width of a distribution p0 sqrt(1 - x²/a²) given at the primary's nodes, from a² = 4 <x²>."""
     weight = problem.primary.patch.node_areas() * elliptic
     x = problem.primary.node_positions[:, 0]
@@ -142,5 +133,5 @@ def half_width(problem: ContactProblem, elliptic: Array) -> float:
     return float(2.0 * np.sqrt((weight * x**2).sum() / weight.sum()))
 
 
-def _shear(state: ContactState) -> Array:
+def _shear(state: solvers.ContactState) -> Array:
     return state.traction[:, 0]

@@ -14,22 +14,8 @@ from typing import Any
 
 import numpy as np
 
+import solvers
 from geometry.arrays import Array
-from solvers import (
-    CondensedBody,
-    ContactProblem,
-    ContactState,
-    Holder,
-    WearRates,
-    advance,
-    closed_trace,
-    first_quarter,
-    jump_cycles,
-    kept_by,
-    press,
-    symmetry_of,
-    unloaded_state,
-)
 from solvers.pairing import pair
 from wirewear import reference
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
@@ -119,8 +105,8 @@ def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:
     shear = reference.tangential_contact_modulus(STEEL, STEEL)
     contact = reference.WearingContact(RADIUS_mm, CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
     exact = contact.under_approach(_APPROACH_mm)
-    rates = WearRates(_RATE_mm3_per_mJ, _RATE_mm3_per_mJ)
-    holder = Holder(LOAD_N, approach_mm=_APPROACH_mm)
+    rates = solvers.WearRates(_RATE_mm3_per_mJ, _RATE_mm3_per_mJ)
+    holder = solvers.Holder(LOAD_N, approach_mm=_APPROACH_mm)
     problem = crossed(body, body, holder, friction=_FRICTION, wear=rates)
     worn = _worn_out(problem)
     wear, name = worn.wear, f"Partial slip, worn out, {CONTACT_RADIUS_mm / element_mm(body):.1f} elements a radius"
@@ -136,17 +122,19 @@ def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-def _worn_out(problem: ContactProblem) -> ContactState:
+def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
     """The state at the end of the stroke after all jumps."""
-    pressed, _ = press(problem, unloaded_state(problem))
-    state, done, guide = first_quarter(problem, pressed, _AMPLITUDE_mm, _INCREMENTS), 1.0, None
-    symmetry = symmetry_of(problem)
+    pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
+    state, done, guide = solvers.first_quarter(problem, pressed, _AMPLITUDE_mm, _INCREMENTS), 1.0, None
+    symmetry = solvers.symmetry_of(problem)
     for cycles in _JUMPS:
-        kept = kept_by(symmetry, state)
-        start, trace = closed_trace(problem, state, _AMPLITUDE_mm, _INCREMENTS, kept, guide=guide)
-        jump = jump_cycles(lambda *_: problem, start, trace, kept, done, cycles)
+        kept = solvers.kept_by(symmetry, state)
+        start, trace = solvers.closed_trace(problem, state, _AMPLITUDE_mm, _INCREMENTS, kept, guide=guide)
+        jump = solvers.jump_cycles(lambda *_: problem, start, trace, kept, done, cycles)
         state, guide, done = jump.state, jump.guide, done + cycles
-    return closed_trace(problem, state, _AMPLITUDE_mm, _INCREMENTS, kept_by(symmetry, state), guide=guide)[0]
+    return solvers.closed_trace(
+        problem, state, _AMPLITUDE_mm, _INCREMENTS, solvers.kept_by(symmetry, state), guide=guide
+    )[0]
 
 
 FRICTION = 0.6
@@ -162,21 +150,21 @@ def partial_slip_rows(level: Level) -> tuple[Row, ...]:
     exact = reference.partial_slip_point(load, FRICTION, radius, modulus)
     body = condensed(wire_geometry(level.hertz_resolutions[-1]))
     bulk = crossed_bulk_compliance(body, normal=False, contact_radius_mm=radius)
-    problem = crossed(body, body, Holder(load), friction=FRICTION)
+    problem = crossed(body, body, solvers.Holder(load), friction=FRICTION)
     return sliding_rows(problem, exact, bulk, body, level)
 
 
 def sliding_rows(
-    problem: ContactProblem,
+    problem: solvers.ContactProblem,
     exact: reference.PartialSlipPoint,
     bulk: float,
-    body: CondensedBody,
+    body: solvers.CondensedBody,
     level: Level,
     shares: tuple[float, ...] = _SHARES,
     of: str = "Mindlin",
 ) -> tuple[Row, ...]:
     """Bodies in partial slip beside the closed form; `bulk` is what is not the contact's in their compliance."""
-    pressed, _ = press(problem, unloaded_state(problem))
+    pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     rows = [_initial_compliance(problem, pressed, exact, bulk, of)]
     for share in shares:
         rows += _at_share(problem, pressed, exact, bulk, share, body, level, of)
@@ -184,11 +172,15 @@ def sliding_rows(
 
 
 def _initial_compliance(
-    problem: ContactProblem, pressed: ContactState, exact: reference.PartialSlipPoint, bulk: float, of: str
+    problem: solvers.ContactProblem,
+    pressed: solvers.ContactState,
+    exact: reference.PartialSlipPoint,
+    bulk: float,
+    of: str,
 ) -> Row:
     force = _INITIAL_SHARE * exact.limit_N
     drive = float(reference.loading_displacement(exact, force)) + bulk * force
-    state, _ = advance(problem, pressed, drive, 0.0)
+    state, _ = solvers.advance(problem, pressed, drive, 0.0)
     computed = _tangential(state)
     truth = float(reference.loading_displacement(exact, computed)) / computed
     raw = drive / computed
@@ -197,12 +189,12 @@ def _initial_compliance(
 
 
 def _at_share(
-    problem: ContactProblem,
-    pressed: ContactState,
+    problem: solvers.ContactProblem,
+    pressed: solvers.ContactState,
     exact: reference.PartialSlipPoint,
     bulk: float,
     share: float,
-    body: CondensedBody,
+    body: solvers.CondensedBody,
     level: Level,
     of: str,
 ) -> list[Row]:
@@ -246,20 +238,22 @@ def _at_share(
     ]
 
 
-def _along(problem: ContactProblem, state: ContactState, drives_mm: Array) -> tuple[ContactState, float]:
+def _along(
+    problem: solvers.ContactProblem, state: solvers.ContactState, drives_mm: Array
+) -> tuple[solvers.ContactState, float]:
     """State at the end of a path and the friction work on it, mJ."""
     work = 0.0
     for drive in drives_mm:
-        state, reports = advance(problem, state, float(drive), 0.0)
+        state, reports = solvers.advance(problem, state, float(drive), 0.0)
         work += sum(report.friction_work for report in reports)
     return state, work
 
 
-def _tangential(state: ContactState) -> float:
+def _tangential(state: solvers.ContactState) -> float:
     return float(state.primary_force[:, 0].sum())
 
 
-def _stick_radius(problem: ContactProblem, state: ContactState) -> float:
+def _stick_radius(problem: solvers.ContactProblem, state: solvers.ContactState) -> float:
     """Radius of the circle with the area of the nodes whose friction stays below its limit."""
     nodes = np.flatnonzero(state.traction[:, 2] > 0.0)
     wear = state.wear

@@ -4,39 +4,16 @@ from math import nan
 
 import numpy as np
 
+import solvers
 from geometry.arrays import Array
-from solvers import (
-    ContactProblem,
-    ContactState,
-    CycleTrace,
-    Holder,
-    WearRates,
-    closed_adaptive_cycle,
-    closed_trace,
-    first_quarter,
-    jump_cycles,
-    mirror_error,
-    press,
-    run_cycle,
-    symmetry_of,
-    unloaded_state,
-)
 from wirewear import reference
 from wirewear.loops.signals import enclosed_area
-from wirewear.verification.hertz import (
-    LOAD_N,
-    STEEL,
-    CONTACT_RADIUS_mm,
-    condensed,
-    crossed,
-    crossed_bulk_compliance,
-    wire_geometry,
-)
+from wirewear.verification import hertz
 from wirewear.verification.rows import Level, Row, compared
 
 _TOLERANCE = 0.01
 
-_RATES = WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
+_RATES = solvers.WearRates(upper_mm3_per_mJ=6e-8, lower_mm3_per_mJ=4e-8)
 _CYCLES = 50.0
 _ROUND_OFF = 1e-10
 _MIRROR_TOLERANCE = 0.02
@@ -44,17 +21,17 @@ _MIRROR_TOLERANCE = 0.02
 
 FRICTION = 0.6
 #: Sliding bends the rig by half a contact radius; the contact slides by about two to each side.
-RIG_STIFFNESS_N_per_mm = FRICTION * LOAD_N / (0.5 * CONTACT_RADIUS_mm)
-AMPLITUDE_mm = 2.4 * CONTACT_RADIUS_mm
+RIG_STIFFNESS_N_per_mm = FRICTION * hertz.LOAD_N / (0.5 * hertz.CONTACT_RADIUS_mm)
+AMPLITUDE_mm = 2.4 * hertz.CONTACT_RADIUS_mm
 INCREMENTS = 40
 
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
     """Friction work, loop area, width at zero force and largest force of a loop."""
-    body = condensed(wire_geometry(level.loop_resolution, long_patch=True))
-    bulk = crossed_bulk_compliance(body, normal=False, contact_radius_mm=CONTACT_RADIUS_mm)
+    body = hertz.condensed(hertz.wire_geometry(level.loop_resolution, long_patch=True))
+    bulk = hertz.crossed_bulk_compliance(body, normal=False, contact_radius_mm=hertz.CONTACT_RADIUS_mm)
     contact = reference.partial_slip_point(
-        LOAD_N, FRICTION, CONTACT_RADIUS_mm, reference.tangential_contact_modulus(STEEL, STEEL)
+        hertz.LOAD_N, FRICTION, hertz.CONTACT_RADIUS_mm, reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
     )
     rig = 1.0 / (1.0 / RIG_STIFFNESS_N_per_mm + bulk)
     energy = reference.dissipated_energy(contact, AMPLITUDE_mm, rig)
@@ -78,15 +55,15 @@ def book_keeping_rows(level: Level) -> tuple[Row, ...]:
     """Worn volumes after a cycle jump, and a closed loop on the worn wires with the wear frozen."""
     problem = sliding_wires(level.loop_resolution, wear=_RATES)
     fresh = at_end_of_stroke(problem)
-    _, first = closed_adaptive_cycle(problem, fresh, AMPLITUDE_mm, INCREMENTS)
+    _, first = solvers.closed_adaptive_cycle(problem, fresh, AMPLITUDE_mm, INCREMENTS)
     worn = jumped(problem, fresh, _CYCLES)
     wear, energy = worn.wear, worn.wear.energy_mJ
     upper = float((problem.upper.patch.node_areas() * wear.primary_depth.ravel()).sum())
     lower = float((problem.lower.patch.node_areas() * wear.secondary_depth.ravel()).sum())
-    _, closed = closed_adaptive_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
+    _, closed = solvers.closed_adaptive_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
     name = f"Book-keeping, {_CYCLES:g} cycles"
     before, area = (abs(enclosed_area(loop.drive, loop.tangential_force)) for loop in (first, closed))
-    mirror = mirror_error(problem, (closed.start, *closed.states), symmetry_of(problem))
+    mirror = solvers.mirror_error(problem, (closed.start, *closed.states), solvers.symmetry_of(problem))
     return (
         compared(name, "energy = loop area times cycles [mJ]", energy, 0.5 * _CYCLES * (before + area), 5e-3),
         compared(name, "volume of upper wire = αE [mm³]", upper, _RATES.upper_mm3_per_mJ * energy, _ROUND_OFF),
@@ -103,32 +80,32 @@ def sliding_wires(
     *,
     friction: float = FRICTION,
     rig_compliance_mm_per_N: float = 1.0 / RIG_STIFFNESS_N_per_mm,
-    wear: WearRates | None = None,
+    wear: solvers.WearRates | None = None,
     primary_is_upper: bool = True,
-) -> ContactProblem:
+) -> solvers.ContactProblem:
     """Equal wires crossed at right angles behind the rig's spring."""
-    body = condensed(wire_geometry(resolution, long_patch=True))
-    holder = Holder(LOAD_N, rig_compliance_mm_per_N)
-    return crossed(body, body, holder, friction=friction, wear=wear, primary_is_upper=primary_is_upper)
+    body = hertz.condensed(hertz.wire_geometry(resolution, long_patch=True))
+    holder = solvers.Holder(hertz.LOAD_N, rig_compliance_mm_per_N)
+    return hertz.crossed(body, body, holder, friction=friction, wear=wear, primary_is_upper=primary_is_upper)
 
 
-def at_end_of_stroke(problem: ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> ContactState:
+def at_end_of_stroke(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.ContactState:
     """Pressed together and moved from mid-stroke to `amplitude_mm`, which may be negative."""
-    pressed, _ = press(problem, unloaded_state(problem))
-    return first_quarter(problem, pressed, amplitude_mm, INCREMENTS)
+    pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
+    return solvers.first_quarter(problem, pressed, amplitude_mm, INCREMENTS)
 
 
-def whole_loop(problem: ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> CycleTrace:
+def whole_loop(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.CycleTrace:
     """The first full cycle from the end of the stroke at `amplitude_mm`, without wear."""
     start = at_end_of_stroke(problem, amplitude_mm)
-    return run_cycle(problem, start, abs(amplitude_mm), INCREMENTS, 0.0)[1]
+    return solvers.run_cycle(problem, start, abs(amplitude_mm), INCREMENTS, 0.0)[1]
 
 
-def jumped(problem: ContactProblem, start: ContactState, cycles: float) -> ContactState:
+def jumped(problem: solvers.ContactProblem, start: solvers.ContactState, cycles: float) -> solvers.ContactState:
     """The state after so many cycles in one jump from the end of the stroke."""
-    symmetry = symmetry_of(problem)
-    begin, trace = closed_trace(problem, start, AMPLITUDE_mm, INCREMENTS, symmetry)
-    return jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
+    symmetry = solvers.symmetry_of(problem)
+    begin, trace = solvers.closed_trace(problem, start, AMPLITUDE_mm, INCREMENTS, symmetry)
+    return solvers.jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
 
 
 def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:

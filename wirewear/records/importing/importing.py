@@ -18,17 +18,10 @@ from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
 from wirewear.loops.signals import enclosed_area
 from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
+from wirewear.records.importing import sources
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
 from wirewear.records.importing.reader import require_mapping
-from wirewear.records.importing.sources import (
-    equal_rows,
-    files_of,
-    numbers_in_name,
-    read_source,
-    require_recorded,
-    wanted_columns,
-)
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.point_tables import TABLES
@@ -229,7 +222,9 @@ def mapped_loops(
         RecordError: a file cannot be read or lacks something, or a loop is there twice.
     """
     home = mapping_path.parent
-    loops = [loop for file in files_of(source, home) for loop in loops_of(file, source, frequency_Hz, length_mm)]
+    loops = [
+        loop for file in sources.files_of(source, home) for loop in loops_of(file, source, frequency_Hz, length_mm)
+    ]
     loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
     for one, other in pairwise(loops):
         if (one.repeat, one.cycle) == (other.repeat, other.cycle):
@@ -264,9 +259,9 @@ def loops_of(
     Raises:
         RecordError: the file cannot be read or lacks something.
     """
-    named = numbers_in_name(file, source)
-    columns = _in_rows(file, read_source(file, source, wanted_columns(source.columns), length_mm))
-    require_recorded(file, **columns)
+    named = sources.numbers_in_name(file, source)
+    columns = _in_rows(file, sources.read_source(file, source, sources.wanted_columns(source.columns), length_mm))
+    sources.require_recorded(file, **columns)
     if "cycles" in columns and "cycle" not in named.keys() | columns.keys():
         columns["cycle"] = source.first_cycle + columns["cycles"]
     count = columns["displacement_um"].size
@@ -285,7 +280,7 @@ def loops_of(
         held = np.flatnonzero(np.any([np.isfinite(own) for own in (*columns.values(), time)], axis=0))
         cycle[held] = _cut(file, source, time[held], frequency)
     counted = np.flatnonzero(cycle != _NO_CYCLE)
-    require_recorded(file, repeat=repeat[counted], cycle=cycle[counted])
+    sources.require_recorded(file, repeat=repeat[counted], cycle=cycle[counted])
     order = counted[np.lexsort([counted, cycle[counted], repeat[counted]])]
     changes = np.flatnonzero((np.diff(repeat[order]) != 0) | (np.diff(cycle[order]) != 0)) + 1
     parts = np.split(order, changes)
@@ -362,13 +357,13 @@ def _cut(file: Path, source: LoopSource, time: Array, frequency_Hz: float) -> Ar
 
 
 def _evolution(source: EvolutionSource, home: Path, length_mm: float | None) -> Iterator[MeasuredEvolution]:
-    columns_wanted = wanted_columns(source.columns)
-    for file in files_of(source, home):
-        columns = equal_rows(file, read_source(file, source, columns_wanted, length_mm), "cycle")
+    columns_wanted = sources.wanted_columns(source.columns)
+    for file in sources.files_of(source, home):
+        columns = sources.equal_rows(file, sources.read_source(file, source, columns_wanted, length_mm), "cycle")
         count = columns["cycle"].size
-        default = float(numbers_in_name(file, source).get("repeat", source.repeat))
+        default = float(sources.numbers_in_name(file, source).get("repeat", source.repeat))
         repeat = columns.pop("repeat", np.full(count, default))
-        require_recorded(file, repeat=repeat, **columns)
+        sources.require_recorded(file, repeat=repeat, **columns)
         wanted = [column.name for column in EVOLUTION_COLUMNS[1:]]
         complete = {name: columns.get(name, np.full(count, np.nan)) for name in wanted}
         for number in np.unique(repeat):

@@ -6,18 +6,9 @@ from typing import Any
 
 from wirewear.base.errors import RecordError
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS
+from wirewear.records.importing import guessing
 from wirewear.records.importing.guessed_files import GuessedFile, mapped_columns
 from wirewear.records.importing.guessed_scars import map_source
-from wirewear.records.importing.guessing import (
-    GuessedMapping,
-    evolution_source,
-    left_out,
-    loop_source,
-    name_of_folder,
-    name_pattern,
-    no_loops,
-    recognised_files,
-)
 from wirewear.records.importing.reader import OPEN
 from wirewear.records.line_tables import LineTest, RecordContact
 from wirewear.study.faces import FACE_KEYS, PadFace
@@ -38,7 +29,7 @@ _OPTIONS = {
 }
 
 
-def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> GuessedMapping:
+def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> guessing.GuessedMapping:
     """The mapping that files of one folder seem to ask for.
 
     Args:
@@ -49,7 +40,7 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
     Raises:
         RecordError: no file holds loops or a profile, or something is not known that no file tells; one sentence.
     """
-    kinds, length = recognised_files(files), known.get("length_mm")
+    kinds, length = guessing.recognised_files(files), known.get("length_mm")
     if length is None:
         raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
     validated(RecordContact, {"kind": KINDS[0], "length_mm": length}, "the options", RecordError)
@@ -59,30 +50,30 @@ def guessed_line_mapping(files: Sequence[Path], known: Mapping[str, Any]) -> Gue
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
     profiles, remarks = _profiles(kinds.surfaces, kinds.maps)
-    evolution, told = evolution_source(kinds.evolution, per_length=True)
+    evolution, told = guessing.evolution_source(kinds.evolution, per_length=True)
     remarks += told
     tables: dict[str, Any] = {
         "format": 1,
-        "name": known.get("name", name_of_folder(files)),
+        "name": known.get("name", guessing.name_of_folder(files)),
         "contact": {"kind": CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else KINDS[0], "length_mm": length},
         "pad": face | dict(known["pad"]),
         "specimen": dict(known["specimen"]),
     }
     loops = kinds.loops or (() if profiles else kinds.unknown)
     if loops:
-        tables["loops"], conditions, told = loop_source(loops, dict(known), length)
+        tables["loops"], conditions, told = guessing.loop_source(loops, dict(known), length)
         remarks = [*told, *remarks]
     elif profiles or evolution:
         conditions = _asked(known)
     else:
-        raise no_loops(kinds)
+        raise guessing.no_loops(kinds)
     tables["conditions"] = conditions
     if evolution:
         tables["evolution"] = evolution
     if profiles:
         tables["profiles"] = profiles
-    left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return GuessedMapping(tables, (*remarks, *left, *kinds.unread))
+    left = [] if loops is kinds.unknown else guessing.left_out(kinds.unknown)
+    return guessing.GuessedMapping(tables, (*remarks, *left, *kinds.unread))
 
 
 def _asked(known: Mapping[str, Any]) -> dict[str, Any]:
@@ -124,7 +115,7 @@ def _profiles(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dict[
     sources = {}
     for body in (one for one in LineTest.body_names if one in found):
         names = sorted(files[body])
-        pattern = name_pattern(names, has_cycle=True)
+        pattern = guessing.name_pattern(names, has_cycle=True)
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})
         sources[body] = of_files | found[body]
     return sources, remarks

@@ -9,17 +9,12 @@ from dataclasses import dataclass, replace
 from math import log, pi, prod, sin
 from typing import Any, TypeVar
 
+from studies.blind.generators import instruments
 from studies.blind.generators.ageing import Film, Jump
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.finite_element.numbers import cycles_of, number
 from studies.blind.generators.finite_element.withheld_changes import RESERVED, WITHHELD
 from studies.blind.generators.instruments import UNSEEN as UNSEEN_INSTRUMENTS
-from studies.blind.generators.instruments import (
-    BentDisplacementSensor,
-    CreepingForceZero,
-    ForceCellHysteresis,
-    Instrument,
-)
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.reserved_instruments import RESERVED as RESERVED_INSTRUMENTS
@@ -215,10 +210,10 @@ OUTSIDE: dict[str, type[Effect[Any]]] = {effect.name: effect for effect in (Debr
 
 
 #: Instruments of the sealed half, from their parameters and the nominal test.
-_SEALED_INSTRUMENTS: Mapping[str, Callable[[Mapping[str, float], Nominal], Instrument]] = {
-    "force_cell_hysteresis": lambda p, _: ForceCellHysteresis(p["play_N"]),
-    "creeping_force_zero": lambda p, _: CreepingForceZero(Course(0.0, p["zero_N"], p["cycles"])),
-    "bent_displacement_sensor": lambda p, nominal: BentDisplacementSensor(p["bend"], nominal.amplitude_um),
+_SEALED_INSTRUMENTS: Mapping[str, Callable[[Mapping[str, float], Nominal], instruments.Instrument]] = {
+    "force_cell_hysteresis": lambda p, _: instruments.ForceCellHysteresis(p["play_N"]),
+    "creeping_force_zero": lambda p, _: instruments.CreepingForceZero(Course(0.0, p["zero_N"], p["cycles"])),
+    "bent_displacement_sensor": lambda p, nominal: instruments.BentDisplacementSensor(p["bend"], nominal.amplitude_um),
 }
 #: Effects of the later sets at the seams of a run.
 _LATER: dict[str, type[Effect[Any]]] = {
@@ -227,7 +222,7 @@ _LATER: dict[str, type[Effect[Any]]] = {
     **RESERVED,
 }
 #: Instruments of the sets that were written without a look at any diagnosis.
-_WRITTEN_BLIND: Mapping[str, Callable[[Mapping[str, float]], Instrument]] = {
+_WRITTEN_BLIND: Mapping[str, Callable[[Mapping[str, float]], instruments.Instrument]] = {
     **UNSEEN_INSTRUMENTS,
     **WITHHELD_INSTRUMENTS,
     **RESERVED_INSTRUMENTS,
@@ -243,7 +238,7 @@ OUTSIDE_SETS: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def instruments_of(effects: Sequence[TrueEffect], nominal: Nominal) -> tuple[Instrument, ...]:
+def instruments_of(effects: Sequence[TrueEffect], nominal: Nominal) -> tuple[instruments.Instrument, ...]:
     """The instruments among a case's effects, but for a force cell that saturates."""
     sealed = [
         _SEALED_INSTRUMENTS[true.effect](true.parameters, nominal)

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
+from studies.blind.generators import sampling
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import scar_lines_um
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
@@ -19,15 +20,6 @@ from studies.blind.generators.independent.world import World
 from studies.blind.generators.independent.worlds import believed_world, with_drive, with_effects, with_specimens
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import FORCE_ZERO, SpecimenDraw
-from studies.blind.generators.sampling import (
-    Channels,
-    LoggedTest,
-    PROFILOMETER_NOISE_um,
-    logged_channels,
-    logged_scar,
-    loop_figures,
-    record_of,
-)
 from wirewear.base.errors import RunError
 from wirewear.records import MeasuredScar
 
@@ -72,7 +64,7 @@ class IndependentModel:
         """
         random = np.random.default_rng(case.seed)
         true = self.true_world(case)
-        tests: list[LoggedTest] = []
+        tests: list[sampling.LoggedTest] = []
         try:
             for repeat in range(1, case.nuisances.repeats + 1):
                 world = with_drive(with_specimens(true, case.nuisances.specimen(random)), case.nuisances)
@@ -80,7 +72,7 @@ class IndependentModel:
             differences = _differences(case, true, self)
         except ArithmeticError as error:
             raise RunError(f"{case.name} cannot be made: {error}") from error
-        return MadeRecord(record_of(case, tests), case.nuisances, differences)
+        return MadeRecord(sampling.record_of(case, tests), case.nuisances, differences)
 
     def differences(self, case: Case) -> dict[str, float]:
         """What the case's effects change: figures of the readings and scars, each over one test's scatter.
@@ -99,20 +91,20 @@ class IndependentModel:
         return with_effects(believed, case)
 
 
-def _repeat(world: World, case: Case, repeat: int, points: int, random: np.random.Generator) -> LoggedTest:
+def _repeat(world: World, case: Case, repeat: int, points: int, random: np.random.Generator) -> sampling.LoggedTest:
     taken: list[Snapshot] = []
 
-    def readings() -> Iterator[tuple[int, Channels]]:
+    def readings() -> Iterator[tuple[int, sampling.Channels]]:
         for snapshot in snapshots(world, case.nuisances.all_cycles, points):
             taken[:] = [snapshot]
             yield snapshot.cycle, _in_um(read(world, snapshot.loop, snapshot.cycle))
 
-    loops, evolution = logged_channels(readings(), case, repeat, random)
+    loops, evolution = sampling.logged_channels(readings(), case, repeat, random)
     scars = _scars(grid_of(world, points), taken[0], case, repeat, random) if case.nuisances.has_scars else []
-    return LoggedTest(loops, evolution, scars)
+    return sampling.LoggedTest(loops, evolution, scars)
 
 
-def _in_um(reading: Reading) -> Channels:
+def _in_um(reading: Reading) -> sampling.Channels:
     return 1e3 * reading.displacement_mm, reading.tangential_force_N, reading.normal_force_N
 
 
@@ -120,7 +112,7 @@ def _scars(grid: Grid, last: Snapshot, case: Case, repeat: int, random: np.rando
     scars = []
     for wire, depth, x in _depths(grid, last):
         lines = scar_lines_um(case.nominal, wire)
-        scars.append(logged_scar(repeat, wire, lines, _on_lines(x, grid.y_mm, depth, lines), random))
+        scars.append(sampling.logged_scar(repeat, wire, lines, _on_lines(x, grid.y_mm, depth, lines), random))
     return scars
 
 
@@ -183,7 +175,7 @@ def figures_of(world: World, cycles: Sequence[int], points: int) -> dict[str, Ar
     for snapshot in snapshots(world, cycles, points):
         displacement, force, normal = _in_um(read(world, snapshot.loop, snapshot.cycle))
         named: dict[str, float | Array] = {
-            **loop_figures(displacement, force),
+            **sampling.loop_figures(displacement, force),
             "mean_force_N": 0.5 * float(force.max() + force.min()),
             "normal_force_N": float(normal.mean()),
             "loop_shape_N": force[:: force.size // PHASES],
@@ -209,7 +201,7 @@ def figure_scatter(
         "max_tangential_force_N": nuisances.force_noise_N,
         "mean_force_N": nuisances.force_noise_N * np.hypot(1.0 / averaged, FORCE_ZERO),
         "normal_force_N": nuisances.force_noise_N / averaged,
-        "scar_depth_um": PROFILOMETER_NOISE_um,
+        "scar_depth_um": sampling.PROFILOMETER_NOISE_um,
     }
     deviations = {}
     for name, values in expected.items():
