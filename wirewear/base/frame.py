@@ -1,19 +1,14 @@
 """The frame of all pages: one style, a sentence first, and everything within the one file."""
 
-from __future__ import annotations
-
 import json
 import re
+from collections.abc import Iterable, Mapping
 from importlib.metadata import PackageNotFoundError, version
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from wirewear.base.quantity import counted
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    import jinja2
 
 HERE = Path(__file__).parent
 
@@ -32,7 +27,7 @@ def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, An
     )  # fmt: skip
 
 
-def environment(folder: Path, filters: Mapping[str, Any] | None = None) -> jinja2.Environment:
+def environment(folder: Path, filters: Mapping[str, Any] | None = None) -> Any:
     """Templates of that folder and of this one; what they are given is escaped unless it is marked as safe."""
     import jinja2
 
@@ -63,6 +58,16 @@ def inline_svg(image: bytes, name: str) -> str:
     for own in sorted(set(re.findall(r'\bid="([^"]+)"', text)), key=len, reverse=True):
         text = re.sub(rf'(id="|href="#|url\(#){re.escape(own)}(?=["\)])', rf"\g<1>{name}-{own}", text)
     return re.sub(r"<metadata>.*?</metadata>", "", text, flags=re.DOTALL)
+
+
+def number(value: float, digits: int = 5) -> float | None:
+    """Rounded to what can be seen; None for what is no number."""
+    return float(f"{value:.{digits}g}") if isfinite(value) else None
+
+
+def numbers(values: Iterable[float], digits: int = 5) -> list[float | None]:
+    """Rounded to what can be seen; None where there is no number."""
+    return [number(float(value), digits) for value in values]
 
 
 def figure(value: float | None, digits: int = 3, sign: bool = False) -> str:

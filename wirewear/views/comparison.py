@@ -49,8 +49,8 @@ FRICTION = {
     "friction_geometry_independent": "geometry-independent",
 }
 
-#: Digits of a number in the page, and of the points of a loop that are shown.
-DIGITS, EVERY_PHASE = 5, 2
+#: Of the points of a loop every second is shown.
+EVERY_PHASE = 2
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -225,7 +225,7 @@ def page_data(comparison: RecordComparison) -> dict[str, Any]:
         "evolution": {
             name: {
                 "label": f"{quantity} [{unit}]",
-                "simulated": [_numbers(comparison.result.evolution[key]) for key in ("cycle", name)],
+                "simulated": [frame.numbers(comparison.result.evolution[key]) for key in ("cycle", name)],
                 "measured": _measured(comparison, name),
             }
             for quantity, unit, name in EVOLUTION_FIGURES
@@ -238,8 +238,8 @@ def page_data(comparison: RecordComparison) -> dict[str, Any]:
 def _loop(pair: LoopPair) -> dict[str, Any]:
     return {
         "cycle": pair.cycle,
-        "simulated": [_numbers(values[::EVERY_PHASE]) for values in pair.simulated],
-        "measured": [[_numbers(values[::EVERY_PHASE]) for values in test] for test in pair.measured],
+        "simulated": [frame.numbers(values[::EVERY_PHASE]) for values in pair.simulated],
+        "measured": [[frame.numbers(values[::EVERY_PHASE]) for values in test] for test in pair.measured],
     }
 
 
@@ -247,10 +247,10 @@ def _measured(comparison: RecordComparison, name: str) -> list[list[list[float |
     """Cycles and values of each repeat: the record's evolution, or the figures of its loops where it has none."""
     cycles, tests = common_evolution(comparison.record, name)
     if cycles.size:
-        return [[_numbers(cycles), _numbers(test)] for test in tests]
+        return [[frame.numbers(cycles), frame.numbers(test)] for test in tests]
     repeats = sorted({repeat for pair in comparison.loops for repeat in pair.repeats})
     return [
-        [_numbers(at), _numbers(values)]
+        [frame.numbers(at), frame.numbers(values)]
         for at, values in (_of_loops(comparison.loops, repeat, name) for repeat in repeats)
         if at.size
     ]
@@ -274,8 +274,8 @@ def _friction(pairs: Sequence[LoopPair], name: str) -> dict[str, Any]:
     known = [(cycle, figure.value) for cycle, figure in simulated if figure is not None]
     repeats = sorted({repeat for pair in pairs for repeat in pair.repeats})
     return {
-        "simulated": [_numbers([row[column] for row in known]) for column in (0, 1)],
-        "measured": [[_numbers(values) for values in _of_loops(pairs, repeat, name)] for repeat in repeats],
+        "simulated": [frame.numbers([row[column] for row in known]) for column in (0, 1)],
+        "measured": [[frame.numbers(values) for values in _of_loops(pairs, repeat, name)] for repeat in repeats],
     }
 
 
@@ -288,9 +288,9 @@ def _sections(pair: ScarPair) -> dict[str, Any]:
             {
                 "title": f"{pair.name}, {way} the motion",
                 "label": f"{axis}, {way} the motion [µm]",
-                "at": _numbers(at),
-                "simulated": _numbers(cut(pair.simulated)),
-                "measured": [_numbers(cut(depth)) for depth in pair.measured],
+                "at": frame.numbers(at),
+                "simulated": frame.numbers(cut(pair.simulated)),
+                "measured": [frame.numbers(cut(depth)) for depth in pair.measured],
             }
             for way, axis, at, cut in cuts[: 2 if pair.is_map else 1]
         ],
@@ -305,10 +305,6 @@ def _scatter_known(rows: Sequence[Difference]) -> list[str]:
 
 def _beyond(row: Difference) -> bool:
     return row.in_scatter is not None and abs(row.in_scatter) > BEYOND
-
-
-def _numbers(values: Sequence[float] | Array) -> list[float | None]:
-    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]
 
 
 def _hundredths(value: float) -> str:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.frame import numbers
 from wirewear.diagnosis.infer.where import places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
@@ -39,8 +40,8 @@ STRIP = 0.1
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 
-#: Cycles whose loops are shown at most; digits of a number in the page.
-MOST_LOOPS, DIGITS = 12, 4
+#: Cycles whose loops are shown at most.
+MOST_LOOPS = 12
 
 #: From so many scatters on, a cell of the map has the next colour; pale to dark red.
 SHADES = (
@@ -207,7 +208,7 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
                 "name": name,
                 "colour": colour,
                 "loops": [
-                    [_numbers(x.ravel()), _numbers(q.ravel())]
+                    [numbers(x.ravel()), numbers(q.ravel())]
                     for x, q in zip(course.displacement_um, course.tangential_force_N, strict=True)
                     if cycles
                 ],
@@ -222,7 +223,7 @@ def _left(diagnosed: Diagnosed, course: LoopCourse, row: int, cycle: int) -> lis
     own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
     scatter = diagnosed.search.covariance.scatter
     branches = residuals(own, course, row, scatter, diagnosed.setup.load_N)
-    return [[_numbers(one[name]) for name in ("displacement_um", "force_N", "band_N")] for one in branches]
+    return [[numbers(one[name]) for name in ("displacement_um", "force_N", "band_N")] for one in branches]
 
 
 def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
@@ -245,7 +246,7 @@ def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]
             measured, computed = measured_section(scars), [bowl(course.scars[place]) for course in courses]
         if measured:
             drawn = {"measured": measured, "bowls": computed}
-            heights = {name: [[_numbers(x), _numbers(-depth)] for x, depth in own] for name, own in drawn.items()}
+            heights = {name: [[numbers(x), numbers(-depth)] for x, depth in own] for name, own in drawn.items()}
             found.append({"wire": called(body), **heights})
     return found
 
@@ -319,14 +320,10 @@ def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]
         if loop.cycle == cycle:
             x = np.concatenate([branch.sign * branch.displacement_um for branch in loop.branches])
             q = np.concatenate([branch.sign * branch.force_N for branch in loop.branches])
-            found.append([_numbers(x), _numbers(q)])
+            found.append([numbers(x), numbers(q)])
     return found
 
 
 def _cell(in_scatter: float, *, flagged: bool) -> Cell:
     start, colour = next((shade for shade in reversed(SHADES) if in_scatter >= shade[0]), SHADES[0])
     return Cell(in_scatter, colour, "#fff" if start >= DARK else "#1a1a1a", flagged)
-
-
-def _numbers(values: Array) -> list[float | None]:
-    return [float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None for value in values]

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.frame import number, numbers
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
@@ -38,9 +39,6 @@ _COURSES = {
 
 #: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
 LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS, SHADES = 160, 161, 72, 8, 48
-
-#: Digits of a number in the page.
-DIGITS = 5
 
 #: Surfaces are shown to this many times the worn half-length.
 MARGIN = 1.25
@@ -196,13 +194,3 @@ def _heights(scar: Scar, x: Array, y: Array) -> Array:
 def _packed(depth: Array, deepest: float) -> str:
     """Depths as shares of the deepest, in little-endian 16-bit integers."""
     return base64.b64encode(np.round(65535.0 * depth / deepest).astype("<u2").tobytes()).decode("ascii")
-
-
-def number(value: float) -> float | None:
-    """Rounded to what can be seen; None for what is no number."""
-    return float(f"{value:.{DIGITS}g}") if np.isfinite(value) else None
-
-
-def numbers(values: Array) -> list[float | None]:
-    """Rounded to what can be seen; None where there is no number."""
-    return [number(float(value)) for value in values]
