@@ -45,7 +45,7 @@ def invoked(line: str) -> Result:
         ("diagnose text --output d", "text is a file: a record is a folder with experiment.toml and CSV files."),
         ("import folder --output d", "folder is a folder, where a TOML file is needed."),
         ("show text", "text is no wirewear result file.\n"),
-        ("loops text", "is known as the displacement; name it by --displacement COLUMN:UNIT."),
+        ("loops text", "text: no table of numbers is found in its first 200 lines."),
         ("loops RECORD --variant one", "--variant chooses among the runs of a result, which "),
         ("loops RECORD --cycle 100 --output x.xyz", "x.xyz cannot be drawn: its name must end in .png, .svg or .pdf."),
         ("loops RECORD --cycle 100 --output text/x.png", "the output folder text cannot be used: it is a file, not a"),

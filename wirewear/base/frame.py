@@ -19,7 +19,7 @@ CITATION = "wirewear, simulation and diagnosis of crossed-wire fretting tests, v
 def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, Any] | None = None) -> str:
     """A page from a template that extends frame.html and stands anywhere."""
     own = _version()
-    return environment(template.parent, filters).get_template(template.name).render(
+    page: str = environment(template.parent, filters).get_template(template.name).render(
         css=(HERE / "frame.css").read_text(encoding="utf-8"),
         version=own,
         citation=CITATION.format(version=own),

@@ -12,12 +12,11 @@ from rich.text import Text
 
 from wirewear.base import frame
 from wirewear.base.errors import ResultError
-from wirewear.base.frame import figure
+from wirewear.base.frame import figure, number, numbers
 from wirewear.base.quantity import counted
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.faces.maps_reading import REGIMES, MappedTest, lines_of
 from wirewear.views.regression import RegressionLine
-from wirewear.views.run_data import number, numbers
 from wirewear.views.run_maps import TRANSITION, FreshContact, tension_lines, transition
 from wirewear.views.run_page import HERE as REPORT
 

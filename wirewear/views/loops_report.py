@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.quantity import counted
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
-from wirewear.views.loops_csv import SampledLoop
+from wirewear.views.loops_sources import SampledLoop
 
 #: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
 FIGURES = (

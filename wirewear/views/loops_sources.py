@@ -1,97 +1,215 @@
-"""Where loops come from: a logger's file, an experiment record, or a result."""
+"""Where loops come from: a logger's file, its columns chosen by name and unit or recognised; a record; a result."""
 
-from dataclasses import replace
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import h5py
+import numpy as np
+from numpy.typing import NDArray
 
+from geometry.arrays import Array
+from wirewear.base.delimited import CSV
 from wirewear.base.errors import RecordError
-from wirewear.base.guessing import guessed_layout
+from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS, nearest, shown
-from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.reading import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
+from wirewear.loops.cleaning import FEWEST_SAMPLES
+from wirewear.loops.cycles import split_cycles
+from wirewear.loops.digitised import outline
 from wirewear.records import read_record
+from wirewear.records.columns import column_names
 from wirewear.records.exporting import chosen_run
-from wirewear.records.importing.guessed_conditions import frequency_of
-from wirewear.records.importing.guessed_files import GuessedFile, looked_into
-from wirewear.records.importing.importing import loops_of
-from wirewear.records.importing.mapping import LoopSource
+from wirewear.records.importing.guessed_files import GuessedFile, loop_columns, table_of
+from wirewear.records.importing.importing import in_rows
 from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.registry import kind_of
+from wirewear.records.importing.sources import require_recorded
 from wirewear.records.normal_force import require_pressing
+from wirewear.records.values import MeasuredLoop
 from wirewear.results import read_results
-from wirewear.views.loops_csv import SampledLoop, Spelling, csv_loops
 
-_OPTIONS = {"displacement_um": "--displacement", "tangential_force_N": "--force", "normal_force_N": "--normal-load"}
+#: Channels by their keys: in words, and the option that names its column.
+_CHANNELS = {
+    "displacement_um": ("displacement", "--displacement"),
+    "tangential_force_N": ("force", "--force"),
+    "normal_force_N": ("normal load", "--normal-load"),
+}
+
+SPLIT = (
+    "no column counts the cycles: the samples were split at the reversals of the displacement into {}, and {} samples "
+    "were left over"
+)
+
+
+@dataclass(frozen=True, eq=False)
+class SampledLoop:
+    """Samples of one cycle, arrays (n,); `normal_load_N` may be one number or unknown, `time_s` unknown.
+
+    `notes` say how the cycle was told.
+    """
+
+    repeat: int
+    cycle: int
+    displacement_um: Array
+    tangential_force_N: Array
+    normal_load_N: Array | float | None
+    time_s: Array | None
+    notes: tuple[str, ...] = ()
+
+    @classmethod
+    def of(cls, loop: MeasuredLoop, load_N: float | None) -> SampledLoop:
+        """A record's loop, under that load where none was measured."""
+        normal = load_N if loop.normal_force_N is None else loop.normal_force_N
+        return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)
+
+
+@dataclass(frozen=True)
+class Spelling:
+    """How a text is laid out, as far as it is told; the rest is guessed from its first lines.
+
+    `delimiter` is a name of DELIMITERS.
+    """
+
+    encoding: str | None = None
+    delimiter: str | None = None
+    decimal: str | None = None
+    header_lines: int | None = None
+    lines_after_names: int | None = None
+
+    def layout(self, path: Path) -> GuessedLayout | None:
+        """The layout of a file; None where nothing is told.
+
+        Raises:
+            RecordError: the file cannot be read, or no line names its columns.
+        """
+        told = {key: value for key, value in vars(self).items() if value is not None}
+        if not told:
+            return None
+        try:
+            guessed = guessed_layout(path)
+        except NoTableError:
+            guessed = GuessedLayout(CSV, (), ())
+        layout = guessed.layout if guessed.names else replace(guessed.layout, names_line=True)
+        if self.delimiter is not None:
+            told["delimiter"] = DELIMITERS[self.delimiter]
+        layout = replace(layout, **told)
+        names = column_names(path, layout)
+        units = guessed.units if guessed.names == names else ("",) * len(names)
+        return replace(guessed, layout=layout, names=names, units=units, width=len(names), tables=())
 
 
 def logged_loops(
-    path: Path, displacement: str | None = None, force: str | None = None, normal_load: str | None = None
+    path: Path,
+    displacement: str | None = None,
+    force: str | None = None,
+    normal_load: str | None = None,
+    spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of MATLAB's or LabVIEW's file, or of a text without names, split into cycles as an import does.
+    """Loops of a logger's file, split by its columns of repeat and cycle, or else where the drive turns round.
 
     Args:
-        path: the file.
-        displacement: "COLUMN:UNIT", or "COLUMN" of a file that tells units; None to recognise it.
+        path: a text, or MATLAB's or LabVIEW's file.
+        displacement: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
         force: the same.
         normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
+        spelling: what is known of a text's encoding, delimiter, decimal sign and header; None to guess all of it.
 
     Raises:
         RecordError: the file cannot be read, or a column or its unit cannot be told.
     """
-    file = looked_into(path)
+    file = table_of(path, spelling.layout(path) if spelling else None)
     constant = _number(normal_load)
-    asked = {
-        "displacement_um": displacement,
-        "tangential_force_N": force,
-        "normal_force_N": normal_load if constant is None else None,
-    }
-    columns: dict[str, Any] = {key: {"column": own[0]} for key, own in file.columns.items() if key not in _OPTIONS}
-    for key, own in asked.items():
-        if key == "normal_force_N" and (constant is not None or (own is None and key not in file.columns)):
-            continue
-        name, unit = _column(file, key, own)
-        columns[key] = {"column": name, "unit": unit}
-    read = file.read({key: columns[key] for key in columns.keys() & {"displacement_um", "time_s", "cycle"}})
-    source = LoopSource(files=(path.name,), **file.spelling, columns=columns)
-    # Without a time, cycles are told by the reversals alone.
-    found = loops_of(path, source, frequency_of(read, {}) or 1.0)
-    loops = [replace(SampledLoop.of(one.complete, constant), notes=file.remarks) for one in found]
-    return tuple(loops if "time_s" in columns else (replace(loop, time_s=None) for loop in loops))
+    asked = {"displacement_um": displacement, "tangential_force_N": force}
+    asked |= {"normal_force_N": normal_load} if constant is None else {}
+    known = loop_columns(file)
+    chosen = {key: _column(file, known, key, own) for key, own in asked.items() if own is not None or key in known}
+    for key in ("displacement_um", "tangential_force_N"):
+        chosen[key] = chosen.get(key) or _column(file, known, key, None)
+    free = {key: own for key, own in known.items() if own[0] not in {name for name, _ in chosen.values()}}
+    chosen |= {"time_s": (free["time_s"][0], free["time_s"][1] or "s")} if "time_s" in free else {}
+    columns: dict[str, Any] = {key: {"column": name, "unit": unit} for key, (name, unit) in chosen.items()}
+    columns |= {key: {"column": free[key][0]} for key in ("repeat", "cycle") if key in free}
+    return tuple(_loops(path, in_rows(path, file.read(columns)), constant, file.remarks))
 
 
 def _number(text: str | None) -> float | None:
     try:
-        return float(text) if text is not None else None
+        value = float(text) if text is not None else None
     except ValueError:
         return None
+    if value is not None and not 0.0 < value < np.inf:
+        raise RecordError(f"--normal-load must be a positive number of newtons or a column, not {text}.")
+    return value
 
 
-def _column(file: GuessedFile, key: str, asked: str | None) -> tuple[str | int, str]:
+def _column(
+    file: GuessedFile, recognised: Mapping[str, tuple[str | int, str]], key: str, asked: str | None
+) -> tuple[str | int, str]:
     """Name and unit of a channel."""
-    option, known = _OPTIONS[key], FIELD_UNITS[key.rpartition("_")[2]]
+    (channel, option), known = _CHANNELS[key], FIELD_UNITS[key.rpartition("_")[2]]
     names = [str(name) for name in file.references]
+    among = shown(", ".join(names))
     if asked is None:
-        if key not in file.columns:
+        if key not in recognised:
             raise RecordError(
-                f"{file.path}: which of {shown(', '.join(names))} is it? Write {option} COLUMN:UNIT with one of them."
+                f"{file.path}: none of the columns {among} is known as the {channel}; name it by {option} COLUMN:UNIT."
             )
-        name, unit = file.columns[key]
+        name, unit = recognised[key]
     else:
-        name, _, unit = (asked, "", "") if asked in names else asked.rpartition(":")
-        if name not in names:
-            hint = f"; did you mean {like!r}?" if (like := nearest(str(name) or asked, names)) else "."
-            raise RecordError(
-                f"{file.path}: there is no column {name or asked!r} among {shown(', '.join(names))}{hint}"
-            )
-        place = names.index(str(name))
-        name, unit = file.references[place], unit or file.units[place]
+        own, _, unit = asked.rpartition(":") if asked not in names and ":" in asked else (asked, "", "")
+        if own.isdecimal() and own not in names and 0 < int(own) <= len(names):
+            own = names[int(own) - 1]
+        if own not in names:
+            hint = f"; did you mean {like!r}?" if (like := nearest(own or asked, names)) else "."
+            raise RecordError(f"{file.path}: there is no column {own or asked!r} among {among}{hint}")
+        place = names.index(own)
+        name, unit = file.references[place], unit or file.unit(place, channel)
     if unit not in known:
-        said = f"cannot be in {unit!r}" if unit else "has no unit"
+        said = f"cannot be in {unit!r}" if unit else "has no unit in its name"
         raise RecordError(
             f"{file.path}: the column {name!r} {said}; write {option} {name}:UNIT with one of {', '.join(known)}."
         )
     return name, unit
+
+
+def _loops(
+    path: Path, channels: dict[str, Array], constant: float | None, remarks: tuple[str, ...]
+) -> Iterator[SampledLoop]:
+    if "cycles" in channels and "cycle" not in channels:
+        channels["cycle"] = channels["cycles"] + 1.0
+    count = len(channels["displacement_um"])
+    keys = {key: channels.get(key, np.ones(count)) for key in ("repeat", "cycle")}
+    require_recorded(path, **keys)
+    complete = np.isfinite([own for key, own in channels.items() if own.dtype == np.float64]).all(axis=0)
+    repeats, cycles = (own.astype(np.int64) for own in keys.values())
+    for repeat, cycle in np.unique(np.stack([repeats, cycles]), axis=1).T:
+        rows = np.flatnonzero(complete & (repeats == repeat) & (cycles == cycle))
+        parts = [rows] if "cycle" in channels else _cycles(rows, channels)
+        left = rows.size - sum(part.size for part in parts)
+        whole = f"{len(parts)} whole cycle{'s' if len(parts) > 1 else ''}"
+        note = (SPLIT.format(whole, left),) if left or len(parts) > 1 else ()
+        for number, part in enumerate(parts):
+            normal = channels["normal_force_N"][part] if "normal_force_N" in channels else constant
+            time = channels["time_s"][part] if "time_s" in channels else None
+            own = channels["displacement_um"][part], channels["tangential_force_N"][part]
+            yield SampledLoop(int(repeat), int(cycle) + number, *own, normal, time, (*remarks, *note))
+
+
+def _cycles(rows: NDArray[np.intp], channels: dict[str, Array]) -> list[NDArray[np.intp]]:
+    """The rows of each whole cycle; all of them where they are one, or points without an order of time."""
+    if rows.size < 2 * FEWEST_SAMPLES:
+        return [rows]
+    displacement = channels["displacement_um"]
+    if "time_s" in channels:
+        rows = rows[np.argsort(channels["time_s"][rows], kind="stable")]
+    elif outline(displacement[rows], channels["tangential_force_N"][rows]) is not None:
+        return [rows]
+    parts = [rows[part] for part in split_cycles(displacement[rows])]
+    return parts if min(part.size for part in parts) >= FEWEST_SAMPLES else [rows]
 
 
 def read_loops(
@@ -104,16 +222,16 @@ def read_loops(
     normal_load: str | None = None,
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
-    """Loops of a CSV file (see `csv_loops`), a record's folder, a result file or a run's folder.
+    """Loops of a logger's file (see `logged_loops`), a record's folder, a result file or a run's folder.
 
     Args:
         path: file or folder.
         cycle: the only cycle wanted; None for all.
         variant: which run, where a folder holds several.
-        displacement: column of a CSV file.
+        displacement: column of a logger's file.
         force: the same.
         normal_load: the same, or a number in N.
-        spelling: what is known of a CSV file's layout.
+        spelling: what is known of a text's layout.
 
     Raises:
         RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
@@ -122,23 +240,26 @@ def read_loops(
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")
     require_no_other(path, RecordError, Held.NUMBERS, Held.RECORD, Held.RUN)
-    if path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file():
-        _no_columns(path, spelling, displacement, force, normal_load)
-        _no_variant(path, variant)
+    spelled = spelling is not None and any(value is not None for value in vars(spelling).values())
+    is_record = path.name == TABLE_FILE_NAME or (path / TABLE_FILE_NAME).is_file()
+    is_binary = path.is_file() and kind_of(path) != TextReader.kind
+    is_result = not is_record and not is_binary and (path.is_dir() or h5py.is_hdf5(path))
+    if spelled and (is_record or is_binary or is_result):
+        raise RecordError(
+            f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
+        )
+    if (is_record or is_result) and any(option is not None for option in (displacement, force, normal_load)):
+        raise RecordError(
+            f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."
+        )
+    if variant is not None and not is_result:
+        raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
+    if is_record:
         loops = _record_loops(path)
-    elif path.is_file() and kind_of(path) != TextReader.kind:
-        _no_variant(path, variant)
-        _no_spelling(path, spelling)
-        loops = logged_loops(path, displacement, force, normal_load)
-    elif path.is_dir() or h5py.is_hdf5(path):
-        _no_columns(path, spelling, displacement, force, normal_load)
+    elif is_result:
         loops = _result_loops(path, variant)
-    elif not _told(spelling) and _is_unusual(path):
-        _no_variant(path, variant)
-        loops = logged_loops(path, displacement, force, normal_load)
     else:
-        _no_variant(path, variant)
-        loops = csv_loops(path, displacement, force, normal_load, spelling)
+        loops = logged_loops(path, displacement, force, normal_load, spelling)
     if cycle is None:
         return loops
     chosen = tuple(loop for loop in loops if loop.cycle == cycle)
@@ -146,38 +267,6 @@ def read_loops(
         known = ", ".join(str(number) for number in sorted({loop.cycle for loop in loops})) or "none"
         raise RecordError(f"{path} has no loop of cycle {cycle}; there are: {known}.")
     return chosen
-
-
-def _is_unusual(path: Path) -> bool:
-    """Whether a text names no columns, or holds times of day."""
-    try:
-        return not guessed_layout(path).plain
-    except RecordError:
-        return False
-
-
-def _told(spelling: Spelling | None) -> bool:
-    return spelling is not None and any(value is not None for value in vars(spelling).values())
-
-
-def _no_spelling(path: Path, spelling: Spelling | None) -> None:
-    if _told(spelling):
-        raise RecordError(
-            f"--encoding, --delimiter, --decimal and the header's lines tell of a text, which {path} is not."
-        )
-
-
-def _no_columns(path: Path, spelling: Spelling | None, *options: str | None) -> None:
-    _no_spelling(path, spelling)
-    if any(option is not None for option in options):
-        raise RecordError(
-            f"--displacement, --force and --normal-load choose columns of a CSV file, which {path} is not."
-        )
-
-
-def _no_variant(path: Path, variant: str | None) -> None:
-    if variant is not None:
-        raise RecordError(f"--variant chooses among the runs of a result, which {path} is not.")
 
 
 def _record_loops(path: Path) -> tuple[SampledLoop, ...]:

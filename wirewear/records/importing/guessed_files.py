@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
-from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, guessed_layout
+from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, GuessedLayout, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
 from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
@@ -81,6 +81,10 @@ class GuessedFile:
         """Whether the file itself names its columns."""
         return any(self.titles)
 
+    def unit(self, place: int, channel: str) -> str:
+        """The unit of a column, by its title or as the file has it beside; empty where none is told."""
+        return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
+
     def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
         """Columns of a mapping as they are read, what is left open in them apart."""
         wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
@@ -121,13 +125,13 @@ def looked_into(path: Path) -> GuessedFile:
     Raises:
         RecordError: it cannot be read, or holds no table of numbers.
     """
-    file = _table(path)
+    file = table_of(path)
     if not file.named:
         return _line_of_heights(file) or _points_without_names(file)
     cycles = _taken(file, EVOLUTION_KEYS)
     if "cycle" in cycles and len(cycles.keys() - {"repeat"}) > 1 and _counts_each_once(file, cycles):
         return replace(file, holds="evolution", columns=cycles)
-    surface, loops = _taken(file, SURFACE_KEYS), _taken(file, LOOP_KEYS)
+    surface, loops = _taken(file, SURFACE_KEYS), loop_columns(file)
     levels = surface.keys() & {"depth_um", "height_um"}
     if "x_um" in surface and (levels or "y_um" in surface) and "tangential_force_N" not in loops:
         if "depth_um" in levels:
@@ -136,8 +140,6 @@ def looked_into(path: Path) -> GuessedFile:
         return line or replace(file, holds="surface", columns=surface)
     if not loops and (line := _line_of_heights(file)):
         return line
-    if "tangential_force_N" not in loops and "normal_force_N" in loops and _alternates(file, loops["normal_force_N"]):
-        loops["tangential_force_N"] = loops.pop("normal_force_N")
     whole = loops.keys() >= _NEEDED and not ("cycle" in loops and _counts_each_once(file, loops))
     if not whole and len(loops.keys() & _NEEDED) == 1 and len(file.references) - len(loops.keys() - _NEEDED) < 2:
         return replace(file, holds="channel", columns=loops)
@@ -147,10 +149,15 @@ def looked_into(path: Path) -> GuessedFile:
     return replace(file, holds="loops" if whole else "unknown", columns=loops)
 
 
-def _table(path: Path) -> GuessedFile:
+def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
+    """A file's columns, a text's as it is laid out, before it is known what they hold.
+
+    Raises:
+        RecordError: it cannot be read, or holds no table of numbers.
+    """
     kind = kind_of(path)
     if kind == TextReader.kind:
-        guessed = guessed_layout(path)
+        guessed = layout or guessed_layout(path)
         numbers = tuple(range(1, guessed.width + 1))
         names, units = (own[: guessed.width] for own in (guessed.names, guessed.units))
         blank = ("",) * guessed.width
@@ -253,12 +260,24 @@ def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
     return spelled
 
 
+def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
+    """Column and unit of each channel of a loop that is recognised, by its key in a record."""
+    loops = _taken(file, LOOP_KEYS)
+    if "tangential_force_N" not in loops and "normal_force_N" in loops:
+        values = file.read({"any": {"column": loops["normal_force_N"][0]}})["any"]
+        values = values[np.isfinite(values)]
+        # What presses never goes to either side of zero.
+        if values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0:
+            loops["tangential_force_N"] = loops.pop("normal_force_N")
+    return loops
+
+
 def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
     """Column and unit of each channel, each column once; of several, the first whose numbers change."""
     columns: dict[str, tuple[str | int, str]] = {}
     free = list(range(len(file.titles)))
     for key, channel in keys.items():
-        fit = [place for place in free if not _of_another_kind(_unit(file, place, channel), channel)]
+        fit = [place for place in free if not _of_another_kind(file.unit(place, channel), channel)]
         titles = [file.titles[place] for place in fit]
         found = [fit[titles.index(title)] for title in recognised(titles, channel)]
         if not found:
@@ -267,12 +286,8 @@ def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int
         if key in ("time_s", "normal_force_N", "cycle", "repeat") and not np.isfinite(_values(file, place)).any():
             continue
         free.remove(place)
-        columns[key] = (file.references[place], _unit(file, place, channel))
+        columns[key] = (file.references[place], file.unit(place, channel))
     return columns
-
-
-def _unit(file: GuessedFile, place: int, channel: str) -> str:
-    return stem_and_unit(file.titles[place], units_of(channel))[1] or file.units[place]
 
 
 def _of_another_kind(unit: str, channel: str) -> bool:
@@ -291,13 +306,6 @@ def _values(file: GuessedFile, place: int, key: str = "time_s") -> Array:
 def _changes(file: GuessedFile, place: int) -> bool:
     values = _values(file, place)
     return bool(np.isfinite(values).any() and np.nanmax(values) > np.nanmin(values))
-
-
-def _alternates(file: GuessedFile, column: tuple[str | int, str]) -> bool:
-    """Whether a force goes to either side of zero, as what presses never does."""
-    values = file.read({"any": {"column": column[0]}})["any"]
-    values = values[np.isfinite(values)]
-    return bool(values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0)
 
 
 def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:
@@ -334,7 +342,7 @@ def _line_of_heights(file: GuessedFile) -> GuessedFile | None:
         steps = np.diff(_values(file, 0))
         if not steps.size or not (np.all(steps > 0.0) or np.all(steps < 0.0)):
             return None
-    columns = {f"{name}_um": (file.references[n], _unit(file, n, name)) for n, name in enumerate(channels)}
+    columns = {f"{name}_um": (file.references[n], file.unit(n, name)) for n, name in enumerate(channels)}
     return replace(file, holds="surface", columns=columns)
 
 

@@ -260,7 +260,7 @@ def loops_of(
         RecordError: the file cannot be read or lacks something.
     """
     named = sources.numbers_in_name(file, source)
-    columns = _in_rows(file, sources.read_source(file, source, sources.wanted_columns(source.columns), length_mm))
+    columns = in_rows(file, sources.read_source(file, source, sources.wanted_columns(source.columns), length_mm))
     sources.require_recorded(file, **columns)
     if "cycles" in columns and "cycle" not in named.keys() | columns.keys():
         columns["cycle"] = source.first_cycle + columns["cycles"]
@@ -299,7 +299,7 @@ def loops_of(
         )
 
 
-def _in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
+def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:
     """Columns of equal length (n,); matrices (samples, cycles) are laid end to end, with their `cycles` from 0."""
     columns = _samples_first(columns)
     shape = columns["displacement_um"].shape
