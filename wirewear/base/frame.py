@@ -25,6 +25,7 @@ def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, An
         citation=CITATION.format(version=own),
         **values,
     )  # fmt: skip
+    return page
 
 
 def environment(folder: Path, filters: Mapping[str, Any] | None = None) -> Any:

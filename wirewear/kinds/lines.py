@@ -115,9 +115,10 @@ class LineContacts:
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """The specimen may be of another material than the pad."""
-        from wirewear.records.importing.line_guessing import guessed_line_mapping
+        from wirewear.records.importing.guessing import guessed_mapping
+        from wirewear.records.importing.line_guessing import line_contact
 
-        return guessed_line_mapping(files, {**known, "specimen": own, "pad": pad})
+        return guessed_mapping(files, dict(known), line_contact(known, own, pad))
 
     def surfaces(self, result: RunResult, noise_um: float, seed: int) -> Mapping[str, Surface]:
         """Profiles across the scar."""

@@ -1,7 +1,7 @@
 """Scars guessed from a laboratory's files: points in texts, with names or without, and profilometers' maps."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +21,23 @@ WORDS = {
     "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
     "flat": ("flat", "disc", "disk", "plane", "ebene", "platte", "scheibe", "lower", "unten"),
     "ball": ("ball", "sphere", "kugel", "upper", "oben"),
+    "pad": ("pad", "cylinder", "zylinder", "punch", "stempel", "upper", "oben", "oberer"),
+    "specimen": ("specimen", "flat", "plane", "probe", "ebene", "platte", "lower", "unten", "unterer"),
 }
 
 
 @dataclass(frozen=True)
 class Touching:
-    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known."""
+    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known.
+
+    length_mm: of a line contact, which has worn profiles in place of scars.
+    """
 
     tables: Mapping[str, Any]
     names: tuple[str, str]
-    remarks: tuple[str, ...]
-    bodies: Mapping[str, Body]
+    remarks: tuple[str, ...] = ()
+    bodies: Mapping[str, Body] = field(default_factory=dict)
+    length_mm: float | None = None
 
 
 def scars_of(
@@ -44,7 +50,7 @@ def scars_of(
         if not {"x_um", "y_um"} <= text.columns.keys() or not {"depth_um", "height_um"} & text.columns.keys():
             remarks.append(f"{text.path.name} was left out: neither loops nor a scar were recognised in it")
             continue
-        body = _body(text.path, touching.names, scars, remarks)
+        body = body_of(text.path, touching.names, _next(scars, touching), remarks)
         columns, told = mapped_columns(text)
         remarks += told
         if not text.named:
@@ -71,7 +77,7 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
         if (found := map_source(path, remarks)) is None:
             continue
         surface, keys = found
-        body = _body(path, touching.names, scars, remarks)
+        body = body_of(path, touching.names, _next(scars, touching), remarks)
         if body in scars:
             scars[body]["files"] = [*listed(scars[body]["files"]), path.name]
             continue
@@ -117,14 +123,20 @@ def listed(files: str | list[str]) -> list[str]:
     return [files] if isinstance(files, str) else files
 
 
-def _body(path: Path, names: tuple[str, str], scars: dict[str, Any], remarks: list[str]) -> str:
+def body_of(path: Path, names: tuple[str, str], otherwise: str, remarks: list[str]) -> str:
+    """Whose worn surface a file holds by the words in its name, or with a remark the other one."""
     name = path.stem.lower()
     for body in names:
         if any(word in name for word in WORDS[body]):
             return body
-    body = names[0] if names[0] not in scars else names[1]
-    remarks.append(f"{path.name}: nothing in its name tells whose scar it is; it is taken for the {called(body)}'s")
-    return body
+    told = "nothing in its name tells whose surface it holds"
+    remarks.append(f"{path.name}: {told}; it is taken for the {called(otherwise)}'s")
+    return otherwise
+
+
+def _next(scars: dict[str, Any], touching: Touching) -> str:
+    """The first body without a scar."""
+    return touching.names[touching.names[0] in scars]
 
 
 def _along_motion(path: Path, body: str) -> tuple[dict[str, Any], str]:

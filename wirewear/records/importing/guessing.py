@@ -1,7 +1,6 @@
 """A mapping guessed from a laboratory's files: which are loops and scars, how they are spelled, what they hold."""
 
 import json
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -14,17 +13,13 @@ from wirewear.records.importing.guessed_conditions import conditions_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.guessed_scars import Touching, listed, scars_of
 from wirewear.records.importing.height_maps import is_map, matrix_of
+from wirewear.records.importing.line_guessing import asked_of, profiles_of
 from wirewear.records.importing.reader import OPEN, open_lines
+from wirewear.records.importing.sources import name_pattern
 from wirewear.records.point_tables import BallTest
 from wirewear.records.tables import RecordWires
 from wirewear.results.scar import WIRES
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
-
-#: Words in a file's name that tell which number is a cycle's or a repeat's.
-NUMBER_WORDS = {
-    "cycle": ("cycle", "cyc", "zyklus", "zykl", "lastspiel", "n", "c"),
-    "repeat": ("repeat", "rep", "test", "run", "versuch", "wiederholung", "probe", "specimen", "r", "t"),
-}
 
 #: Tables of a mapping that hold one of surfaces for each body.
 SURFACES = ("scars", "profiles")
@@ -49,24 +44,25 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     Raises:
         RecordError: no file holds loops, or one of them cannot be read; one sentence.
     """
-    kinds = recognised_files(files)
-    loops = kinds.loops or kinds.unknown
-    if not loops:
+    kinds, length = recognised_files(files), touching.length_mm
+    if length is None:
+        name, (worn, of_worn) = "scars", scars_of(kinds.surfaces, kinds.maps, touching)
+    else:
+        name, (worn, of_worn) = "profiles", profiles_of(kinds.surfaces, kinds.maps)
+    evolution, of_evolution = evolution_source(kinds.evolution, per_length=length is not None)
+    loops = kinds.loops or (() if length and worn else kinds.unknown)
+    tables: dict[str, Any] = {"format": 1, "name": known.get("name", name_of_folder(files)), **touching.tables}
+    remarks: list[str] = []
+    if loops:
+        source, tables["conditions"], remarks = loop_source(loops, known, length)
+        tables["loops"] = source
+    elif length and (worn or evolution):
+        tables["conditions"] = asked_of(known)
+    else:
         raise no_loops(kinds)
-    source, conditions, remarks = loop_source(loops, known)
-    tables: dict[str, Any] = {
-        "format": 1,
-        "name": known.get("name", name_of_folder(files)),
-        **touching.tables,
-        "conditions": conditions,
-        "loops": source,
-    }
-    scars, of_scars = scars_of(kinds.surfaces, kinds.maps, touching)
-    evolution, of_evolution = evolution_source(kinds.evolution)
-    tables |= {"scars": scars} if scars else {}
-    tables |= {"evolution": evolution} if evolution else {}
+    tables |= {key: own for key, own in ((name, worn), ("evolution", evolution)) if own}
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
-    return GuessedMapping(tables, (*touching.remarks, *remarks, *of_evolution, *of_scars, *left, *kinds.unread))
+    return GuessedMapping(tables, (*touching.remarks, *remarks, *of_evolution, *of_worn, *left, *kinds.unread))
 
 
 @dataclass(frozen=True)
@@ -181,30 +177,6 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
     pattern = name_pattern(listed(files), has_cycle=True)
     named = {} if pattern is None else {"name_pattern": pattern}
     return {"files": files} | named | tables[0].spelling | {"columns": columns}, remarks
-
-
-def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
-    """A pattern for the numbers that differ between files' names: a cycle's, a repeat's."""
-    if len(names) < 2:
-        return None
-    parts = [re.split(r"(\d+)", name) for name in names]
-    if len({len(part) for part in parts}) != 1 or len({tuple(part[::2]) for part in parts}) != 1:
-        raise RecordError(
-            f"the files' names, such as {names[0]!r} and {names[1]!r}, differ by more than numbers: give those of one "
-            "kind, or write a name_pattern."
-        )
-    pattern, left = "", ["repeat"] if has_cycle else ["cycle", "repeat"]
-    for place, part in enumerate(parts[0]):
-        differs = len({own[place] for own in parts}) > 1
-        if place % 2 == 0 or not differs or not left:
-            pattern += re.escape(part)
-            continue
-        before = re.sub(r"[^a-zäöü]", " ", parts[0][place - 1].lower()).split()
-        word = before[-1] if before else ""
-        key = next((key for key in left if word in NUMBER_WORDS[key]), left[0])
-        left.remove(key)
-        pattern += rf"(?P<{key}>\d+)"
-    return pattern
 
 
 def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float]) -> Touching:

@@ -1,7 +1,7 @@
 """The files that a mapping names, and their columns in the record's units."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -165,3 +165,34 @@ def require_recorded(file: Path, **columns: Array) -> None:
         place = None if column is None else column.first_wrong(values)
         if column is not None and place is not None:
             raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")
+
+
+#: Words in a file's name that tell which number is a cycle's or a repeat's.
+NUMBER_WORDS = {
+    "cycle": ("cycle", "cyc", "zyklus", "zykl", "lastspiel", "n", "c"),
+    "repeat": ("repeat", "rep", "test", "run", "versuch", "wiederholung", "probe", "specimen", "r", "t"),
+}
+
+
+def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
+    """A pattern for the numbers that differ between files' names: a cycle's, a repeat's."""
+    if len(names) < 2:
+        return None
+    parts = [re.split(r"(\d+)", name) for name in names]
+    if len({len(part) for part in parts}) != 1 or len({tuple(part[::2]) for part in parts}) != 1:
+        raise RecordError(
+            f"the files' names, such as {names[0]!r} and {names[1]!r}, differ by more than numbers: give those of one "
+            "kind, or write a name_pattern."
+        )
+    pattern, left = "", ["repeat"] if has_cycle else ["cycle", "repeat"]
+    for place, part in enumerate(parts[0]):
+        differs = len({own[place] for own in parts}) > 1
+        if place % 2 == 0 or not differs or not left:
+            pattern += re.escape(part)
+            continue
+        before = re.sub(r"[^a-zäöü]", " ", parts[0][place - 1].lower()).split()
+        word = before[-1] if before else ""
+        key = next((key for key in left if word in NUMBER_WORDS[key]), left[0])
+        left.remove(key)
+        pattern += rf"(?P<{key}>\d+)"
+    return pattern
