@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from geometry import WireGeometry
+from geometry import WireGeometry, build_body
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
@@ -70,6 +70,13 @@ def test_a_tube_is_meshed_with_its_bore_and_held_where_it_is_said_to_be() -> Non
     held = discretise(study(bodies(cylinder(0.0), tube)), "quick").fixed
     assert isinstance(held, WireGeometry)
     assert (held.diameter_mm, held.bore_mm, held.gripped_at_ends) == (12.7, 10.0, True)
+
+
+@pytest.mark.parametrize(("along_mm", "across_mm"), [(36.0, 12.7), (12.7, 36.0), (170.0, 4.0)])
+def test_a_barrel_may_have_any_two_radii(along_mm: float, across_mm: float) -> None:
+    barrel = {"shape": "barrel", "diameter_along_mm": along_mm, "diameter_mm": across_mm, **STEEL}
+    meshed = discretise(study(bodies({"shape": "flat", **STEEL}, barrel), wear=None), "quick").fixed
+    assert build_body(meshed).smallest_scaled_jacobian > 0.25
 
 
 @pytest.mark.parametrize("angle_deg", [5.0, 15.0, 90.0])

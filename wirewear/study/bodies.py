@@ -3,7 +3,7 @@
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import cos, radians, sin
+from math import cos, inf, radians, sin, sqrt
 from typing import Literal, Self, TypeVar
 
 import numpy as np
@@ -17,9 +17,10 @@ from wirewear.study.faces import Face, half_width_of
 _COARSE_PER_DIAMETER = 0.155
 #: Largest element of a block far from the contact, as a share of its smaller extent.
 _COARSE_PER_EXTENT = 0.2
-#: Half-width of a block over the radius of its face: its corner, at 0.85 radii, is still meshed soundly.
-_WIDEST = 0.6
-#: The same of a straight one over the other body's radius, or its patch.
+#: How far a block's face falls to its sides over its sharper radius: a ball's corner, at 0.85 radii, is still meshed
+#: soundly.
+_FALL = 0.2
+#: Half-width of a straight block over the other body's radius, or its patch.
 _STRAIGHT = 4.0
 
 Found = TypeVar("Found")
@@ -180,12 +181,14 @@ class BlockBody(Body):
         Raises:
             StudyError: it would be too narrow for the patch, or too wide for its radius.
         """
-        widest = _WIDEST / curvature if curvature else _STRAIGHT * max(self.size_mm, reach_mm)
-        width = self.half_width_mm or widest
-        if curvature and width > widest:
+        straight = _STRAIGHT * max(self.size_mm, reach_mm)
+        fall = _FALL / max(self.curvatures) if curvature else 0.0
+        widest = sqrt(fall * (2.0 / curvature - fall)) if curvature else inf
+        width = self.half_width_mm or min(straight, widest)
+        if width > widest:
             raise StudyError(
                 f"half_width_mm = {width:g} of the {self._called} is too wide: a block on it reaches at most "
-                f"{_WIDEST:g} of its radius, {widest:.4g} mm, to each side"
+                f"{widest:.4g} mm to each side, where it falls by {_FALL:g} of its radius"
             )
         if reach_mm > 0.9 * width:
             raise StudyError(
