@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from math import log
 
 import numpy as np
 
@@ -117,9 +118,15 @@ class Layering:
             )
 
     @classmethod
-    def resolving(cls, per_contact_radius: float) -> Layering:
-        """Layers for so many elements per contact radius: the standard ones up to four, refined beyond."""
-        return cls().refined(max(1.0, per_contact_radius / 4.0))
+    def resolving(cls, per_contact_radius: float, elongation: float = 1.0) -> Layering:
+        """Layers for so many elements per contact radius: the standard ones up to four, refined beyond.
+
+        elongation: of a long contact, whose stresses reach deeper: its axes' geometric mean over its narrowest radius.
+        Columns are then joined deeper by that factor, so at the same depth over the mean.
+        """
+        layers = cls().refined(max(1.0, per_contact_radius / 4.0))
+        count = log(1.0 + elongation * (layers.growth**layers.count - 1.0)) / log(layers.growth)
+        return replace(layers, count=round(count))
 
     def refined(self, factor: float) -> Layering:
         """Layers thinner by `factor` that reach to the same depth."""

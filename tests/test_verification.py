@@ -14,6 +14,7 @@ from wirewear import reference
 from wirewear.faces import cli
 from wirewear.loops.signals import enclosed_area
 from wirewear.verification import QUICK, Level, Row, run
+from wirewear.verification.blocks import block_rows
 from wirewear.verification.hertz import STEEL, bulk_compliance, ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.limits import limit_rows
@@ -89,6 +90,7 @@ def failures(rows: tuple[Row, ...]) -> list[Row]:
     [
         hertz_rows,
         ellipse_rows,
+        block_rows,
         line_contact_rows,
         stuck_line_rows,
         partial_slip_rows,

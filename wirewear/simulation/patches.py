@@ -130,4 +130,5 @@ def _geometry(body: Body, axes: PatchAxes, sizes: ElementSizes, level: WireLevel
     narrowest = min(sizes.contact.chord(axis.angle_rad) for axis in (axes.axial, axes.transverse))
     axial, transverse = (_graded(axis, narrowest, sizes, level, motion_rad) for axis in (axes.axial, axes.transverse))
     per_radius = level.per_contact_radius if sizes.contact_mm is None else narrowest / sizes.contact_mm
-    return body.geometry(axial, transverse, Layering.resolving(per_radius))
+    elongation = (sizes.contact.major_mm * sizes.contact.minor_mm) ** 0.5 / narrowest
+    return body.geometry(axial, transverse, Layering.resolving(per_radius, max(1.0, elongation)))

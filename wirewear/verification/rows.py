@@ -22,6 +22,7 @@ from wirewear.base.writing import json_text, prepared_folder, write_text, writin
 class Level:
     """Meshes and tolerances.
 
+    fidelity: of bodies that are meshed as runs have them.
     hertz_resolutions: elements per contact radius of the three meshes, from coarse to fine; the last is used for the
     ellipse and partial slip as well, under loads that enlarge the contact by `enlarged`.
     loop_resolution: elements per contact radius where the contact slides.
@@ -38,6 +39,7 @@ class Level:
     """
 
     name: str
+    fidelity: str
     hertz_resolutions: tuple[float, float, float]
     enlarged: float
     loop_resolution: float
@@ -60,6 +62,7 @@ class Level:
 
 QUICK = Level(
     name="quick",
+    fidelity="standard",
     hertz_resolutions=(2.0, 3.0, 4.0),
     enlarged=1.6,
     loop_resolution=2.0,
@@ -81,6 +84,7 @@ QUICK = Level(
 )
 FULL = Level(
     name="full",
+    fidelity="fine",
     hertz_resolutions=(2.0, 4.0, 8.0),
     enlarged=1.5,
     loop_resolution=3.0,

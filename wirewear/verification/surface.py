@@ -1,14 +1,12 @@
-"""Tension behind a wire's contact, at its very edge: Hamilton's sliding sphere, and Cattaneo–Mindlin's partial slip.
+"""Tension behind a contact, at its very edge: Hamilton's sliding sphere, and Cattaneo–Mindlin's partial slip.
 
-The wires are thick beside their contact, as the closed forms are for half-spaces: on wires 33 contact radii thick the
-curvature alone changes the tension across a wire by 3 %.
+Wires and a ball are thick beside their contact, as the closed forms are for half-spaces: on wires 33 contact radii
+thick the curvature alone changes the tension across a wire by 3 %.
 """
-
-from functools import cache
 
 import numpy as np
 
-from geometry import BodyMesh, GradedAxis, Layering, WireGeometry, build_body
+from geometry import BlockGeometry, BodyGeometry, BodyMesh, GradedAxis, Layering, WireGeometry, build_body
 from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
@@ -28,34 +26,44 @@ _PARTIAL, _SLIDING = 0.5, 3.0
 
 
 def surface_rows(level: Level) -> tuple[Row, ...]:
-    """Tension at the trailing edge in partial slip and sliding, on the wire along the motion and the one across it."""
-    resolution = level.surface_resolution
-    wire, problem = _wires(resolution)
+    """Tension at the trailing edge in partial slip and sliding, on wires along and across the motion, flat and ball."""
+    wire, flat, ball = (build_body(geometry) for geometry in _geometries(level.surface_resolution))
+    return (
+        *_pair_rows({"along the wire": (wire, 0), "across the wire": (wire, 1)}, 90.0, level),
+        *_pair_rows({"on the flat": (flat, 0), "on the ball": (ball, 0)}, 0.0, level),
+    )
+
+
+def _pair_rows(pair: dict[str, tuple[BodyMesh, int]], angle_deg: float, level: Level) -> list[Row]:
+    """Of the lower and the upper body, each with its own axis along which the motion runs."""
+    lower, upper = (condense(mesh.mesh, mesh.patch, STEEL) for mesh, _ in pair.values())
+    problem = crossed(lower, upper, Holder(_LOAD_N), friction=FRICTION, angle_deg=angle_deg)
     exact = reference.partial_slip_point(
         _LOAD_N, FRICTION, CONTACT_RADIUS_mm, reference.tangential_contact_modulus(STEEL, STEEL)
     )
     sliding = float(reference.loading_displacement(exact, exact.limit_N))
     state, _ = press(problem, unloaded_state(problem))
-    rows = []
+    rows: list[Row] = []
     for first, last in ((0.0, _PARTIAL), (_PARTIAL, _SLIDING)):
         for drive in sliding * np.linspace(first, last, _INCREMENTS + 1)[1:]:
             state, _ = advance(problem, state, float(drive), 0.0)
-        rows += _tension_rows(wire, problem, state, level)
-    return tuple(rows)
+        rows += _tension_rows(pair, problem, state, level)
+    return rows
 
 
-def _tension_rows(wire: BodyMesh, problem: ContactProblem, state: ContactState, level: Level) -> list[Row]:
-    across, along = forces_on_bodies(problem, state)
+def _tension_rows(
+    pair: dict[str, tuple[BodyMesh, int]], problem: ContactProblem, state: ContactState, level: Level
+) -> list[Row]:
     rows = []
-    # Of the upper wire the motion runs across its axis.
-    for name, axis, force in (("along", 0, along), ("across", 1, across)):
+    on_upper, on_lower = forces_on_bodies(problem, state)
+    for (name, (mesh, axis)), force in zip(pair.items(), (on_lower, on_upper), strict=True):
         share = abs(float(force[:, axis].sum())) / (FRICTION * _LOAD_N)
         problem_name = "Hamilton" if share > 1.0 - 1e-6 else f"Cattaneo–Mindlin, Q = {share:.2f} µP"
         rows.append(
             compared(
                 f"{problem_name}, mesh a/{level.surface_resolution:g}",
-                f"tension at the edge, {name} the wire [MPa]",
-                largest_tension(wire, force, axis),
+                f"tension at the edge, {name} [MPa]",
+                largest_tension(mesh, force, axis),
                 _exact_tension(share),
                 level.surface_tolerance,
             )
@@ -93,13 +101,15 @@ def _exact_tension(share: float) -> float:
     )
 
 
-@cache
-def _wires(resolution: float) -> tuple[BodyMesh, ContactProblem]:
+def _geometries(resolution: float) -> tuple[BodyGeometry, ...]:
+    """A wire, a flat and a ball."""
     a, diameter = CONTACT_RADIUS_mm, 2.0 * _RADIUS_mm
     lines = GradedAxis(a / resolution, 2.0 * a, 2.0 * a / resolution, 3.0 * a)
-    geometry = WireGeometry(
-        diameter, 2.2 * diameter, lines, lines, 0.155 * diameter, layering=Layering.resolving(resolution)
-    )
-    wire = build_body(geometry)
-    body = condense(wire.mesh, wire.patch, STEEL)
-    return wire, crossed(body, body, Holder(_LOAD_N), friction=FRICTION)
+    layering = Layering.resolving(resolution)
+
+    def block(curvature_per_mm: float, width_mm: float) -> BlockGeometry:
+        size = width_mm, width_mm, _RADIUS_mm, lines, lines, 0.2 * width_mm
+        return BlockGeometry(curvature_per_mm, curvature_per_mm, *size, layering=layering)
+
+    wire = WireGeometry(diameter, 2.2 * diameter, lines, lines, 0.155 * diameter, layering=layering)
+    return wire, block(0.0, 2.0 * _RADIUS_mm), block(1.0 / _RADIUS_mm, 0.6 * _RADIUS_mm)
