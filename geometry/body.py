@@ -25,8 +25,7 @@ from geometry.profiles import Profile
 _HEXAHEDRON = 5
 
 
-#: Elements with a smaller scaled Jacobian than this are refused.
-LEAST_SCALED_JACOBIAN = 0.2
+LEAST_SCALED_JACOBIAN = 0.2  #: Elements with a smaller scaled Jacobian than this are refused.
 
 #: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
 _ROUND_OFF = 1e-9

@@ -19,10 +19,8 @@ from geometry.quadmesh import QuadMesh
 _EDGES = np.array(
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
 )
-#: Stiffness of an edge's spring over 1 / length^_STIFFENING.
-_STIFFENING = 2.0
-#: Residual of the inner nodes' equilibrium; their places need not be exact.
-_TOLERANCE = 1e-9
+_STIFFENING = 2.0  #: Stiffness of an edge's spring over 1 / length^_STIFFENING.
+_TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places need not be exact.
 
 
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:

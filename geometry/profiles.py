@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from scipy.interpolate import PchipInterpolator
 
 
-# Far beside a contact patch any finite height will do; a cylinder has none there.
-_REACH = 0.95
+_REACH = 0.95  # Far beside a contact patch any finite height will do; a cylinder has none there.
 
 
 class Profile(Protocol):

@@ -16,8 +16,7 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from geometry.grading import Layering, graded_layers
 
-#: Columns wider than this multiple of the row's narrowest are not joined with others.
-_WIDEST_JOINED = 2.2
+_WIDEST_JOINED = 2.2  #: Columns wider than this multiple of the row's narrowest are not joined with others.
 #: Least radius of the core and its corner angle, as fractions of the wire's radius and in rad.
 _LEAST_RING_RADIUS = 0.5
 _CORE_RADIUS = 0.35

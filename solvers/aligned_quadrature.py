@@ -15,8 +15,7 @@ from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled
 
-#: How far beside a patch, in cells, a point still counts as on it.
-ROUND_OFF = 1e-9
+ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as on it.
 
 
 @dataclass(frozen=True)

@@ -30,8 +30,7 @@ from solvers.errors import SolverError
 from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.strain import stiffness_matrix
 
-#: Substructures of at most so many nodes are eliminated as one dense front.
-_LEAF_NODES = 120
+_LEAF_NODES = 120  #: Substructures of at most so many nodes are eliminated as one dense front.
 #: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
 _LEAST_PIVOT = 1e-12
 

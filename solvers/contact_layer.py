@@ -17,8 +17,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.errors import SolverError
 
-# Share of the engagement pressure below which a rough layer is as it is at first touch.
-_LEAST_SHARE = 1e-6
+_LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough layer is as it is at first touch.
 
 
 class ContactLayer(Protocol):

@@ -10,10 +10,8 @@ from geometry.arrays import Array, IntArray
 from solvers.patch_compliance import Bricks, missing_displacement
 from solvers.placement import PlacedBody
 
-#: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
-_ALIKE = 2.0
-#: Elements larger than the finest by more than so many of these factors are corrected as those are.
-_KINDS = 2
+_ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
+_KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
 
 
 def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:

@@ -19,8 +19,7 @@ from solvers.wear_path import wear_path
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
 
-#: Called after every increment.
-Watch = Callable[[ContactState, IncrementReport], None]
+Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
 
 @dataclass(frozen=True)

@@ -144,8 +144,7 @@ def _eliminated(front: Array, own: IntArray, boundary: IntArray, held: BoolArray
     return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)), kept
 
 
-#: Forces of a symmetry below this share of the largest are round-off of none.
-_ROUND_OFF = 1e-14
+_ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
 
 
 @dataclass

@@ -18,10 +18,8 @@ _MOST_REJECTIONS = 12
 # Of a step that did not converge, what is tried next.
 _CUT_BACK = 0.35
 _GROWTH_AFTER_FAILURE = 1.5
-# A step that was taken is kept unless its error is beyond the tolerance by this factor.
-_REJECTED = 2.0
-# The share of all friction energy that a step may miss, over the tolerance.
-_ENERGY_SHARE = 0.1
+_REJECTED = 2.0  # A step that was taken is kept unless its error is beyond the tolerance by this factor.
+_ENERGY_SHARE = 0.1  # The share of all friction energy that a step may miss, over the tolerance.
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic, line_lattice_error
 from solvers.surface_stress import alike, corrected_nodes, unspread
 
-#: Distances at which shear ahead and behind is summed; their roots are evenly spaced.
-_DISTANCES = 2000
+_DISTANCES = 2000  #: Distances at which shear ahead and behind is summed; their roots are evenly spaced.
 
 
 @dataclass(frozen=True, eq=False)

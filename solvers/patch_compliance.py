@@ -32,14 +32,10 @@ from solvers.strain import integration_points
 
 Pair = tuple[float, float]
 
-#: How deep the lattice reaches, in elements.
-_DEPTH = 24.0
-#: The correction reaches so many of the larger elements.
-_REACH = 6.0
-#: Shorter waves beneath those that a lattice tells apart, which a cell's uniform traction contains.
-_ALIASES = 4
-#: Shares of a wave that are left out.
-_NEGLIGIBLE = 1e-3
+_DEPTH = 24.0  #: How deep the lattice reaches, in elements.
+_REACH = 6.0  #: The correction reaches so many of the larger elements.
+_ALIASES = 4  #: Shorter waves beneath those that a lattice tells apart, which a cell's uniform traction contains.
+_NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
 #: Corners of a brick along each axis, in the order of its nodes; the first four are below.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 
@@ -169,8 +165,7 @@ def _between_sides(size: Pair, thickness_mm: Array, material: Elastic) -> Array:
     return np.ascontiguousarray(forces.reshape(count, 16, 36))
 
 
-# Of the type that indices have in the innermost loop.
-_ONE, _TWO = np.uint64(1), np.uint64(2)
+_ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the innermost loop.
 
 
 @dataclass(frozen=True)

@@ -27,8 +27,7 @@ if TYPE_CHECKING:
     from skfem import Basis
 
 
-# scikit-fem numbers the corners of a hexahedron differently from VTK.
-_SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]
+_SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
 
 
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
@@ -78,10 +77,8 @@ _CORNERS = {
     8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
     4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
 }
-#: Relative residual of the projection to nodes.
-_PROJECTED = 1e-7
-#: Rows and columns of the six components.
-TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+_PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
+TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
 
 
 def von_mises(stress: Array) -> Array:

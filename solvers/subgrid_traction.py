@@ -37,14 +37,11 @@ ComplexArray = NDArray[np.complexfloating]
 
 #: Nodes of the lattice along each axis before it repeats; odd, so that no wave alternates from node to node.
 _PERIOD = 41
-#: How deep the lattice reaches, in elements.
-_DEPTH = 24.0
-#: Shorter waves beneath those that the lattice tells apart, which a bilinear traction contains.
-_ALIASES = 12
+_DEPTH = 24.0  #: How deep the lattice reaches, in elements.
+_ALIASES = 12  #: Shorter waves beneath those that the lattice tells apart, which a bilinear traction contains.
 #: Corners of a brick along each axis, in the order of its nodes.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
-#: Stress components that are the traction itself: zz, yz, xz of z, y, x.
-_OF_TRACTION = ((2, 2), (4, 1), (5, 0))
+_OF_TRACTION = ((2, 2), (4, 1), (5, 0))  #: Stress components that are the traction itself: zz, yz, xz of z, y, x.
 
 
 @lru_cache(maxsize=32)
@@ -201,13 +198,11 @@ def _projected(bricks: list[_Brick], moved: list[ComplexArray]) -> ComplexArray:
     return np.asarray(value / weight[:, None, None])
 
 
-#: Nodes with less than this share of the largest pressure are outside.
-_LOADED = 0.05
+_LOADED = 0.05  #: Nodes with less than this share of the largest pressure are outside.
 #: Width of the fits' weights, in elements, and the weight of nodes that share elements with unloaded ones.
 _WIDTH = 2.5
 _AT_EDGE = 0.2
-#: The square is continued so many elements beyond the contact.
-_BEYOND = 3
+_BEYOND = 3  #: The square is continued so many elements beyond the contact.
 #: An edge lies no farther out than one element: squares beyond are below zero by this share of the largest one within
 #: so many elements.
 _OUTSIDE, _NEAREST = 0.3, 4

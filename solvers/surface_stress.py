@@ -24,16 +24,13 @@ from solvers.kept_code import compiled
 from solvers.strain import components, tensors
 from solvers.subgrid_traction import SubgridTraction, bicubic, lattice_error
 
-#: Elements are alike that differ by no more than this share.
-_ALIKE = 0.02
+_ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 #: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
 _REACH = 8.0
 _DIRECTIONS = 64
 _DISTANCES = 64
-#: Points no farther from loaded nodes than so many elements are corrected.
-_CORRECTED = 5.0
-#: Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
-_CUT = 4.0
+_CORRECTED = 5.0  #: Points no farther from loaded nodes than so many elements are corrected.
+_CUT = 4.0  #: Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
 #: Share of the largest traction that counts there: those found from nodal forces fade beyond a contact, to 0.04 within
 #: two and a half elements.
 _ENDING = 0.1

@@ -21,8 +21,7 @@ from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import SolverError
 
-#: The share of a field's integral that may lie beside the new grid: round-off.
-_LARGEST_SHARE_LOST = 1e-11
+_LARGEST_SHARE_LOST = 1e-11  #: The share of a field's integral that may lie beside the new grid: round-off.
 
 
 def remeshed(

@@ -18,8 +18,7 @@ from wirewear.records import ExperimentRecord
 
 FILE = Path(__file__).parent / "data" / "steel_wires_states.json"
 
-#: Digits that are kept: many more than differences between solvers leave.
-DIGITS = 8
+DIGITS = 8  #: Digits that are kept: many more than differences between solvers leave.
 
 
 @cache

@@ -14,8 +14,7 @@ from studies.blind.generators.waveform import Waveform
 from tests.diagnosis_cases import CYCLES, EVOLUTION_CYCLES
 from wirewear.records import ExperimentRecord
 
-#: Points of its grid to each side of the contact: half of what blind records have.
-POINTS = 12
+POINTS = 12  #: Points of its grid to each side of the contact: half of what blind records have.
 
 
 def independent_record(

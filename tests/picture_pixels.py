@@ -6,11 +6,8 @@ import numpy as np
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 
-#: A thin line of a few hundred pixels in a picture of a million.
-LEAST = 1e-4
-
-#: Colour bars stand to the right of this share of the width.
-PANELS = 0.84
+LEAST = 1e-4  #: A thin line of a few hundred pixels in a picture of a million.
+PANELS = 0.84  #: Colour bars stand to the right of this share of the width.
 
 
 def share_of(path: Path, colour: object, *, part: float = 1.0) -> float:

@@ -36,5 +36,4 @@ AT_SEAMS = [effect for effect in OF_RUNS["reserved"] if effect not in READ]
 #: What tells the ends of a stroke apart, in the force or in the displacement, or keeps no time with it.
 ONE_WAY_IN_FORCE = {"halting_logger", "spreading_glaze", "telescoping_slide", "hunting_servo", "touching_stop"}
 ONE_WAY_IN_DISPLACEMENT = {"cyclic_encoder", "laser_out_of_range"}
-#: What is load, which both forces follow.
-LOADS = {"hunting_servo", "touching_stop"}
+LOADS = {"hunting_servo", "touching_stop"}  #: What is load, which both forces follow.

@@ -22,8 +22,7 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
 
 
-#: What some packages bring along that are called otherwise when imported.
-DISTRIBUTION_OF = {"skfem": "scikit-fem"}
+DISTRIBUTION_OF = {"skfem": "scikit-fem"}  #: What some packages bring along that are called otherwise when imported.
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
 BROUGHT_ALONG = {"PIL", "pydantic_core", "typing_extensions"}
 

@@ -22,8 +22,7 @@ from wirewear.records import ExperimentRecord
 
 WINDOW_um = 4.2
 
-#: Samples of a loop with which its stick branches have few.
-FEW = 60
+FEW = 60  #: Samples of a loop with which its stick branches have few.
 
 
 def spoiled(made: ExperimentRecord, place: int, sample: int, **shift: float) -> ExperimentRecord:

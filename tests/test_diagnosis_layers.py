@@ -130,8 +130,7 @@ def test_a_flattening_is_told_from_wear_that_changes() -> None:
 LEANING = {"angle_deg": 2.5}
 
 
-#: Of the first loop: displacement, tangential and normal force.
-Loop = tuple[Array, Array, Array]
+Loop = tuple[Array, Array, Array]  #: Of the first loop: displacement, tangential and normal force.
 
 
 @cache

@@ -21,8 +21,7 @@ from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 from wirewear.records import ExperimentRecord, RecordTables
 
-#: µP of the first loops, before the scar lends them slopes.
-FORCE_N = 1.24
+FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
 
 FIRST = np.array([2.0])
 

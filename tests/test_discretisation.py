@@ -55,8 +55,7 @@ def test_the_scar_s_outline_holds_its_volume_under_the_gap() -> None:
     assert 0.5 * pi * scar.major_mm * scar.minor_mm * depth == pytest.approx(1e-4)
 
 
-#: Curvatures of a wire along and across [1/mm].
-WIRE = (0.0, 4.4)
+WIRE = (0.0, 4.4)  #: Curvatures of a wire along and across [1/mm].
 
 
 @given(st.floats(radians(20.0), radians(90.0)), angles, st.floats(0.001, 0.2))

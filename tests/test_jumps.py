@@ -25,8 +25,7 @@ WEARS_IN_cycles = 1e3
 CYCLES = 3e3
 MILESTONES = (10.0, 100.0, 1000.0)
 
-# Alexander's method, as the wear step takes it.
-STAGE = 1.0 - 0.5**0.5
+STAGE = 1.0 - 0.5**0.5  # Alexander's method, as the wear step takes it.
 
 
 def rough(bare: solvers.ContactProblem, age: Age) -> solvers.ContactProblem:

@@ -7,8 +7,7 @@ import pytest
 from studies.steel_wires.diagnose import Chapter, chapter_of, findings
 from tests.diagnosis_cases import diagnosed, record
 
-# All read one chapter, which takes seconds.
-pytestmark = pytest.mark.slow
+pytestmark = pytest.mark.slow  # All read one chapter, which takes seconds.
 
 
 @cache

@@ -27,8 +27,7 @@ from tests.wear_jumps import (
     worn,
 )
 
-#: Cycles after which the wires are worn by as much as they approach under the load.
-CYCLES = 300.0
+CYCLES = 300.0  #: Cycles after which the wires are worn by as much as they approach under the load.
 
 
 @pytest.fixture(scope="module")

@@ -63,8 +63,7 @@ __all__ = [
     "write_result",
 ]
 
-# Only now is it known whose `geometry` that is.
-_loaded = import_module("geometry.late").loaded_late(__name__)
+_loaded = import_module("geometry.late").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
 
 
 def __getattr__(name: str) -> Any:

@@ -13,8 +13,7 @@ from solvers.holder import FirstGuess
 
 _MOST_CUTS = 8
 
-# Of a held approach.
-_BARELY = 0.01
+_BARELY = 0.01  # Of a held approach.
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:

@@ -68,8 +68,7 @@ _PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
-# Nodes searched at the least, and how many are put in order at first to find them.
-_LEAST, _FEW = 12, 128
+_LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
 
 
 class IncrementFailedError(Exception):

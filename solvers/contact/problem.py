@@ -16,11 +16,8 @@ from solvers.pairing import PrimarySurface, primary_surface
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
 
-# Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
-_PENALTY_SHARE = 0.02
-
-#: How contact conditions are imposed.
-Formulation = Literal["augmented-lagrangian", "penalty"]
+_PENALTY_SHARE = 0.02  # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.
+Formulation = Literal["augmented-lagrangian", "penalty"]  #: How contact conditions are imposed.
 
 
 @dataclass(frozen=True)

@@ -23,8 +23,7 @@ from solvers.newton.terms import HolderTerms, Linearisation, Nodes, nodes_of
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction converges fast.
 _NEAR_STICK = 2.0
-# Of the largest friction: what is so near to its limit may stick or slip.
-_ROUND_OFF = 1e-12
+_ROUND_OFF = 1e-12  # Of the largest friction: what is so near to its limit may stick or slip.
 
 
 class Iterate(NamedTuple):

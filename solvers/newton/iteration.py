@@ -15,8 +15,7 @@ from solvers.newton.outcome import LOST_CONTACT, NewtonOutcome, converged_outcom
 from solvers.newton.terms import Linearisation
 
 _MOST_ITERATIONS = 60
-# Iterations without progress after which the increment is given up.
-_PATIENCE = 15
+_PATIENCE = 15  # Iterations without progress after which the increment is given up.
 #: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
 _GAP_TOLERANCE = 1e-5
 #: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.

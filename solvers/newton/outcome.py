@@ -10,8 +10,7 @@ from solvers.kept_code import compiled
 from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
 from solvers.newton.holder_balance import unbalanced_force
 
-#: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
-_ROUND_OFF = 1e-9
+_ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
 
 #: What `solve_contact` says of bodies that no longer touch.
 LOST_CONTACT = "all nodes opened: the bodies have lost contact"

@@ -9,8 +9,7 @@ from solvers.kept_code import compiled
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
-# What a mirror across the motion leaves of a vector's components in world axes.
-_ACROSS = np.array([1.0, -1.0, 1.0])
+_ACROSS = np.array([1.0, -1.0, 1.0])  # What a mirror across the motion leaves of a vector's components in world axes.
 
 
 def displaced(body: PlacedBody, nodes: IntArray, forces: Array) -> Array:

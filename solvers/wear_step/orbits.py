@@ -13,8 +13,7 @@ from solvers.kept_code import compiled
 from solvers.wear_step.positions import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry
 
-# Nodes nearer than this to the plane of symmetry lie on it, mm.
-_ON_THE_PLANE = 1e-10
+_ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on it, mm.
 
 
 @dataclass(frozen=True)

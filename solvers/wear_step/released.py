@@ -17,8 +17,7 @@ from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
 _LEAST, _LARGEST = 0.25, 4.0
-# Of the largest slip of a stroke: nodes that slide less keep the slip that they have.
-_LEAST_SLIP = 0.02
+_LEAST_SLIP = 0.02  # Of the largest slip of a stroke: nodes that slide less keep the slip that they have.
 
 
 def released_slip(

@@ -31,10 +31,8 @@ from solvers.wear_step.positions import Position
 from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror
 
-# Of the right-hand side: what is left of equations that count as solved.
-_RESIDUAL = 1e-12
-# New factors cost as much as one product for every so many unknowns.
-_UNKNOWNS_A_PRODUCT = 40
+_RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that count as solved.
+_UNKNOWNS_A_PRODUCT = 40  # New factors cost as much as one product for every so many unknowns.
 
 
 @dataclass(frozen=True)
@@ -125,8 +123,7 @@ def _minimal_residual(matrix: Array, rhs: Array, approximate: Callable[[Array], 
     return None
 
 
-#: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
-Depths = tuple[Array, Array]
+Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
 
 
 class Facing(NamedTuple):

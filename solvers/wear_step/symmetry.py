@@ -23,8 +23,7 @@ _COMPLIANCE_TOLERANCE = 1e-8
 # Worn depths, relative to the deepest: those of runs that kept the symmetry differ by what Newton's method leaves.
 _DEPTH_TOLERANCE = 1e-6
 _PROBES = 7
-# Drives closer than this, relative to the amplitude, are the same.
-_SAME_DRIVE = 1e-9
+_SAME_DRIVE = 1e-9  # Drives closer than this, relative to the amplitude, are the same.
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,7 @@ from wirewear.study.fidelity import FIDELITIES
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"
 SHORT = 1_000
-#: For jumps whose error is small against one per cent.
-JUMP_TOLERANCE = 0.02
+JUMP_TOLERANCE = 0.02  #: For jumps whose error is small against one per cent.
 
 
 def study_with(

@@ -7,8 +7,7 @@ from pathlib import Path
 from .calculix_results import read_completed
 from .measured_process import ProcessCost, Usage, run_measured
 
-#: CalculiX's name of the job: the deck is wires.inp.
-JOB = "wires"
+JOB = "wires"  #: CalculiX's name of the job: the deck is wires.inp.
 
 
 @dataclass(frozen=True)

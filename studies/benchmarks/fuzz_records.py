@@ -24,8 +24,7 @@ from wirewear.faces.study_script import StudyScript
 
 from .record_mutations import MUTATIONS, Files, small_record
 
-#: A mutation that takes more CPU time counts as hanging.
-LONGEST_s = 5.0
+LONGEST_s = 5.0  #: A mutation that takes more CPU time counts as hanging.
 
 
 def contents(record: ExperimentRecord) -> list[object]:

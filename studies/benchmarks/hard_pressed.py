@@ -127,11 +127,8 @@ repeat = "repeat"
 
 TEXTS = {"study.toml": STUDY, "variants.toml": STUDY + VARIANTS, "flat.toml": FLAT, "mapping.toml": MAPPING}
 
-#: A file that lies in an output folder before a command writes there.
-BEFORE = "before.txt"
-
-#: Arrays of a result that tell how long it took.
-_TIMES = ("timings_s",)
+BEFORE = "before.txt"  #: A file that lies in an output folder before a command writes there.
+_TIMES = ("timings_s",)  #: Arrays of a result that tell how long it took.
 
 Outcome = Callable[[Path], dict[str, str]]
 

@@ -12,8 +12,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-#: Seconds between two looks at a process.
-_PAUSE_s = 0.1
+_PAUSE_s = 0.1  #: Seconds between two looks at a process.
 
 
 @dataclass(frozen=True)

@@ -24,8 +24,7 @@ CYCLES = 10_000
 #: Volume that gross slip would wear over the test, in areas of the fresh contact times its approach; steel wires of
 #: 0.45 mm wear some 60 of them.
 VOLUME_PER_CONTACT = (1.0, 100.0)
-#: The same over the cube of the thinner wire's diameter: scars stay below some 8 % of it.
-LARGEST_VOLUME = 0.003
+LARGEST_VOLUME = 0.003  #: The same over the cube of the thinner wire's diameter: scars stay below some 8 % of it.
 #: Share of the studies that have any effects, and of the effects that one of these has.
 WITH_EFFECTS = 0.6
 EACH_EFFECT = 0.25

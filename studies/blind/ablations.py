@@ -46,8 +46,7 @@ from .frozen import frozen_records, unpack
 #: The module that judges; the package gives its function the same name.
 JUDGING = sys.modules["wirewear.diagnosis.diagnose"]
 
-#: What is taken out of a search before it is judged.
-Change = Callable[[Search], Search]
+Change = Callable[[Search], Search]  #: What is taken out of a search before it is judged.
 
 
 @dataclass(frozen=True)

@@ -33,8 +33,7 @@ from wirewear.faces.study_script import StudyScript, wide_console
 
 from .answering import write_json
 
-#: Above so many standard deviations a gap is large, above the other one it counts at all.
-LARGE, SMALL = 5.0, 2.0
+LARGE, SMALL = 5.0, 2.0  #: Above so many standard deviations a gap is large, above the other one it counts at all.
 
 
 def case_of_key(truth: Mapping[str, Any]) -> Case:

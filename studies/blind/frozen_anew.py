@@ -31,8 +31,7 @@ BATCHES = {
     "T2_third": (60, 733201, 3),
 }
 
-#: The article's share of the cases at least, of all of them.
-REFERENCE_SHARE = 0.4
+REFERENCE_SHARE = 0.4  #: The article's share of the cases at least, of all of them.
 
 
 def cases_of(records: tuple[FrozenRecord, ...], model: Generator) -> Iterator[tuple[FrozenRecord, Case]]:

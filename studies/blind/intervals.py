@@ -21,8 +21,7 @@ from wirewear.base.reading import read_json
 from wirewear.effects import Parameter, all_effects
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
-#: Kinds of records whose parameters are estimated.
-KINDS = ("single", "pair")
+KINDS = ("single", "pair")  #: Kinds of records whose parameters are estimated.
 
 
 def distance(parameter: Parameter, value: float, interval95: tuple[float, float], true: float) -> float:

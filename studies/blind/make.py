@@ -29,13 +29,9 @@ from wirewear.base.writing import json_text, write_bytes, writing
 CODE = ("studies/blind/generators", "studies/blind/make.py", "studies/blind/sealing.py", *RUN_CODE)
 
 MANIFEST, KEY, WORKSHOP = "manifest.json", "key.json.enc", ".sealed"
-#: Keys of format 1 did not bind the records.
-FORMAT = 2
-#: Of the smallest records.
-LEAST_BYTES = 8_000
-
-#: Specimens and sizes of effects are drawn so many times until the contact slips and converges.
-DRAWS = 8
+FORMAT = 2  #: Keys of format 1 did not bind the records.
+LEAST_BYTES = 8_000  #: Of the smallest records.
+DRAWS = 8  #: Specimens and sizes of effects are drawn so many times until the contact slips and converges.
 
 Progress = Callable[[int, int], None]
 

@@ -20,8 +20,7 @@ from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
-#: A shrink foreseen within so much of the one achieved counts as foreseen.
-WITHIN = 0.05
+WITHIN = 0.05  #: A shrink foreseen within so much of the one achieved counts as foreseen.
 
 
 def answered(kept: Path, record: Path) -> dict[str, Any]:

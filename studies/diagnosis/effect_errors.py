@@ -38,11 +38,8 @@ from .gap_free import TRUTH
 
 Array = NDArray[np.float64]
 
-#: Relative deviation of each parameter: a diagnosis finds it.
-FREE = 0.1
-
-#: Shares that are tried.
-SHARES = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3, 0.4, 0.5)
+FREE = 0.1  #: Relative deviation of each parameter: a diagnosis finds it.
+SHARES = (0.0, 0.02, 0.04, 0.06, 0.08, 0.1, 0.13, 0.16, 0.2, 0.25, 0.3, 0.4, 0.5)  #: Shares that are tried.
 
 
 @dataclass(frozen=True, eq=False)

@@ -43,14 +43,9 @@ LOADS_N, AMPLITUDES_um, FRICTIONS = (1.0, 4.0), (30.0, 80.0), (0.45, 0.8)
 WEAR_mm3_per_J, STIFFNESSES_N_per_mm, SPRINGS_N_per_mm = (8e-6, 5e-5), (80.0, 600.0), (0.5, 5.0)
 CYCLES = (20_000, 50_000, 100_000, 200_000)
 
-#: Share of the holders that are believed rigid.
-RIGID = 0.3
-
-#: What a record of a pair holds in noise, as shares of the amplitude and of the friction force.
-NOISE = 5e-4
-
-#: File beside a record that holds the effect in it.
-TRUTH = "truth.json"
+RIGID = 0.3  #: Share of the holders that are believed rigid.
+NOISE = 5e-4  #: What a record of a pair holds in noise, as shares of the amplitude and of the friction force.
+TRUTH = "truth.json"  #: File beside a record that holds the effect in it.
 
 REFERENCES = ("T0", "T1", "T2:dahl", "T2:iwan", "T2:weakening")
 

@@ -27,11 +27,8 @@ from wirewear.records import RecordTables
 
 Array = NDArray[np.float64]
 
-#: Cycles of a pair that are used at most: a covariance of more numbers costs more than it tells.
-MOST_CYCLES = 5
-
-#: Components that share a factor with another one.
-WITH = {"slip": "energy", "force": "energy"}
+MOST_CYCLES = 5  #: Cycles of a pair that are used at most: a covariance of more numbers costs more than it tells.
+WITH = {"slip": "energy", "force": "energy"}  #: Components that share a factor with another one.
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,8 +31,7 @@ LAYERS = ((5.1, 17_700.0), (2.9, 4100.0), (6.0, 1000.0), (4.0, 50_000.0), (1.5, 
 
 POWERS = (1.0, 1.5, 2.0, 2.5, 3.0)
 
-#: Steps of the volume, and the first that is compared, as a share of the whole.
-STEPS, COMPARED = 400, 0.002
+STEPS, COMPARED = 400, 0.002  #: Steps of the volume, and the first that is compared, as a share of the whole.
 
 
 def heights(volume: Array | float) -> Array:

@@ -35,8 +35,7 @@ from wirewear.faces.study_script import StudyScript, wide_console
 from .gap_free import drawn_tests, of_a_rig, wires_of
 from .oddities import FURTHER, ODDITIES, RIGS
 
-#: Friction law of the independent model.
-LAW = "dahl"
+LAW = "dahl"  #: Friction law of the independent model.
 
 
 def planned(effects: int, seed: int) -> Iterator[tuple[str, Case]]:

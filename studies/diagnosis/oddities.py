@@ -22,14 +22,11 @@ Rig = Callable[[Nuisances], Nuisances]
 
 #: Of the friction force: a charge amplifier's zero, mains hum, drift within a loop, a step of a 8-bit range of ±1.3.
 ZERO, HUM, DRIFT, FORCE_STEP = 0.01, 0.02, 0.01, 0.01
-#: Of the amplitude: a step of an encoder.
-PLACE_STEP = 0.01
-#: Cut-off of an anti-aliasing filter in harmonics of the motion; hum in Hz.
-CUT_OFF, MAINS_Hz = 40.0, 50.0
+PLACE_STEP = 0.01  #: Of the amplitude: a step of an encoder.
+CUT_OFF, MAINS_Hz = 40.0, 50.0  #: Cut-off of an anti-aliasing filter in harmonics of the motion; hum in Hz.
 #: Standard deviation of a sample's time in samples; share of a cycle that a drive stays at each end; third harmonic.
 JITTER, DWELL, THIRD_HARMONIC = 0.2, 0.06, 0.03
-#: Standard deviation of friction from specimen to specimen.
-FRICTION_SCATTER = 0.08
+FRICTION_SCATTER = 0.08  #: Standard deviation of friction from specimen to specimen.
 
 
 @dataclass(frozen=True)

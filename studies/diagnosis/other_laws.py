@@ -31,11 +31,8 @@ from .gap_free import drawn_tests, of_a_rig, wires_of
 from .laws_of_other_form import LAWS, ModelOfOtherForm
 from .odd_rigs import answered, judgement_of, result_of
 
-#: Friction law of the independent model.
-FRICTION_LAW = "dahl"
-
-#: Gaps above so many standard deviations are counted apart.
-LARGE = 5.0
+FRICTION_LAW = "dahl"  #: Friction law of the independent model.
+LARGE = 5.0  #: Gaps above so many standard deviations are counted apart.
 
 
 def planned(tests: int, seed: int) -> Iterator[tuple[ModelOfOtherForm, Case]]:

@@ -16,11 +16,8 @@ Array = NDArray[np.float64]
 #: Half width of the box in posterior deviations; the least in deviations of the prior; how often it is widened.
 _HALF_WIDTH, _LEAST, _WIDENED = 8.0, 0.5, 3
 
-#: Share of the posterior that may lie in the outer twentieths of the box along any coordinate.
-_AT_SIDES = 0.01
-
-#: Coordinates beyond this are taken as there.
-_REACH = 4.0
+_AT_SIDES = 0.01  #: Share of the posterior that may lie in the outer twentieths of the box along any coordinate.
+_REACH = 4.0  #: Coordinates beyond this are taken as there.
 
 
 def sampled_log_evidence(problem: Problem, one: Fit, live: int, seed: int) -> float:

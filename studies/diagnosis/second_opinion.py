@@ -36,14 +36,9 @@ from wirewear.faces.study_script import StudyScript, understanding, wide_console
 from .sampled_evidence import sampled_log_evidence
 from .simulated_classifier import CLEAR, NONE, Signals, beliefs, taught
 
-#: Effects whose evidence is sampled, the likeliest ones.
-SAMPLED = 2
-
-#: Probability of what the diagnosis names, above which the classifier is to agree.
-SURE = 0.8
-
-#: Deviations of what one expects beyond which few examples teach anything.
-_FAR = 2.0
+SAMPLED = 2  #: Effects whose evidence is sampled, the likeliest ones.
+SURE = 0.8  #: Probability of what the diagnosis names, above which the classifier is to agree.
+_FAR = 2.0  #: Deviations of what one expects beyond which few examples teach anything.
 
 
 def opinion_on(diagnosed: Diagnosed, live: int, simulated: int, seed: int) -> dict[str, Any]:

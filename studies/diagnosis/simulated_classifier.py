@@ -26,14 +26,12 @@ Places = NDArray[np.intp]
 
 NONE = "none"
 
-#: Share of the signals' directions, in the mean square, that what is learned from holds.
-_SPANNED = 0.9995
+_SPANNED = 0.9995  #: Share of the signals' directions, in the mean square, that what is learned from holds.
 
 #: Share of the signals that is kept from learning; examples of each signal, by other noise; networks that vote.
 _HELD_OUT, _EXAMPLES, _NETWORKS = 0.2, 4, 3
 
-#: Standard deviations that count as a gap that should be told.
-CLEAR = 5.0
+CLEAR = 5.0  #: Standard deviations that count as a gap that should be told.
 
 
 @dataclass(frozen=True, eq=False)

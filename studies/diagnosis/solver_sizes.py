@@ -39,8 +39,7 @@ from .gap_free_pairs import Pair, pairs_of
 Array = NDArray[np.float64]
 
 
-#: Deviation of the logarithm of a factor on a present size before looking: a tenth to ten times.
-WITHIN = 1.2
+WITHIN = 1.2  #: Deviation of the logarithm of a factor on a present size before looking: a tenth to ten times.
 
 #: Sizes are not lowered below this share of what they are: solvers may agree better with each other than with rigs, and
 #: sizes lowered by 0.6 raised false alarms under a friction law that no pair held.
@@ -56,8 +55,7 @@ ENTRIES: Mapping[str, tuple[str, ...]] = {
     "sides": ("model.numerical.hooks.side",),
 }
 
-#: Freedoms that keep their sizes: of how wires are held, which is alike in all pairs.
-KEPT = ("compliance",)
+KEPT = ("compliance",)  #: Freedoms that keep their sizes: of how wires are held, which is alike in all pairs.
 
 
 @dataclass(frozen=True, eq=False)

@@ -32,8 +32,7 @@ CYCLES = 18_000
 #: Relative tolerances: of depths against the published range, of area and width, of the measured scar.
 DEPTH, SHAPE, MEASURED = 0.01, 0.02, 0.05
 
-#: Half-width of the published models' scar.
-PUBLISHED_HALF_WIDTH_um = 255.0
+PUBLISHED_HALF_WIDTH_um = 255.0  #: Half-width of the published models' scar.
 
 #: Stretches beside the measured scar that look untouched: what they stand above the figure's zero is a second base.
 _UNTOUCHED_um = ((-345.0, -300.0), (435.0, 475.0))

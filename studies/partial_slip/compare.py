@@ -23,8 +23,7 @@ from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters
 
-#: A point sticks where it slides by less than this share of the largest distance slid in the first cycle.
-STUCK = 0.02
+STUCK = 0.02  #: A point sticks where it slides by less than this share of the largest distance slid in the first cycle.
 
 #: Worn volume over the last third of a decade of cycles, relative to all, below which wear has come to its end.
 AT_AN_END = 0.05

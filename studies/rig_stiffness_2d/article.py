@@ -35,14 +35,12 @@ TILT = {"cylinder": 0.08, "flat": 0.15}
 #: Of rotational springs that a run found for equal K_t,m, and how far off they may be to be those of the same case.
 SPRING, OTHER = 0.06, 0.3
 
-#: Outer part of a contact's half-width, to either side, that counts as its edge.
-EDGE = 0.2
+EDGE = 0.2  #: Outer part of a contact's half-width, to either side, that counts as its edge.
 
 #: Largest difference of the loops of a cylinder, over the largest force, that still counts as the same loop.
 SAME_LOOP = 0.01
 
-#: Share of the load that must press elsewhere for the pressure to differ visibly.
-VISIBLE = 0.05
+VISIBLE = 0.05  #: Share of the load that must press elsewhere for the pressure to differ visibly.
 
 
 _SCENARIOS = ("1: translation", "2: rotation")

@@ -29,8 +29,7 @@ LEVELS = {"quick": (20.0, 32), "standard": (5.0, 64), "fine": (2.5, 96)}
 #: Relative difference of K_t,m that still counts as equal, and how many springs are tried for it.
 EQUAL, _MOST_TRIALS = 2e-3, 8
 
-#: Share of friction times load from which on nothing sticks.
-_SLIDES = 0.999
+_SLIDES = 0.999  #: Share of friction times load from which on nothing sticks.
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,8 +20,7 @@ from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_axis, new_figure
 
-#: Half-width of the scar over the displacement amplitude from which on the law is looked for.
-LARGE = 5.0
+LARGE = 5.0  #: Half-width of the scar over the displacement amplitude from which on the law is looked for.
 
 Array = NDArray[np.float64]
 

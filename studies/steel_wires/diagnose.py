@@ -31,8 +31,7 @@ from wirewear.simulation import ProgressBar
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
 
-#: The article's spring, and how near to it the one found must be.
-STIFFNESS_N_per_mm, TOLERANCE = 167.0, 0.06
+STIFFNESS_N_per_mm, TOLERANCE = 167.0, 0.06  #: The article's spring, and how near to it the one found must be.
 
 EFFECT, PARAMETER = "tangential_compliance", "stiffness_N_per_mm"
 

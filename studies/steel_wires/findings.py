@@ -13,14 +13,9 @@ from .pair import DISTORTED, EARLY, LATE, WIRES, Pair, analysed, value_of
 #: A plateau that rises by less towards the stroke's end is flat; one that rises by more is plainly distorted.
 FLAT_RISE, PLAIN_RISE = 0.05, 0.10
 
-#: Share of the late depth up to which the early depth is negligible.
-NEGLIGIBLE_DEPTH = 0.10
-
-#: The article: "worst wear depth < 40 µm".
-WORST_DEPTH_um = 40.0
-
-#: Relative change of δa that still counts as constant.
-CONSTANT = 1e-3
+NEGLIGIBLE_DEPTH = 0.10  #: Share of the late depth up to which the early depth is negligible.
+WORST_DEPTH_um = 40.0  #: The article: "worst wear depth < 40 µm".
+CONSTANT = 1e-3  #: Relative change of δa that still counts as constant.
 
 
 def extent_along_motion_um(scar: Scar) -> float:

@@ -30,8 +30,7 @@ _HERE = Path(__file__).parent
 CYCLES = 5000
 VARIANTS = {"2Hz": "2Hz", "2Hz_oxygenated": "2Hz", "2Hz_plain": "2Hz", "0p1Hz": "0p1Hz"}
 
-#: The published model's largest error of depth with contact oxygenation.
-PUBLISHED_ERROR = 0.15
+PUBLISHED_ERROR = 0.15  #: The published model's largest error of depth with contact oxygenation.
 
 #: A deepest place nearer to the middle than this counts as in the middle; read by eye, a profile does not say more.
 MIDDLE_um = 200.0

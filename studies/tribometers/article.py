@@ -37,11 +37,8 @@ ROWS = Path(__file__).parent / "tribometers.csv"
 BELOW, MARGIN = (0.37, 0.94), 0.02
 TOLERANCE = 0.10
 
-#: "About half" of the applied displacement.
-HALF = (0.4, 0.6)
-
-#: Strokes of two rows that count as one.
-SAME_STROKE = 0.06
+HALF = (0.4, 0.6)  #: "About half" of the applied displacement.
+SAME_STROKE = 0.06  #: Strokes of two rows that count as one.
 
 #: One dimension at a time.
 VARIED: tuple[tuple[str, Bodies], ...] = (

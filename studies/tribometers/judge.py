@@ -40,8 +40,7 @@ _COLUMNS = (
     ("unexplained", "unexplained_um", ".2g"),
 )
 
-#: Told how many rows are done and how many there are.
-Progress = Callable[[int, int], None]
+Progress = Callable[[int, int], None]  #: Told how many rows are done and how many there are.
 
 
 @dataclass(frozen=True)

@@ -32,8 +32,7 @@ NUMBERS = (
 OPTIONAL = ("cycles", "contact_length_mm", "theoretical_stiffness_N_per_um")
 _REQUIRED = ("contact", "materials", *NUMBERS)
 
-#: What other programs than this one expect between fields.
-_OTHER_SIGNS = {";": "semicolons", "\t": "tabs"}
+_OTHER_SIGNS = {";": "semicolons", "\t": "tabs"}  #: What other programs than this one expect between fields.
 
 #: Beyond these no test makes sense in the units of the columns, and arithmetic would end in infinities.
 _LEAST, _MOST = 1e-9, 1e9

@@ -9,8 +9,7 @@ from pathlib import Path
 from wirewear.base.errors import WirewearError
 from wirewear.base.quantity import counted
 
-#: Gigabytes that may be used whatever is free; see `most_memory`.
-MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"
+MOST_MEMORY_GB = "WIREWEAR_MOST_MEMORY_GB"  #: Gigabytes that may be used whatever is free; see `most_memory`.
 
 #: A file's contents may take this many times its own bytes: other programs compress, but not to nothing. What takes
 #: less than the second number does no harm.

@@ -15,17 +15,10 @@ from solvers.kept_code import chosen_cache, private_folder
 from wirewear.base.errors import KeptNothingWarning
 from wirewear.base.writing import why_not_written
 
-#: Gigabytes that are kept, unless WIREWEAR_CACHE_GB says otherwise.
-DEFAULT_GB = 10.0
-
-#: What is kept, by the names of the files.
-_KEPT = ("body-*.npz", "wire-*.npz", "nominal-*.h5")
-
-#: What was warned of, in this process or in the one that started it.
-WARNED: set[str] = set()
-
-#: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
-_ABANDONED_s = 86_400.0
+DEFAULT_GB = 10.0  #: Gigabytes that are kept, unless WIREWEAR_CACHE_GB says otherwise.
+_KEPT = ("body-*.npz", "wire-*.npz", "nominal-*.h5")  #: What is kept, by the names of the files.
+WARNED: set[str] = set()  #: What was warned of, in this process or in the one that started it.
+_ABANDONED_s = 86_400.0  #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 
 
 def cache_directory() -> Path | None:

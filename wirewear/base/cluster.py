@@ -18,11 +18,8 @@ from wirewear.base.identity import code_hash
 if TYPE_CHECKING:
     from distributed import Client
 
-#: How long a scheduler may take to answer, and its first worker to come.
-PATIENCE_s = 20.0
-
-#: Tasks that are sent ahead for each worker, so that none waits for the next.
-AHEAD = 2
+PATIENCE_s = 20.0  #: How long a scheduler may take to answer, and its first worker to come.
+AHEAD = 2  #: Tasks that are sent ahead for each worker, so that none waits for the next.
 
 
 def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:

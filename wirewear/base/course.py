@@ -62,8 +62,7 @@ class Course:
 #: Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
 _FIRST_ORDER = 1e-6
 
-#: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
-_FLAT = 1e-9
+_FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
 
 
 def enclosed_energy(cycles: Sequence[float] | Array, per_cycle: Sequence[float] | Array) -> float:

@@ -24,8 +24,7 @@ LOST_PROCESS = (
     "--jobs in less memory."
 )
 
-#: New processes now and then: what libraries keep of one task does not add up over a night.
-TASKS_PER_PROCESS = 20
+TASKS_PER_PROCESS = 20  #: New processes now and then: what libraries keep of one task does not add up over a night.
 
 
 @dataclass(frozen=True)

@@ -12,11 +12,8 @@ from wirewear.base import delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
-#: Lines that are looked at: headers of profilometers and controllers have some eighty.
-FIRST_LINES = 200
-
-#: Numbers below one another that are a profile's heights, and no notes.
-FEWEST_ALONE = 16
+FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
+FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.
 
 #: Lines that may stand between the names of the columns and the numbers: units, a blank one, a word such as DATA.
 BETWEEN = 4

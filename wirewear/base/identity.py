@@ -16,11 +16,8 @@ from wirewear.base.errors import WirewearError
 
 _ROOT = Path(__file__).resolve().parents[2]
 
-#: Files beside Python's that hold what is computed with.
-_ENDINGS = (".py", ".toml", ".csv", ".json")
-
-#: Packages whose versions change numbers.
-_BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")
+_ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
+_BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions change numbers.
 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
@@ -46,11 +43,8 @@ RUN_CODE = (
     "wirewear/study",
 )
 
-#: What a planar run comes from.
-PLANAR_CODE = (*RUN_CODE, "wirewear/planar")
-
-#: The whole program.
-ALL_CODE = ("geometry", "solvers", "wirewear")
+PLANAR_CODE = (*RUN_CODE, "wirewear/planar")  #: What a planar run comes from.
+ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
 
 
 @dataclass(frozen=True)

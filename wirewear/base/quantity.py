@@ -94,8 +94,7 @@ UNITS_PER_LENGTH: dict[str, dict[str, float]] = {
     "mJ": {"mJ/mm": 1.0, "J/m": 1.0, "mJ/m": 1e-3},
 }
 
-# An integer beyond cannot be compared with what it is out of.
-_LARGEST_FLOAT = int(sys.float_info.max)
+_LARGEST_FLOAT = int(sys.float_info.max)  # An integer beyond cannot be compared with what it is out of.
 
 
 @dataclass(frozen=True)

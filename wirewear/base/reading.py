@@ -114,8 +114,7 @@ DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
 
 _NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
 
-#: What is called so is a TOML file.
-_TOML = ("study file", "sweep file", "TOML file")
+_TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, Any]:

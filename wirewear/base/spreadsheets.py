@@ -11,8 +11,7 @@ from wirewear.base.budget import free_memory, require_room
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import counted
 
-#: What a cell takes in memory at most while its sheet becomes text, in bytes.
-CELL_bytes = 200
+CELL_bytes = 200  #: What a cell takes in memory at most while its sheet becomes text, in bytes.
 
 _OLD_EXCEL = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 

@@ -26,11 +26,8 @@ from wirewear.base.errors import RunError, WirewearError
 if TYPE_CHECKING:
     import polars as pl
 
-#: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
-_BEGINS_FORMULA = r"^[=+\-@\t\r]"
-
-#: As many as Linux follows.
-_MOST_LINKS = 40
+_BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
+_MOST_LINKS = 40  #: As many as Linux follows.
 
 
 def json_text(value: Any, indent: int | None = 2) -> str:

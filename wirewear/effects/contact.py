@@ -115,8 +115,7 @@ class FrictionEvolution(Effect[ContactLaw]):
 # Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
 _TANGENTIAL_TO_NORMAL = 1.21
 
-# Of a rough layer that has worn in, less than this share is as good as none.
-_WORN_AWAY = 1e-6
+_WORN_AWAY = 1e-6  # Of a rough layer that has worn in, less than this share is as good as none.
 
 # A layer that keeps more of its height over a record is a spring by another name. Springs left out of the library were
 # fitted as layers that keep 0.8 to 0.9 (T1_twentieth), laws of other form keep a half.
@@ -202,11 +201,8 @@ _SHEAR_TO_CONFINED = 0.286
 # Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
 _SPREADING = 0.5
 
-# Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
-_GROWN = 100.0
-
-# A bed that is filled by less than this share of what it holds knows no limit.
-_NO_LIMIT = 1e-9
+_GROWN = 100.0  # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
+_NO_LIMIT = 1e-9  # A bed that is filled by less than this share of what it holds knows no limit.
 
 
 @dataclass(frozen=True)

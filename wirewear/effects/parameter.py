@@ -11,11 +11,8 @@ from typing import Any
 from wirewear.base.errors import StudyError
 from wirewear.base.quantity import Quantity
 
-#: Stands for an infinite stiffness in files.
-RIGID = "rigid"
-
-#: Numbers that a study states, by their keys, such as "contact.friction".
-Stated = Mapping[str, float]
+RIGID = "rigid"  #: Stands for an infinite stiffness in files.
+Stated = Mapping[str, float]  #: Numbers that a study states, by their keys, such as "contact.friction".
 
 # Ranges of forms: exponents over those of the source, what is added to exponents and orders, shares that stay, parts,
 # limits.
@@ -25,8 +22,7 @@ _SHARE = Quantity("1", 0.0, 0.6)
 _PART = Quantity("1", 0.0, 1.5)
 _THICKNESS = Quantity("um", 0.0, math.inf)
 
-# Standard deviations from the middle to either end of a range that holds 95 %.
-_ENDS = 1.96
+_ENDS = 1.96  # Standard deviations from the middle to either end of a range that holds 95 %.
 
 # Of the largest number there is: a range without an end has one here.
 _LARGEST_LOGARITHM = math.log(sys.float_info.max)

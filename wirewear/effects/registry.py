@@ -17,8 +17,7 @@ from wirewear.effects.wear import ContactOxygenation, WearRateEvolution, WearRat
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 
-#: Entry point group in which a package names its subclasses of `Effect`.
-ENTRY_POINT_GROUP = "wirewear.effects"
+ENTRY_POINT_GROUP = "wirewear.effects"  #: Entry point group in which a package names its subclasses of `Effect`.
 
 EffectType = type[Effect[Any]]
 

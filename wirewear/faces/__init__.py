@@ -23,8 +23,7 @@ __all__ = ["cli", "default_output", "main"]
 # 700 looks for circles all the time.
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
 
-#: The variable that has faults of the program itself shown in full.
-_SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"
+_SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"  #: The variable that has faults of the program itself shown in full.
 
 
 def main() -> None:

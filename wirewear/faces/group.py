@@ -67,8 +67,7 @@ class StatedOption(click.types.FloatParamType):
             self.fail(f"it {problem}.", param, ctx)
 
 
-#: Strengths of materials from lead to drawn steel.
-STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))
+STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))  #: Strengths of materials from lead to drawn steel.
 
 
 class OutputFolder(click.Path):
@@ -256,8 +255,7 @@ def busy(doing: str, *, long: bool = False) -> Iterator[None]:
         yield
 
 
-#: A stage of a command that takes long.
-stage = partial(busy, long=True)
+stage = partial(busy, long=True)  #: A stage of a command that takes long.
 
 
 def given(option: str) -> bool:

@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-#: Of values that differ between runs, as many stand in the label of each.
-MOST_DIFFERENCES = 2
+MOST_DIFFERENCES = 2  #: Of values that differ between runs, as many stand in the label of each.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -151,14 +151,9 @@ PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"
 #: How each regime is drawn: colours and shapes differ.
 MARKS = dict(zip(REGIMES, (("#0072B2", "circle"), ("#E69F00", "diamond"), ("#D55E00", "square")), strict=True))
 
-#: Maps reach beyond the tests' displacements and loads by this factor.
-BEYOND = 6.0
-
-#: Loads of a line.
-POINTS = 41
-
-#: Tests nearer to one another than this, relative to displacement and load, share one label.
-NEAR = 0.06
+BEYOND = 6.0  #: Maps reach beyond the tests' displacements and loads by this factor.
+POINTS = 41  #: Loads of a line.
+NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement and load, share one label.
 
 
 def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:

@@ -32,8 +32,7 @@ Regime = Literal["partial slip", "mixed", "gross slip"]
 
 REGIMES: tuple[Regime, ...] = ("partial slip", "mixed", "gross slip")
 
-#: Energies of tests must differ by this factor for a threshold to be told from their scatter.
-LEAST_SPREAD = 1.5
+LEAST_SPREAD = 1.5  #: Energies of tests must differ by this factor for a threshold to be told from their scatter.
 
 
 @dataclass(frozen=True)

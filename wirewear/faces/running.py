@@ -126,8 +126,7 @@ def read_record(folder: str | Path) -> Record:
     return Record.of(read_plain(folder))
 
 
-#: Seconds between two drawings of the bar.
-LEAST_PAUSE_s = 0.3
+LEAST_PAUSE_s = 0.3  #: Seconds between two drawings of the bar.
 
 
 def in_notebook() -> bool:

@@ -30,20 +30,14 @@ FITTED = {
     "measured_stiffness_N_per_um": 0.03,
 }
 
-#: Friction that a fit looks for, up to the most that a study may state.
-FRICTIONS = (1e-3, 2.0)
-
-#: Cycles that are fitted at most: loops change slowly.
-MOST_CYCLES = 8
-
-#: A rig has free play where so large a share of its loops shows one.
-SHARE_WITH_PLAY = 0.5
+FRICTIONS = (1e-3, 2.0)  #: Friction that a fit looks for, up to the most that a study may state.
+MOST_CYCLES = 8  #: Cycles that are fitted at most: loops change slowly.
+SHARE_WITH_PLAY = 0.5  #: A rig has free play where so large a share of its loops shows one.
 
 #: Figures that a loop shows otherwise where its shelf is seen, and taken out of it.
 _OF_SHELF = [list(FITTED).index(name) for name in ("slip_amplitude_um", "measured_stiffness_N_per_um")]
 
-#: Scatter between tests where one test alone is known.
-EXPECTED_SCATTER = 0.03
+EXPECTED_SCATTER = 0.03  #: Scatter between tests where one test alone is known.
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +166,8 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
     return np.asarray(np.sqrt(scatter**2 + analysed**2 + model**2))
 
 
-#: Samples of a modelled loop, where it is compared with none that has a number of its own.
-SAMPLES = 128
-
-#: Running-in takes at most so many times the test.
-LONGEST_RUNNING_IN = 10.0
+SAMPLES = 128  #: Samples of a modelled loop, where it is compared with none that has a number of its own.
+LONGEST_RUNNING_IN = 10.0  #: Running-in takes at most so many times the test.
 
 #: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
 EVIDENCE, LEAST_CHANGE = 6.0, 0.03

@@ -51,8 +51,7 @@ FIGURE_NAMES = {
 #: What begins a line of experiment.toml that holds a checksum.
 CHECKSUM = "# sha256 "
 
-#: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
-STIFF = 0.9
+STIFF = 0.9  #: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
 
 
 def fit_table(fitted: FittedTest) -> Table:

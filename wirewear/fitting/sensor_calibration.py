@@ -19,13 +19,9 @@ from wirewear.study import Study
 NearPoint = Literal["moving-wire", "between-wires", "between-holders"]
 NEAR_POINTS: tuple[NearPoint, ...] = get_args(NearPoint)
 
-#: Loads for which the default is taken, in shares of the study's own.
-USUAL_LOADS = (0.5, 1.0, 1.5)
-#: Tangential forces, in shares of friction times normal load.
-SHARES = (0.25, 0.5, 0.75, 1.0)
-
-# So much that nothing slips, but for nodes at the very edge.
-_STICKING = 20.0
+USUAL_LOADS = (0.5, 1.0, 1.5)  #: Loads for which the default is taken, in shares of the study's own.
+SHARES = (0.25, 0.5, 0.75, 1.0)  #: Tangential forces, in shares of friction times normal load.
+_STICKING = 20.0  # So much that nothing slips, but for nodes at the very edge.
 # Travel for which the patch has room; stuck wires move by less against each other.
 _ROOM_um = 2.0
 _FIRST_STEP_mm = 1e-5

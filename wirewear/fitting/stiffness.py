@@ -80,11 +80,8 @@ def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
     return float(found[-1]), left, float(np.sqrt(spread * left / max(free, 1))), int(free)
 
 
-#: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
-FULL_SLIP = 1.5
-
-#: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
-_FIRST_CYCLES = 10
+FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
+_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
 
 
 @dataclass(frozen=True)

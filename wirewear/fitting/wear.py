@@ -20,8 +20,7 @@ ANY_WEAR_mm3_per_J = 3e-5
 
 _UNITS = {"mm3_per_J": "mm³/J", "mm3_per_N_m": "mm³/(N·m)"}
 
-#: Fitted wear: parameters, and what is missing or assumed.
-Worn = tuple[dict[str, FittedParameter], list[str]]
+Worn = tuple[dict[str, FittedParameter], list[str]]  #: Fitted wear: parameters, and what is missing or assumed.
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ _DIRECTIONS = 240
 #: Angles by which planes are tilted about the best one so far, rad.
 _TILTS = (0.08, 0.04, 0.02, 0.01)
 _BALL_STEPS = 60
-#: Stress histories whose planes are searched at once.
-_AT_ONCE = 2000
+_AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
 
 
 @dataclass(frozen=True, eq=False)

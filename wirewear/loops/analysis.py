@@ -46,11 +46,8 @@ WALLED = (
     "along between a scar's walls, and the interval of slip_amplitude holds that, too"
 )
 
-#: A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
-STIFFER = 1.5
-
-#: A loop narrower than this share of its stroke is a line.
-STUCK = 1e-3
+STIFFER = 1.5  #: A branch stiffens if the last fifth of its travel is so much steeper than the middle one.
+STUCK = 1e-3  #: A loop narrower than this share of its stroke is a line.
 
 LATE = (
     "the force comes {:.1f} samples late: it begins to fall only behind the reversals. It was read as much earlier; "

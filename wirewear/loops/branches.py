@@ -34,8 +34,7 @@ SLIDING = 0.85
 #: with no more than that a flank would be upright, and noise alone say where it turns.
 LEANS, PASSED = (0.02, 0.04, 0.08, 0.16, 0.32), 1.5
 
-#: Forces beyond these percentiles say at what force a loop slides.
-SLIDING_PERCENTILES = (10.0, 90.0)
+SLIDING_PERCENTILES = (10.0, 90.0)  #: Forces beyond these percentiles say at what force a loop slides.
 
 
 def upright(loop: CleanLoop) -> CleanLoop:

@@ -18,17 +18,13 @@ FEWEST_SAMPLES = 16
 
 JOINED = "the points come in no order of time and were joined along the loop's outline, none of them left out"
 
-#: Fewer samples past one cycle than this share do no harm.
-LEAST_PAST = 0.02
-
-#: A loop of which a larger share of a channel's samples is clipped is no measurement.
-MOST_CLIPPED = 0.05
+LEAST_PAST = 0.02  #: Fewer samples past one cycle than this share do no harm.
+MOST_CLIPPED = 0.05  #: A loop of which a larger share of a channel's samples is clipped is no measurement.
 
 #: Readings of this size or more, and changes by its inverse or less, are none; their fourth powers still are numbers.
 LARGEST = 1e50
 
-#: No contact and no reading makes the force correlate so with the displacement.
-FALLING = -0.5
+FALLING = -0.5  #: No contact and no reading makes the force correlate so with the displacement.
 
 NORMAL_CLIPPED = (
     "the normal force is clipped at the end of its range, where samples read exactly the same while the others "

@@ -14,17 +14,10 @@ ON_STEPS, WITHIN = 0.95, 1e-3
 #: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
 FEWEST, LEAST_SHARE = 4, 0.02
 
-#: So many neighbours, of a loop of so many samples, tell scatter from a course.
-FEWEST_PAIRS, FEWEST_LOOP = 10, 32
-
-#: Neighbours' fourth differences that correlate by less than this are noise.
-ALTERNATING = -0.4
-
-#: What varies by a smaller share than sixteen bits resolve is constant.
-CONSTANT = 1e-5
-
-#: An outlier or two may lie beyond the range's end.
-OUTSIDE = 3
+FEWEST_PAIRS, FEWEST_LOOP = 10, 32  #: So many neighbours, of a loop of so many samples, tell scatter from a course.
+ALTERNATING = -0.4  #: Neighbours' fourth differences that correlate by less than this are noise.
+CONSTANT = 1e-5  #: What varies by a smaller share than sixteen bits resolve is constant.
+OUTSIDE = 3  #: An outlier or two may lie beyond the range's end.
 
 #: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
 LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3

@@ -17,8 +17,7 @@ from wirewear.loops.robust import LinearFit, fit_linear
 
 Course = tuple[Branch, MicroSlip]
 
-#: Forces at which a shelf is tried.
-MOST_TRIED = 4
+MOST_TRIED = 4  #: Forces at which a shelf is tried.
 #: Half of the band about the shelf's force that belongs to neither flank: this share of the rise, or so many noises.
 BAND_SHARE, BAND_NOISES = 0.04, 4.0
 

@@ -17,11 +17,8 @@ LEAST, WOBBLE = 0.005, 0.25
 #: a spike.
 SPIKE, END_SPIKE, BRIEF = 5, 2, 0.15
 
-#: A first sample as far out as this share of the amplitude, going inwards, is at a reversal.
-AT_REVERSAL = 0.995
-
-#: More cycles than this are not one.
-MOST_CYCLES = 1.25
+AT_REVERSAL = 0.995  #: A first sample as far out as this share of the amplitude, going inwards, is at a reversal.
+MOST_CYCLES = 1.25  #: More cycles than this are not one.
 
 #: A last cycle that is cut off counts from this share of its sweeps on, or of the samples of the one before.
 WHOLE, LEAST_WHOLE = 0.9, 0.7

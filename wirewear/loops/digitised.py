@@ -6,26 +6,19 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.signals import enclosed_area
 
-#: So many single samples that fall alike are slips, and no chance.
-FEWEST_SLIPS = 4
+FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no chance.
 
 #: A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the plateaus.
 OF_PLATEAU = 0.5
 
-#: More points than this are no digitised loop, and would take long.
-MOST_POINTS = 3000
+MOST_POINTS = 3000  #: More points than this are no digitised loop, and would take long.
 
 #: A loop in order of time is no longer than so many outlines; a log of several cycles is one outline a cycle.
 DISORDER = 3.0
 
-#: Points in any order are so far from the next ones, on average, in shares of the box around them.
-LEAST_STEP = 0.2
-
-#: Neighbours on the outline are no farther apart along the stroke.
-WIDEST_GAP = 0.4
-
-#: The outline encloses at least this share of the box around it, as points on one curve do not.
-LEAST_AREA = 0.05
+LEAST_STEP = 0.2  #: Points in any order are so far from the next ones, on average, in shares of the box around them.
+WIDEST_GAP = 0.4  #: Neighbours on the outline are no farther apart along the stroke.
+LEAST_AREA = 0.05  #: The outline encloses at least this share of the box around it, as points on one curve do not.
 
 
 def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:

@@ -17,11 +17,8 @@ LEAST_DRIFT, CERTAIN, MOST_DRIFT, WHOLE = 0.01, 5.0, 0.2, 0.02
 #: By so much another period must leave smaller residuals to show that it is no drift that opens the cycle.
 BETTER = 0.9
 
-#: Newton's steps to that period, each of which leaves less than a tenth of its error.
-REFINED = 5
-
-#: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
-ALIKE_STEPS = 1.5
+REFINED = 5  #: Newton's steps to that period, each of which leaves less than a tenth of its error.
+ALIKE_STEPS = 1.5  #: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
 
 
 @dataclass(frozen=True)

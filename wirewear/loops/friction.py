@@ -16,8 +16,7 @@ from wirewear.loops.stiffness import corner_of, mean_stiffness, micro_slip_branc
 
 MIDDLE_SHARE = 0.4
 
-#: Places at which both directions are read: about as many as a loop of 200 samples has there.
-PLACES = 41
+PLACES = 41  #: Places at which both directions are read: about as many as a loop of 200 samples has there.
 
 #: So many noises above what is fitted to a branch, a sample is no chance: outliers have been left out.
 BEYOND_NOISE = 5.0

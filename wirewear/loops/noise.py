@@ -10,8 +10,7 @@ from scipy.optimize import brentq
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.robust import median_deviation
 
-#: Correlations of neighbours that are tried.
-TRIED = np.arange(0.0, 0.91, 0.05)
+TRIED = np.arange(0.0, 0.91, 0.05)  #: Correlations of neighbours that are tried.
 
 #: A stated noise is what one expects within this relative deviation, of a Student's t that lets wrong statements be.
 STATED_WITHIN, STATED_FREEDOM = 0.3, 3.0
@@ -146,15 +145,13 @@ NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
 #: By what a sample's distance to that cubic scatters more than the sample itself.
 _SCATTER = float(np.sqrt(1.0 + np.sum(WEIGHTS**2)))
 
-#: Samples of a cycle from which on those next to a reversal's hook resolve it.
-_DENSE = 100
+_DENSE = 100  #: Samples of a cycle from which on those next to a reversal's hook resolve it.
 
 #: A spike lies so many of the usual deviations off; these are at least this share of the channel's extent, and more
 #: than round-off where it never changes.
 OUTLYING, LEAST_DEVIATION, ROUND_OFF = 8.0, 1e-3, 1e-9
 
-#: How far a sample is off may change from loop to loop by this share of what is usual there.
-BENT = 0.1
+BENT = 0.1  #: How far a sample is off may change from loop to loop by this share of what is usual there.
 
 
 def through_neighbours(loops: Array) -> Array:

@@ -21,8 +21,7 @@ WAVERS = 0.05
 #: A width at mid force below this share of what energy and sliding force give was read where the loop slides.
 NARROW = 0.85
 
-#: Values at the transition from partial slip to gross slip.
-ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77
+ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77  #: Values at the transition from partial slip to gross slip.
 
 #: No contact in partial slip has a larger energy ratio: that of evenly spread limits at the transition (Iwan 1966).
 MOST_IN_PARTIAL_SLIP = 1.0 / 3.0

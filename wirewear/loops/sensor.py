@@ -13,11 +13,8 @@ from wirewear.loops.signals import LoopSignals
 
 LagKind = Literal["first-order", "delay"]
 
-#: Factors (n,) of the oscillations of given frequencies in Hz.
-Transfer = Callable[[Array], ComplexArray]
-
-#: A filter that lets less than this share of the fastest oscillation through cannot be undone.
-LEAST_PASSED = 0.01
+Transfer = Callable[[Array], ComplexArray]  #: Factors (n,) of the oscillations of given frequencies in Hz.
+LEAST_PASSED = 0.01  #: A filter that lets less than this share of the fastest oscillation through cannot be undone.
 
 # Uneven samples are carried over to an even grid this many times as fine.
 _REFINEMENT = 4

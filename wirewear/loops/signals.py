@@ -7,8 +7,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import SensorError
 
-# Spacings that differ by less than this share count as even.
-_EVEN = 1e-6
+_EVEN = 1e-6  # Spacings that differ by less than this share count as even.
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,17 +11,13 @@ from wirewear.loops.noise import noise_along
 
 #: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
 CERTAIN, LEAST_DROP = 7.0, 0.03
-#: So many slips of a cycle are no chance.
-FEWEST_SLIPS = 4
-
-#: A slip takes no more steps between samples than this; a longer fall is a slope.
-MOST_STEPS = 3
+FEWEST_SLIPS = 4  #: So many slips of a cycle are no chance.
+MOST_STEPS = 3  #: A slip takes no more steps between samples than this; a longer fall is a slope.
 
 #: Slips are resolved where at least this share of those is seen that the stick branches' stiffness lets expect.
 RESOLVED = 0.6
 
-#: Where a static force is sought: from the onset on over this share of the plateau.
-EARLY = 0.12
+EARLY = 0.12  #: Where a static force is sought: from the onset on over this share of the plateau.
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:

@@ -18,11 +18,8 @@ RESOLVED = 4  # fewer samples than this in half of the micro-slip region cannot 
 
 #: Samples between half and one and a half of the elastic travel, below which a branch's corner cannot be told.
 FEWEST_AT_CORNER = 4
-#: Corners from sharp to twice as round as a Mindlin contact's.
-SHARES = (0.0, 2.0)
-
-#: Part of the plateau that is fitted with the corner: farther away a hook says nothing about it.
-NEAR = 0.45
+SHARES = (0.0, 2.0)  #: Corners from sharp to twice as round as a Mindlin contact's.
+NEAR = 0.45  #: Part of the plateau that is fitted with the corner: farther away a hook says nothing about it.
 
 # Coarser than this, the travel's estimate has settled.
 _SETTLED = 1e-4

@@ -13,20 +13,14 @@ from wirewear.loops.signals import enclosed_area
 #: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
 LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
 
-#: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
-BEFORE = 8
-
-#: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
-READING = 0.15
-
-#: A lag is one from so many samples on, and from so many of its standard deviations.
-LEAST_LAG, CERTAIN = 1.0, 3.0
+BEFORE = 8  #: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
+READING = 0.15  #: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
+LEAST_LAG, CERTAIN = 1.0, 3.0  #: A lag is one from so many samples on, and from so many of its standard deviations.
 
 #: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
 SMOOTH = 0.02
 
-#: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
-FULL = 0.5
+FULL = 0.5  #: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
 
 
 def lag_of(loop: CleanLoop) -> Measured | None:

@@ -36,8 +36,7 @@ from wirewear.pictures.style import (
 from wirewear.results import RunResult, read_results
 from wirewear.results.scar import called
 
-#: Milliseconds of a frame and of the last one; dots per inch.
-FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100
+FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
 
 HEIGHT_in = 3.2
 

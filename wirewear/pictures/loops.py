@@ -23,8 +23,7 @@ from wirewear.pictures.style import (
 from wirewear.results import Loop, RunResult
 from wirewear.results.scar import called
 
-#: Lines of the driven and the held body where colours stand for runs.
-DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")
+DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the held body where colours stand for runs.
 
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
@@ -102,8 +101,7 @@ def _widen(axes: Axes) -> None:
 
 PANELS_IN_A_ROW = 3
 
-#: Line widths of the first and the last loop [points].
-WIDEST, THINNEST = 1.8, 1.1
+WIDEST, THINNEST = 1.8, 1.1  #: Line widths of the first and the last loop [points].
 
 
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:

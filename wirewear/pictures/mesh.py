@@ -18,11 +18,8 @@ from wirewear.pictures.style import INK, WIDTH_in, new_figure, panel_letters, ro
 
 IntArray = NDArray[np.int_]
 
-#: Parts into which each edge is divided.
-PARTS = 6
-
-#: A corner this close to the wire's surface, as a share of its radius, lies on it.
-ON_SURFACE = 1e-6
+PARTS = 6  #: Parts into which each edge is divided.
+ON_SURFACE = 1e-6  #: A corner this close to the wire's surface, as a share of its radius, lies on it.
 
 PIXELS = 1400
 MOVING_COLOUR, FIXED_COLOUR, GRIP_COLOUR, PATCH_COLOUR = "#d9dde3", "#c9d7e8", "#7d8791", "#f2b8a2"

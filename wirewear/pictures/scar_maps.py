@@ -34,8 +34,7 @@ from wirewear.pictures.style import (
 from wirewear.results import RunResult, Scar
 from wirewear.results.scar import called
 
-#: Height over width that a panel should not exceed.
-TALLEST_PANEL = 0.75
+TALLEST_PANEL = 0.75  #: Height over width that a panel should not exceed.
 
 
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
@@ -189,11 +188,8 @@ def _short(value: float) -> str:
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
 
 
-#: Pixels along the longer side of a map.
-RESOLUTION = 420
-
-#: Least distance of ticks on a root-of-depth colour bar, as a share of its length.
-LEAST_TICK_DISTANCE = 0.1
+RESOLUTION = 420  #: Pixels along the longer side of a map.
+LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour bar, as a share of its length.
 
 
 def scars_from_above(results: Sequence[RunResult]) -> Figure:

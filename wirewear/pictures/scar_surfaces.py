@@ -21,11 +21,8 @@ from wirewear.results.scar import called
 if TYPE_CHECKING:
     import pyvista
 
-#: Points along each side of a surface.
-RESOLUTION = 320
-
-#: Half-width of the strip of cylinder that is shown, in radii, at least.
-LEAST_STRIP = 0.75
+RESOLUTION = 320  #: Points along each side of a surface.
+LEAST_STRIP = 0.75  #: Half-width of the strip of cylinder that is shown, in radii, at least.
 
 #: Where light comes from in the sliding frame, and how strong: a low sun that shades the bowls, a fill from the eye.
 #: Much of it is ambient, so that a colour stays the one on the colour bar.
@@ -33,11 +30,8 @@ LIGHTS = (((-1.0, -0.35, 0.75), 0.5), ((0.4, -0.8, 0.9), 0.22))
 AMBIENT = 0.42
 
 CUT_COLOUR = "#b9bcc1"
-#: Width of a rendering, about twice the width of its panel: shrinking it smooths the edges.
-PIXELS = 1100
-
-#: Height of the line of text below the rulers, in the units of the picture.
-RULER_TEXT_um = 30.0
+PIXELS = 1100  #: Width of a rendering, about twice the width of its panel: shrinking it smooths the edges.
+RULER_TEXT_um = 30.0  #: Height of the line of text below the rulers, in the units of the picture.
 
 
 @dataclass(frozen=True)

@@ -28,24 +28,16 @@ POINTS, CLOSED_FROM = 400, 5
 
 Mask = BoolArray
 
-#: Rings of points around the area that get a value.
-RINGS = 2
-
-#: What keeps points determined that no difference reaches, as a share of the largest weight.
-_RIDGE = 1e-10
-
-#: Points that a picture needs along each axis of a scar's grid, at least.
-_LEAST_POINTS = 400
-
-#: What lies below this share of the largest pressure or slip is drawn as nothing.
-_LEAST_SHARE = 0.01
+RINGS = 2  #: Rings of points around the area that get a value.
+_RIDGE = 1e-10  #: What keeps points determined that no difference reaches, as a share of the largest weight.
+_LEAST_POINTS = 400  #: Points that a picture needs along each axis of a scar's grid, at least.
+_LEAST_SHARE = 0.01  #: What lies below this share of the largest pressure or slip is drawn as nothing.
 
 # A scar's edge lies between a ninth and nearly all of the way from its last point: the depth is taken to go on from
 # there to minus this many times its value at the next point.
 _BELOW = (0.05, 8.0)
 
-# By how many grid points the corners of an outline are rounded.
-_ROUNDING = 1.0
+_ROUNDING = 1.0  # By how many grid points the corners of an outline are rounded.
 
 # Points that round-off alone puts on either side of an outline lie outside.
 _ON_THE_LINE = 1e-9

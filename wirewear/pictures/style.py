@@ -42,8 +42,7 @@ WIDTH_in = 7.5
 DOTS_PER_INCH = 170
 SHOWN_DOTS_PER_INCH = 110
 
-#: Room that the number of a decade takes on an axis of cycles.
-DECADE_in = 0.36
+DECADE_in = 0.36  #: Room that the number of a decade takes on an axis of cycles.
 
 _SETTINGS: Any = {
     "font.family": "DejaVu Sans",

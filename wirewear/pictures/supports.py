@@ -17,8 +17,7 @@ from wirewear.study import Study
 
 HELD_COLOUR, ELASTIC_COLOUR, LOAD_COLOUR, MOTION_COLOUR = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
 _ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 12, "shrinkA": 0, "shrinkB": 0}
-#: At most so many lines are drawn from a reference node to what it holds.
-_MOST_LINES = 15
+_MOST_LINES = 15  #: At most so many lines are drawn from a reference node to what it holds.
 
 
 @dataclass(frozen=True, eq=False)

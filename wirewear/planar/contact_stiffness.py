@@ -38,8 +38,7 @@ class Bodies:
         return 0.25 * min(self.pad_size(radius_mm)[0], self.specimen_half_width_mm)
 
 
-#: What is assumed of published tribometers, whose authors give the radius only.
-ASSUMED = Bodies()
+ASSUMED = Bodies()  #: What is assumed of published tribometers, whose authors give the radius only.
 
 
 @lru_cache(maxsize=1024)

@@ -34,8 +34,7 @@ LineSpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm2", 0.0,
 #: of all other units the numbers are the same.
 _POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2": -2}
 
-#: An alloy like Ti-6Al-4V.
-TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}
+TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
 
 
 class MaterialTable(keys.OfMaterial):

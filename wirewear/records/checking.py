@@ -17,8 +17,7 @@ from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.values import AnyRecord, MeasuredLoop
 from wirewear.results.scar import called
 
-#: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
-RESOLVED = 4
+RESOLVED = 4  #: Samples on half of a micro-slip branch from which on its stiffness is well resolved.
 
 
 @dataclass(frozen=True)

@@ -16,11 +16,8 @@ from wirewear.records.values import AnyRecord, MeasuredEvolution, MeasuredLoop
 #: but for the largest force), a plateau's force and a rectangle's slip by 0.09.
 OTHERWISE = 0.04
 
-#: Loops that must have their figure in the evolution to say so.
-FEWEST_LOOPS = 3
-
-#: What counts as notable: drifts over the test, of amplitudes or load and of means.
-DRIFT, OFFSET_DRIFT = 0.05, 0.05
+FEWEST_LOOPS = 3  #: Loops that must have their figure in the evolution to say so.
+DRIFT, OFFSET_DRIFT = 0.05, 0.05  #: What counts as notable: drifts over the test, of amplitudes or load and of means.
 
 #: The same of a loop's area beside the other repeats', and of a stated energy beside its loop's area. Of this factor
 #: fresh specimens do not differ, and no definition of the energy does.

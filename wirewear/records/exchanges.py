@@ -35,11 +35,8 @@ OFF, FITS = 6.0, 3.0
 #: of tests of 256 samples a cycle.
 FEWEST, FINEST = 6, 1e-3
 
-#: So many loops out of place are no exchange of two; pairs are as many as their square.
-MOST = 200
-
-#: Rounds in which medians of repeats and of cycles settle.
-ROUNDS = 4
+MOST = 200  #: So many loops out of place are no exchange of two; pairs are as many as their square.
+ROUNDS = 4  #: Rounds in which medians of repeats and of cycles settle.
 
 
 def renumbered(checked: CheckedRecord) -> Iterator[Remark]:

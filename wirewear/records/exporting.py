@@ -108,8 +108,7 @@ def _lines(half_um: float, step_um: float = SCAR_STEP_um) -> Array:
     return np.arange(-count, count + 1) * np.float64(step_um)
 
 
-#: Memory that a sample of a record takes until it is written; measured.
-BYTES_PER_SAMPLE = 250
+BYTES_PER_SAMPLE = 250  #: Memory that a sample of a record takes until it is written; measured.
 
 _IDEAL = Sensor()
 

@@ -19,15 +19,13 @@ NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)
 ODD_AMPLITUDE, ODD_LOAD, ODD_PERIOD = 0.1, 0.1, 0.05
 OPEN, OUTLIER_SHARE = 0.02, 0.01
 
-#: Steps of a reading that can be seen, over its amplitude.
-COARSE = 0.02
+COARSE = 0.02  #: Steps of a reading that can be seen, over its amplitude.
 
 #: Samples in no order scatter about their neighbours by half of the amplitude and more; the noise of no sensor that is
 #: of use comes near to it.
 NO_ORDER = 0.3
 
-#: A drive that takes this share of its stroke in one step, of many, has samples missing or exchanged.
-JUMP = 0.3
+JUMP = 0.3  #: A drive that takes this share of its stroke in one step, of many, has samples missing or exchanged.
 
 #: Of the samples of most loops, from which share on times that do not increase say that rows are in another order.
 REORDERED = 0.05

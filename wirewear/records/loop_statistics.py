@@ -13,25 +13,20 @@ from wirewear.loops.noise import noises, outside_neighbours, sample_noise
 from wirewear.loops.signals import enclosed_areas
 from wirewear.records.values import MeasuredLoop
 
-#: A loop with fewer complete samples is no loop.
-FEWEST_SAMPLES = 16
-
-#: An outlier is this many standard deviations of noise outside what its neighbours bracket.
-OUTLIER_NOISES = 8.0
+FEWEST_SAMPLES = 16  #: A loop with fewer complete samples is no loop.
+OUTLIER_NOISES = 8.0  #: An outlier is this many standard deviations of noise outside what its neighbours bracket.
 
 #: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
 #: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
 #: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
 COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
 
-#: A force that keeps its sign falls below zero by noise alone, a share of its largest.
-ONE_SIGN = 0.1
+ONE_SIGN = 0.1  #: A force that keeps its sign falls below zero by noise alone, a share of its largest.
 
 #: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
 GAP_NOISES = 8.0
 
-#: Loops that are worked on at once; bounds the memory needed.
-CHUNK = 256
+CHUNK = 256  #: Loops that are worked on at once; bounds the memory needed.
 
 
 def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:

@@ -15,14 +15,9 @@ from wirewear.base.quantity import FIELD_UNITS
 if TYPE_CHECKING:
     from wirewear.records.values import MeasuredLoop
 
-#: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
-OTHER_UNIT = 4.0
-
-#: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
-SAME_UNIT = 0.2
-
-#: A normal force that never reaches this share of the load is a channel that nothing is connected to.
-NOTHING = 0.01
+OTHER_UNIT = 4.0  #: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
+SAME_UNIT = 0.2  #: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.
+NOTHING = 0.01  #: A normal force that never reaches this share of the load is a channel that nothing is connected to.
 
 TURNED = (
     "the normal force was negative where it presses, as some load cells count it, and was turned round; in a mapping, "

@@ -14,8 +14,7 @@ from wirewear.records.values import AnyRecord
 
 MOST_LISTED = 8
 
-#: Conditions are rounded to this share of themselves, and alike within it.
-ALIKE = 0.01
+ALIKE = 0.01  #: Conditions are rounded to this share of themselves, and alike within it.
 
 
 def plural(count: int, noun: str) -> str:

@@ -37,11 +37,8 @@ from wirewear.study.bodies import Body, Gap, hertz_of
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9
 
-#: Of the deepest point: what is less deep may be noise.
-LEVEL = 0.25
-
-#: A scar that is not this many times as deep as what its map falls below zero is none whose size is known.
-CLEAR = 8.0
+LEVEL = 0.25  #: Of the deepest point: what is less deep may be noise.
+CLEAR = 8.0  #: A scar that is not this many times as deep as what its map falls below zero is none whose size is known.
 
 #: Factors on moments that no scar of the same test reached by far: half again of the largest and half of the least.
 WIDEST, NARROWEST, UNLIKE = 1.5, 0.5, 1.25
@@ -49,8 +46,7 @@ WIDEST, NARROWEST, UNLIKE = 1.5, 0.5, 1.25
 #: Along the motion, over the spot's: of the fixed wire at most, of the moving wire at least.
 LONGEST_FIXED, SHORTEST_MOVING = 1.15, 0.9
 
-#: By what crossing angles may be wrong [deg].
-ASKEW_deg = 6.0
+ASKEW_deg = 6.0  #: By what crossing angles may be wrong [deg].
 
 _WHY = "are x and y exchanged, or is a map of the other body, of another scale or of another test?"
 
@@ -146,17 +142,10 @@ def _elastic_um2(record: ExperimentRecord) -> float:
     return (1e3 * contact.major_semi_axis_mm) ** 2
 
 
-#: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
-CUT_OFF = 0.2
-
-#: Missing points, as a share of the map, from which on it is worth a remark.
-GAPS = 0.01
-
-#: Depth below zero, as a share of the deepest point, that noise does not explain.
-RAISED = 0.1
-
-#: Depths that no profilometer's noise reaches [µm].
-BEYOND_NOISE_um = 1.0
+CUT_OFF = 0.2  #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
+GAPS = 0.01  #: Missing points, as a share of the map, from which on it is worth a remark.
+RAISED = 0.1  #: Depth below zero, as a share of the deepest point, that noise does not explain.
+BEYOND_NOISE_um = 1.0  #: Depths that no profilometer's noise reaches [µm].
 
 #: Factors between worn volume and what energy and stated wear make it: wear is seldom known better than within the
 #: first, and off by the second only where units are wrong.
@@ -231,10 +220,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         yield Remark("problem", "scars", text)
 
 
-# A worn area may differ from what is stated by this factor before units are suspected.
-_AREA = 30.0
-# Share of the largest depth that may stand at the end of a profile.
-_AT_END = 0.1
+_AREA = 30.0  # A worn area may differ from what is stated by this factor before units are suspected.
+_AT_END = 0.1  # Share of the largest depth that may stand at the end of a profile.
 #: The flat's scar is never shorter: in kinematic wear, whichever body wears more, its spread is 1.00 to 1.42 times the
 #: pad's, in simulated records 1.03 to 1.44. Repeats scatter by 0.01.
 SHORTER = 0.95

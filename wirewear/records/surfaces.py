@@ -10,14 +10,9 @@ from wirewear.base.errors import RecordError
 from wirewear.records.columns import Column
 from wirewear.results.scar import Scar, called, worn_volume_mm3
 
-#: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
-WIDEST = 3
-
-#: Distance of a scar map's points, and unworn margin around the scar.
-SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0
-
-#: A map of which fewer points are given than this share of its grid is no grid.
-LEAST_FILLED = 0.25
+WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
+SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0  #: Distance of a scar map's points, and unworn margin around the scar.
+LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of its grid is no grid.
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,8 +184,7 @@ def _turned(x: Array, y: Array, depth: Array, angle: float, step: float) -> tupl
     return lines[0], lines[1], found
 
 
-#: Depth, relative to the deepest point, that bounds the scar.
-EDGE = 0.01
+EDGE = 0.01  #: Depth, relative to the deepest point, that bounds the scar.
 
 #: Noise (three deviations) is small below this share of the depth; a profile keeps so many means beside one another.
 CLEAR, FEWEST_ACROSS = 0.1, 8

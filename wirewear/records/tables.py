@@ -22,8 +22,7 @@ DRIVES = ("sensor", "stroke")
 #: Keys of wires that a record states where they are not what is taken without a word.
 GRIPS = ("length_mm", "grip_angle_deg", "grip_length_mm", "grip_stiffness_N_per_mm3")
 
-#: What x of a scar's map runs along: the motion of the test, or the axis of that wire.
-FRAMES = ("test", "wire")
+FRAMES = ("test", "wire")  #: What x of a scar's map runs along: the motion of the test, or the axis of that wire.
 
 
 def _checked_drive(value: object) -> str:

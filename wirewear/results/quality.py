@@ -49,8 +49,7 @@ def require_equal_lengths(where: str, columns: Mapping[str, Array]) -> None:
         )
 
 
-#: Friction energies that differ by more than this share are not taken to agree.
-ENERGIES_AGREE = 5e-3
+ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
 
 #: What each quality of a run says, and from where on it should be looked at.
 QUALITIES: Mapping[str, tuple[str, float]] = {

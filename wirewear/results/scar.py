@@ -12,19 +12,15 @@ from wirewear.base.errors import ResultError
 from wirewear.results.quality import float_array, require_finite, require_increasing
 
 WIRES = ("moving", "fixed")
-#: Bodies of a line contact.
-BODIES = ("pad", "specimen")
+BODIES = ("pad", "specimen")  #: Bodies of a line contact.
 #: What bodies are called in sentences whose names say only how they stand.
 _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
 
-#: Depths may undershoot zero by round-off of an interpolation, not by more.
-DEPTH_ROUND_OFF_um = 1e-6
-
-# Depth, relative to the deepest point, that bounds a profile's scar.
-_EDGE = 0.01
+DEPTH_ROUND_OFF_um = 1e-6  #: Depths may undershoot zero by round-off of an interpolation, not by more.
+_EDGE = 0.01  # Depth, relative to the deepest point, that bounds a profile's scar.
 
 
 def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:

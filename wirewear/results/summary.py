@@ -19,8 +19,7 @@ from wirewear.results.values import PRESSURE_LENGTH
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
 NOTHING = "–"
 
-#: One cell for each run; each function takes a result.
-Row = tuple[str, Callable[[RunResult], str]]
+Row = tuple[str, Callable[[RunResult], str]]  #: One cell for each run; each function takes a result.
 
 
 def summary(results: Sequence[RunResult]) -> RenderableType:

@@ -98,8 +98,7 @@ EVOLUTION_COLUMNS = (
 #: What columns of a body begin with; between this and the unit stands the body.
 _OF_A_BODY = ("worn_volume_", "max_depth_")
 
-#: What the length of mean pressures is called in a result's settings.
-PRESSURE_LENGTH = "pressure_length_um"
+PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
 
 #: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
@@ -120,8 +119,7 @@ T = TypeVar("T")
 
 STATUSES = ("complete", "running", "failed")
 
-#: A logged cycle stands for a wanted one if neither is more than this many times the other.
-NEAREST_CYCLE_FACTOR = 2.0
+NEAREST_CYCLE_FACTOR = 2.0  #: A logged cycle stands for a wanted one if neither is more than this many times the other.
 
 
 def extensive(name: str) -> bool:

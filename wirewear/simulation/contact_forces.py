@@ -13,8 +13,7 @@ from solvers.interior import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
 from wirewear.simulation.plan import RunPlan
 
-# Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
-MID_STROKE = 35.0 / 60.0
+MID_STROKE = 35.0 / 60.0  # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
 
 
 def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: float) -> dict[str, float]:

@@ -26,8 +26,7 @@ from wirewear.study import Study
 
 # Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
-# Changes below this share of the value are round-off.
-_ROUND_OFF = 1e-9
+_ROUND_OFF = 1e-9  # Changes below this share of the value are round-off.
 
 Kind = TypeVar("Kind")
 Kind_contra = TypeVar("Kind_contra", contravariant=True)

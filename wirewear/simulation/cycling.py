@@ -18,8 +18,7 @@ from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.recorded import Recorded
 
-# A jump that ends within this share of a milestone has met it.
-_MET = 1e-6
+_MET = 1e-6  # A jump that ends within this share of a milestone has met it.
 
 
 class WearStepper(Protocol):

@@ -23,8 +23,7 @@ from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
 
-#: Told what is being prepared.
-Report = Callable[[str], None]
+Report = Callable[[str], None]  #: Told what is being prepared.
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
 _FORMAT = 4

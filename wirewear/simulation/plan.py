@@ -259,11 +259,8 @@ class RunPlan:
         return identity_of(asked, RUN_CODE, plan)
 
 
-#: Cycle jumps that a run may take: at some tenths of a second each, days.
-MOST_JUMPS = 1_000_000
-
-#: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
-BYTES_PER_NODE = 230e3
+MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
+BYTES_PER_NODE = 230e3  #: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
 
 _COARSER = 1.1
 

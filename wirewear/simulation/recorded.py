@@ -23,8 +23,7 @@ from wirewear.study import Body, Study
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
 
-#: What names of a holder's measured elements begin with.
-MEASURED = "measured_"
+MEASURED = "measured_"  #: What names of a holder's measured elements begin with.
 
 
 def dissipated_energy_mJ(trace: CycleTrace) -> float:
@@ -209,8 +208,7 @@ def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[S
     return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)
 
 
-#: Packages whose versions a result records.
-_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")
+_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
 
 @cache

@@ -24,8 +24,7 @@ QUALITY = (
     "mirror_error",
 )
 
-# A loop that encloses less than this share of the rectangle around it has no area worth comparing.
-_LEAST_AREA = 1e-3
+_LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
 _BENT = 2e-3
 #: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.

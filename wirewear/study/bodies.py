@@ -15,13 +15,11 @@ from wirewear.base.errors import StudyError
 from wirewear.study.faces import Face, half_width_of
 
 _COARSE_PER_DIAMETER = 0.155
-#: Largest element of a block far from the contact, as a share of its smaller extent.
-_COARSE_PER_EXTENT = 0.2
+_COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
 #: How far a block's face falls to its sides over its sharper radius: a ball's corner, at 0.85 radii, is still meshed
 #: soundly.
 _FALL = 0.2
-#: Half-width of a straight block over the other body's radius, or its patch.
-_STRAIGHT = 4.0
+_STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius, or its patch.
 
 Found = TypeVar("Found")
 

@@ -19,11 +19,8 @@ Face = Cylinder | RoundedFlat | TabledProfile
 Radius = Annotated[float, PlainValidator(Quantity("mm", 0.05, 1000.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
 
-#: What a file of a profile holds, by its columns' names.
-COLUMNS = ("x_um", "height_um")
-
-#: A file of more points is averaged in groups of neighbours: more than elements of a contact.
-MOST_POINTS = 1_000
+COLUMNS = ("x_um", "height_um")  #: What a file of a profile holds, by its columns' names.
+MOST_POINTS = 1_000  #: A file of more points is averaged in groups of neighbours: more than elements of a contact.
 
 
 WIDEST_mm = 10.0
@@ -128,8 +125,7 @@ class PadFace(Table):
         return None
 
 
-#: The keys of a face, and those that make one together.
-FACE_KEYS = tuple(PadFace.model_fields)
+FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face, and those that make one together.
 _FACES = (
     {"radius_mm"},
     {"face_half_width_mm", "edge_radius_mm"},

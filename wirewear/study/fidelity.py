@@ -12,8 +12,7 @@ Level = TypeVar("Level")
 
 FIDELITIES = ("quick", "standard", "fine")
 
-#: Of a cycle that only wears, around a centre that sticks for good.
-STICKING_INCREMENTS = 16
+STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that sticks for good.
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:

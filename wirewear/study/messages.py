@@ -16,8 +16,7 @@ from wirewear.study.tables import StudyTables
 
 Model = TypeVar("Model", bound=BaseModel)
 Keys = Sequence[int | str]
-#: Tells which table, as it is spelled in the file, holds a key.
-Spelling = Callable[[Keys], str]
+Spelling = Callable[[Keys], str]  #: Tells which table, as it is spelled in the file, holds a key.
 
 
 def table_above(keys: Keys) -> str:

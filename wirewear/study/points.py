@@ -20,16 +20,12 @@ BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"
 
 #: Shapes that are blocks: whether they are curved along and across.
 _CURVED = {"ball": (True, True), "flat": (False, False), "cylinder": (False, True), "barrel": (True, True)}
-#: Those that are round bars.
-_ROUND = ("wire", "tube")
+_ROUND = ("wire", "tube")  #: Those that are round bars.
 #: One that is turned about the normal, with a face as a line contact's pad has one along the motion.
 PAD = "pad"
 SHAPES = (*_CURVED, *_ROUND, PAD)
-#: Thinnest wall of a tube, as a share of its diameter.
-_THINNEST_WALL = 0.02
-
-#: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
-FLATTEST = 1e-3
+_THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
+FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]

@@ -28,8 +28,7 @@ from wirewear.study.tables import (
     Wires,
 )
 
-#: The key that follows the length of the test where it was left to the program.
-LOGGED = "log.loop_cycles"
+LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 

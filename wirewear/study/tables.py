@@ -93,8 +93,7 @@ def _described(law: FrictionLaw) -> str | dict[str, Any]:
 FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
 
 
-#: What the kind of crossed wires is called.
-CROSSED_WIRES = "crossed-wires"
+CROSSED_WIRES = "crossed-wires"  #: What the kind of crossed wires is called.
 
 
 def _checked_kind(value: object) -> str:

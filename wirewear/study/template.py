@@ -15,8 +15,7 @@ from wirewear.study.tables import StudyTables
 #: Keys that are spelled otherwise than a number or text, or make sense to few.
 HIDDEN = ("friction_law", "moving", "fixed", "update", "explicit_jump_cycles", "formulation", "primary_wire")
 
-#: Column at which comments begin, where a key and its value leave room.
-COMMENTS_AT = 52
+COMMENTS_AT = 52  #: Column at which comments begin, where a key and its value leave room.
 
 #: The article's test, which a study begins with.
 EXAMPLE: Mapping[str, Any] = {
@@ -47,8 +46,7 @@ class Template:
     above: str
 
 
-#: Tables that every contact at a point has, spelled out.
-COMMON = ("conditions", "contact", "wear", "holder", "log")
+COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that every contact at a point has, spelled out.
 
 #: A study of crossed wires.
 CROSSED_WIRES = Template(

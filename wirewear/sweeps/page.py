@@ -34,11 +34,8 @@ _DRAWN = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um",
 #: The figure that should be large in the last picture; the depth of the held body should be small.
 SLIP = "slip_amplitude_um"
 
-#: Medians of so many groups of runs show the trend.
-GROUPS = 8
-
-#: Runs of a group, at least; fewer show no trend.
-FEWEST = 5
+GROUPS = 8  #: Medians of so many groups of runs show the trend.
+FEWEST = 5  #: Runs of a group, at least; fewer show no trend.
 
 
 def depth_among(names: Iterable[str]) -> str:
@@ -176,11 +173,8 @@ COMPLETE, FAILED = "complete", "failed"
 
 PAGE = "sweep.html"
 
-#: A figure that varies by less than this share over all runs is not drawn.
-VARIES = 1e-6
-
-#: Failures that the page names; the others stand in failures.csv.
-MOST_NAMED = 12
+VARIES = 1e-6  #: A figure that varies by less than this share over all runs is not drawn.
+MOST_NAMED = 12  #: Failures that the page names; the others stand in failures.csv.
 
 
 def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:

@@ -24,11 +24,8 @@ from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 #: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/benchmarks.md.
 POWER = 1.3
 
-#: Powers beyond these come from runs that are too alike in size to tell.
-POWERS = (0.0, 2.5)
-
-#: Runs that are planned to know the sizes of all.
-MOST_PLANNED = 200
+POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to tell.
+MOST_PLANNED = 200  #: Runs that are planned to know the sizes of all.
 
 #: Bytes of a row in journal and tables, and of a kept result for each unknown; measured.
 ROW_BYTES, RESULT_BYTES = 1_500, 60.0

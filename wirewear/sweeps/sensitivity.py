@@ -9,11 +9,8 @@ from geometry.arrays import Array
 from wirewear.sweeps.sweep import Design, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
-#: Fewer complete runs (of Sobol's design: blocks) tell nothing.
-FEWEST = {LATIN_HYPERCUBE: 40, SOBOL: 8}
-
-#: Figures that vary by less than this share of their mean are constant.
-CONSTANT = 1e-9
+FEWEST = {LATIN_HYPERCUBE: 40, SOBOL: 8}  #: Fewer complete runs (of Sobol's design: blocks) tell nothing.
+CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are constant.
 
 
 @dataclass(frozen=True)

@@ -26,12 +26,10 @@ from wirewear.study import Study, load_study
 from wirewear.study.messages import validated
 from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
-#: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
-DIGITS = 12
+DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
 
 
-#: Runs of a sweep: at ten seconds each, four months of a core.
-MOST_RUNS = 1_000_000
+MOST_RUNS = 1_000_000  #: Runs of a sweep: at ten seconds each, four months of a core.
 
 
 @dataclass(frozen=True)
@@ -170,14 +168,9 @@ FIRST = "first_"
 VOLUME = "worn_volume_mm3"
 QUALITY = ("mirror_error", "energy_against_loops")
 
-#: Figures that tell how a run was made and measured, and not what came out.
-TECHNICAL = (*QUALITY, PRESSURE_LENGTH)
-
-#: What columns of depths begin with; then comes a body, the held one last.
-DEPTH = "max_depth_"
-
-#: How many of `AT_END` stand before the depths.
-_BEFORE_DEPTHS = 4
+TECHNICAL = (*QUALITY, PRESSURE_LENGTH)  #: Figures that tell how a run was made and measured, and not what came out.
+DEPTH = "max_depth_"  #: What columns of depths begin with; then comes a body, the held one last.
+_BEFORE_DEPTHS = 4  #: How many of `AT_END` stand before the depths.
 
 
 def figures_named(bodies: Sequence[str]) -> tuple[str, ...]:

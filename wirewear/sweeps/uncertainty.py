@@ -120,17 +120,10 @@ def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
     return figure
 
 
-#: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
-RUNS = 30
-
-#: Inputs farther than so many standard deviations from the middle are not drawn.
-FARTHEST = 3.0
-
-#: Draws from the polynomials: intervals then scatter by some hundredths of their width.
-DRAWS = 4000
-
-#: Phases of the loop that intervals are given at.
-PHASES = 240
+RUNS = 30  #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
+FARTHEST = 3.0  #: Inputs farther than so many standard deviations from the middle are not drawn.
+DRAWS = 4000  #: Draws from the polynomials: intervals then scatter by some hundredths of their width.
+PHASES = 240  #: Phases of the loop that intervals are given at.
 
 #: Share of the loops' variance that principal components may leave out.
 LEFT_OUT = 1e-4

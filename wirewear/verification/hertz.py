@@ -123,8 +123,7 @@ def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius
 
 _ANGLE_deg = 60.0
 _SMALL_RADIUS_mm = 0.6 * RADIUS_mm
-#: Contacts of a smaller ratio of their axes are taken for round.
-_ROUND = 1.001
+_ROUND = 1.001  #: Contacts of a smaller ratio of their axes are taken for round.
 
 # The figures scatter by so much with where the contact's edge falls between grid lines; smaller errors cannot fall.
 _FLOOR = 0.003

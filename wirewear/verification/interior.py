@@ -23,10 +23,8 @@ from wirewear.verification.hertz import RADIUS_mm as WIRE_RADIUS_mm
 from wirewear.verification.line_contact import MATERIAL, LOAD_N_per_mm, RADIUS_mm, cylinder_on_flat, pad_geometry
 from wirewear.verification.rows import Level, Row, compared
 
-#: Static equilibrium holds to round-off of the factor.
-_BALANCE = 1e-8
-#: Depth, in contact radii, down to which the largest stress is looked for.
-_DEEPEST = 2.0
+_BALANCE = 1e-8  #: Static equilibrium holds to round-off of the factor.
+_DEEPEST = 2.0  #: Depth, in contact radii, down to which the largest stress is looked for.
 
 
 def interior_rows(level: Level) -> tuple[Row, ...]:

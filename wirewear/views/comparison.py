@@ -39,8 +39,7 @@ TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
 HERE = Path(__file__).parent
 
-#: A difference of more than this many scatters is no chance.
-BEYOND = 3.0
+BEYOND = 3.0  #: A difference of more than this many scatters is no chance.
 
 #: Friction measures of a loop, by the attribute of its figures.
 FRICTION = {
@@ -49,8 +48,7 @@ FRICTION = {
     "friction_geometry_independent": "geometry-independent",
 }
 
-#: Of the points of a loop every second is shown.
-EVERY_PHASE = 2
+EVERY_PHASE = 2  #: Of the points of a loop every second is shown.
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -34,8 +34,7 @@ SIMULATED, MEASURED, BAND = VARIANT_COLOURS[0], INK, "#c9c9c9"
 
 MOST_PANELS, COLUMNS = 6, 3
 
-#: Blue where the simulation wears too little, red where it wears too much.
-DIFFERENCE_COLOURS = "RdBu_r"
+DIFFERENCE_COLOURS = "RdBu_r"  #: Blue where the simulation wears too little, red where it wears too much.
 
 #: Friction measures, their marks, and whether simulated and measured differ in colour.
 FRICTION = (

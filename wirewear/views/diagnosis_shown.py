@@ -32,16 +32,12 @@ if TYPE_CHECKING:
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96
 
-#: Branches in the order of a course, by their direction.
-DIRECTIONS = (1, -1)
-
-#: Share of the scar's width about its middle over which a section is averaged.
-STRIP = 0.1
+DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
+STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 
-#: Cycles whose loops are shown at most.
-MOST_LOOPS = 12
+MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
 
 #: From so many scatters on, a cell of the map has the next colour; pale to dark red.
 SHADES = (
@@ -54,8 +50,7 @@ SHADES = (
     (12, "#b10026"),
 )
 
-#: From here on a shade is so dark that it takes white letters.
-DARK = 8
+DARK = 8  #: From here on a shade is so dark that it takes white letters.
 
 
 def residuals(

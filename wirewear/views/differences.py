@@ -14,11 +14,8 @@ from wirewear.records.remarks import listed
 from wirewear.results import Loop, RunResult, read_loops
 from wirewear.views.registration import ScarPair
 
-#: A simulated cycle stands for a measured one if neither is more than this many times the other.
-NEAR = 1.1
-
-#: Points of a loop on one phase, from mid-stroke towards +x.
-PHASES = 400
+NEAR = 1.1  #: A simulated cycle stands for a measured one if neither is more than this many times the other.
+PHASES = 400  #: Points of a loop on one phase, from mid-stroke towards +x.
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,11 +115,8 @@ def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
     return np.stack([np.interp(wanted, angle, channel, period=2.0 * np.pi) for channel in (displacement, force)])
 
 
-#: Differences below this share of the value are round-off, whatever the scatter.
-ROUND_OFF = 1e-9
-
-#: What a scatter between tests is taken from.
-REPEATS = "repeats"
+ROUND_OFF = 1e-9  #: Differences below this share of the value are round-off, whatever the scatter.
+REPEATS = "repeats"  #: What a scatter between tests is taken from.
 
 #: Quantity, unit, attribute of the figures, factor to the unit.
 _FIGURES = (

@@ -14,8 +14,7 @@ from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar
 from wirewear.results import RunResult, Scar
 from wirewear.results.scar import called
 
-#: The deviation of a rotation from which on a scar is too round to have one.
-VAGUE_deg = 4.0
+VAGUE_deg = 4.0  #: The deviation of a rotation from which on a scar is too round to have one.
 
 #: Rotations from which the search starts: a scar is much the same after half a turn.
 STARTS_deg = np.arange(-75.0, 91.0, 15.0)

@@ -17,8 +17,7 @@ from wirewear.results.scar import called
 from wirewear.views.regression import line_through_origin
 from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions, tension_lines
 
-#: A column of the evolution, what it is called, and its dashes in SVG.
-Course = tuple[str, str, str]
+Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 
 _OF_NODES: tuple[Course, ...] = (
     ("max_pressure_MPa", "largest at a node", "5 3"),
@@ -40,14 +39,9 @@ _COURSES = {
 #: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
 LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS, SHADES = 160, 161, 72, 8, 48
 
-#: Surfaces are shown to this many times the worn half-length.
-MARGIN = 1.25
-
-#: The map of the material's response reaches beyond the test's displacement by this factor.
-BEYOND = 4.0
-
-#: What dashes tell runs apart in SVG.
-DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")
+MARGIN = 1.25  #: Surfaces are shown to this many times the worn half-length.
+BEYOND = 4.0  #: The map of the material's response reaches beyond the test's displacement by this factor.
+DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")  #: What dashes tell runs apart in SVG.
 
 
 def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]) -> tuple[Course, ...]:

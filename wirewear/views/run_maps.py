@@ -25,8 +25,7 @@ from wirewear.reference.half_space import partial_slip_stress
 from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
 from wirewear.study import study_from_tables
 
-#: Loads of the map, relative to the test's.
-LOADS = np.geomspace(0.1, 10.0, 41)
+LOADS = np.geomspace(0.1, 10.0, 41)  #: Loads of the map, relative to the test's.
 
 #: A loop of this energy ratio is at the transition (S. Fouvry, P. Kapsa, L. Vincent, Wear 185 (1995) 35).
 TRANSITION = 0.2
@@ -106,11 +105,8 @@ def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array
 #: Shares of the sliding force at which the tension is computed; it begins with a vertical tangent.
 SHARES = np.linspace(0.0, 1.0, 61) ** 3
 
-#: Where none is asked for, lines begin at the tension of this share under the lowest load.
-FROM_SHARE = 0.5
-
-#: Loads of a line in partial slip; lines at most, where none is asked for.
-POINTS, MOST_LINES = 41, 5
+FROM_SHARE = 0.5  #: Where none is asked for, lines begin at the tension of this share under the lowest load.
+POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, where none is asked for.
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from studies.blind.generators.nominal import Nominal
 
 #: Severity of hard and of easy cases; 0 is the smallest size and 1 the largest, geometrically between.
 SEVERITY = {"hard": (0.0, 0.45), "easy": (0.55, 1.0)}
-#: Largest share of the stroke that a compliance or play takes.
-MOST_TAKEN = 0.15
+MOST_TAKEN = 0.15  #: Largest share of the stroke that a compliance or play takes.
 
 
 @dataclass(frozen=True)

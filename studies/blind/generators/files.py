@@ -28,8 +28,7 @@ Array = NDArray[np.float64]
 #: Scar maps reach beyond the scar that the statements lead one to expect, in steps of so many points a half-width.
 MAP_MARGIN, MAP_POINTS = 1.25, 26
 
-#: Time of every file: 2000-01-01 00:00 UTC.
-FILE_TIME_s = 946684800
+FILE_TIME_s = 946684800  #: Time of every file: 2000-01-01 00:00 UTC.
 
 LOOP_FORMATS = {"time_s": "%09.6f", "displacement_um": "%+09.3f", "tangential_force_N": "%+09.4f"}
 NORMAL_FORMAT = {"normal_force_N": "%+09.4f"}

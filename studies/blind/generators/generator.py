@@ -34,14 +34,9 @@ LIBRARY_EFFECTS = (
 
 TIERS = ("T0", "T1", "T2")
 
-#: T1 of wires at other angles and of balls on flats.
-POINT_TIERS = ("A1", "B1")
-
-#: Those of line contacts.
-LINE_TIERS = ("L1",)
-
-#: Simulators by others, of wires and of line contacts.
-OTHERS = "T3"
+POINT_TIERS = ("A1", "B1")  #: T1 of wires at other angles and of balls on flats.
+LINE_TIERS = ("L1",)  #: Those of line contacts.
+OTHERS = "T3"  #: Simulators by others, of wires and of line contacts.
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,8 +12,7 @@ import numpy as np
 from studies.blind.generators.instruments import Array, Instrument, Signals, place_in_stroke
 from studies.blind.generators.strokes import through_holder
 
-#: The contact gives way by this share of the stroke at least.
-LEAST_ELASTIC = 1e-3
+LEAST_ELASTIC = 1e-3  #: The contact gives way by this share of the stroke at least.
 
 
 @dataclass(frozen=True)

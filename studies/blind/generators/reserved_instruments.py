@@ -13,10 +13,8 @@ from studies.blind.generators.instruments import Array, Instrument, Signals, bey
 from studies.blind.generators.reserved_holders import HOLDERS
 from studies.blind.generators.strokes import since_reversal
 
-#: Edge of a glaze over half of the stroke.
-GLAZE_EDGE = 0.06
-#: Power with which the rolls of debris jam over their way.
-JAMMING = 10.0
+GLAZE_EDGE = 0.06  #: Edge of a glaze over half of the stroke.
+JAMMING = 10.0  #: Power with which the rolls of debris jam over their way.
 
 
 @dataclass(frozen=True)

@@ -13,11 +13,8 @@ from wirewear.records import AnyRecord, ExperimentRecord, MeasuredEvolution, Mea
 from wirewear.records.tables import PointRecordTables
 
 Array = NDArray[np.float64]
-#: Displacement in µm, tangential and normal force in N over a cycle (n,).
-Channels = tuple[Array, Array, Array]
-
-#: An outlier lies so many times the channel's largest value away, at most.
-OUTLIER_REACH = 0.5
+Channels = tuple[Array, Array, Array]  #: Displacement in µm, tangential and normal force in N over a cycle (n,).
+OUTLIER_REACH = 0.5  #: An outlier lies so many times the channel's largest value away, at most.
 #: Forces up to this share of the amplitude count as about zero.
 NEAR_ZERO = 0.1
 PROFILOMETER_NOISE_um = 0.05

@@ -3,8 +3,7 @@
 from studies.blind.errors import BlindError
 from studies.blind.generators.generator import LINE_TIERS, OTHERS, POINT_TIERS, TIERS, Generator
 
-#: The friction law of T2 where none is asked for: the one for development.
-DEFAULT_LAW = "dahl"
+DEFAULT_LAW = "dahl"  #: The friction law of T2 where none is asked for: the one for development.
 
 
 def generator_of(

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-#: Even times of a cycle, before the record's sampling.
-SAMPLES = 1024
+SAMPLES = 1024  #: Even times of a cycle, before the record's sampling.
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,7 @@ from math import acos, pi
 
 from studies.blind.generators.draw import Draw
 
-#: Share of the spring's way that counts: the force turns faster than on average towards the end of it.
-OWN_FLANK = 0.5
+OWN_FLANK = 0.5  #: Share of the spring's way that counts: the force turns faster than on average towards the end of it.
 
 
 def _plug(d: Draw) -> dict[str, float]:

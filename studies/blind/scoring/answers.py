@@ -11,10 +11,8 @@ from wirewear.base.reading import read_json, require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")
-#: What rounded probabilities may add up to beyond 1.
-ROUNDING = 0.01
-#: Hypotheses beside the effects, as `causes` may name them.
-NONE, OUTSIDE = "none", "outside_library"
+ROUNDING = 0.01  #: What rounded probabilities may add up to beyond 1.
+NONE, OUTSIDE = "none", "outside_library"  #: Hypotheses beside the effects, as `causes` may name them.
 
 
 @dataclass(frozen=True)

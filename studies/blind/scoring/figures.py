@@ -21,8 +21,7 @@ from studies.blind.scoring.statistics import (
 #: Edges of the gap's size in scatters of one test; the aims hold above 5.
 GAP_EDGES = (0.0, 2.0, 5.0, 10.0, 20.0, float("inf"))
 LARGE_GAP = 5.0
-#: Largest loss of shrink against an oracle, in parts of one.
-SHRINK_REGRET = 0.05
+SHRINK_REGRET = 0.05  #: Largest loss of shrink against an oracle, in parts of one.
 
 
 def batch_figures(judgements: Sequence[Judgement], oracle: Mapping[str, Answer | None]) -> dict[str, Any]:

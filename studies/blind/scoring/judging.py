@@ -10,10 +10,8 @@ from studies.blind.generators.cases import EXACT_CLASSES, exact_class
 from studies.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
 
-#: Level of the class sets whose coverage is reported, of answers that state none.
-SET_LEVEL = 0.9
-#: Kinds of cases whose effect no library holds, as the diagnosis sees it.
-OPEN_KINDS = ("outside", "left_out")
+SET_LEVEL = 0.9  #: Level of the class sets whose coverage is reported, of answers that state none.
+OPEN_KINDS = ("outside", "left_out")  #: Kinds of cases whose effect no library holds, as the diagnosis sees it.
 #: Effects that another one contains: left out of the library, they cannot be unexplained; the other one is right.
 CONTAINED_IN = {"friction_offset": "friction_evolution", "wear_rate_offset": "wear_rate_evolution"}
 

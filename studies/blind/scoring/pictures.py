@@ -11,8 +11,7 @@ from matplotlib.figure import Figure
 from studies.blind.scoring.judging import Judgement
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters
 
-#: Side of a square of the confusion matrix, and room for its labels.
-CELL_in, LABELS_in = 0.25, 1.9
+CELL_in, LABELS_in = 0.25, 1.9  #: Side of a square of the confusion matrix, and room for its labels.
 
 #: Height of a panel that stands alone.
 SIDE_in = 3.4

@@ -9,8 +9,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CONFIDENCE = 0.95
-#: Bins of the reliability diagram.
-BINS = 10
+BINS = 10  #: Bins of the reliability diagram.
 
 
 @dataclass(frozen=True)

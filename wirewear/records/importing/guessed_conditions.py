@@ -19,8 +19,7 @@ from wirewear.records.values import MeasuredLoop
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
 ONE_AMPLITUDE = 0.1
 
-#: Loops that are analysed for it, from first to last: a second or two.
-MOST_READ = 25
+MOST_READ = 25  #: Loops that are analysed for it, from first to last: a second or two.
 
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0

@@ -21,14 +21,12 @@ from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.importing.sources import read_source
 from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
 
-#: Fewer samples tell nothing.
-FEWEST = 16
+FEWEST = 16  #: Fewer samples tell nothing.
 
 #: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
 
-#: A test that began after so many of its own lengths was not timed from its start.
-EPOCH = 1e3
+EPOCH = 1e3  #: A test that began after so many of its own lengths was not timed from its start.
 
 #: The keys of a record's tables, and the channel that each is.
 LOOP_KEYS = {

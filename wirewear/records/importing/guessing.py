@@ -21,8 +21,7 @@ from wirewear.records.tables import RecordWires
 from wirewear.results.scar import WIRES
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
 
-#: Tables of a mapping that hold one of surfaces for each body.
-SURFACES = ("scars", "profiles")
+SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
 
 
 @dataclass(frozen=True)

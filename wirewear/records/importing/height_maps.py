@@ -21,8 +21,7 @@ from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.quantity import FIELD_UNITS
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
 
-#: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
-Map = tuple[Array, Array, Array]
+Map = tuple[Array, Array, Array]  #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
 
 
 @dataclass(frozen=True)
@@ -78,11 +77,8 @@ def positive(text: str) -> float | None:
     return value if 0.0 < value < np.inf else None
 
 
-#: Tables with fewer columns are points or channels, and no matrix of heights.
-NARROWEST = 8
-
-#: Numbers that count lines are even to so many of their own steps.
-EVEN = 0.02
+NARROWEST = 8  #: Tables with fewer columns are points or channels, and no matrix of heights.
+EVEN = 0.02  #: Numbers that count lines are even to so many of their own steps.
 
 _WYKO = "Wyko ASCII Data File"
 _LENGTHS = FIELD_UNITS["um"]
@@ -225,8 +221,7 @@ MAPS = frozenset(
 #: Lines of a text on which SurfaceTopography is tried before it reads the whole, which takes it 160 bytes a byte.
 HEAD_LINES, TEXT_EXPANSION = 200, 160.0
 
-#: A zipped map takes its parts, their numbers in floating point, and a copy of them.
-ZIP_EXPANSION = 4.0
+ZIP_EXPANSION = 4.0  #: A zipped map takes its parts, their numbers in floating point, and a copy of them.
 
 #: No profilometer sees so far, in µm: NanoFocus files state their points' distance in nm where millimetres are read.
 WIDEST_um = 1e6

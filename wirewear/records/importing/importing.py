@@ -35,8 +35,7 @@ from wirewear.results.scar import called
 
 FEW = 5
 
-#: Scars of one wire, or profiles of one body, that are drawn.
-MOST_DRAWN = 3
+MOST_DRAWN = 3  #: Scars of one wire, or profiles of one body, that are drawn.
 
 
 def import_text(record: AnyRecord) -> str:
@@ -174,8 +173,7 @@ TURNED = (
     "resists motion in +x"
 )
 
-#: In place of the number of a cycle where a sample belongs to none.
-_NO_CYCLE = -1.0
+_NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to none.
 
 
 def import_record(mapping_path: str | Path) -> AnyRecord:

@@ -18,8 +18,7 @@ from wirewear.records.point_tables import BallTest, ShapesTest
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
 from wirewear.study.keys import NormalLoad, Table, checked_text
 
-#: Kind of the files that hold a height map, which SurfaceTopography reads.
-PROFILOMETER = "profilometer"
+PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 
 StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]

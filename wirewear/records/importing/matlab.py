@@ -21,8 +21,7 @@ from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Read
 _HEAD, _TAG = 128, 8
 _ORDER = {b"\x00\x01IM": "<", b"\x01\x00MI": ">"}
 
-#: Type of an element that holds another one compressed, and of one that holds an array.
-_COMPRESSED, _MATRIX = 15, 14
+_COMPRESSED, _MATRIX = 15, 14  #: Type of an element that holds another one compressed, and of one that holds an array.
 
 #: Classes of arrays whose numbers are kept in as many bytes; others hold arrays of their own.
 _BYTES = {6: 8, 7: 4, 8: 1, 9: 1, 10: 2, 11: 2, 12: 4, 13: 4, 14: 8, 15: 8}
@@ -34,8 +33,7 @@ _CHUNK = 1 << 20
 
 Wanted = Mapping[str, str | int]
 
-#: A matrix with no more columns, or rows, than this may hold a channel in each.
-MOST_CHANNELS = 12
+MOST_CHANNELS = 12  #: A matrix with no more columns, or rows, than this may hold a channel in each.
 
 #: A column ``hyst(:,2)`` or row ``hyst(2,:)`` of a matrix, spelled as in MATLAB.
 _PART = re.compile(r"(.+)\((?::\s*,\s*(\d+)|(\d+)\s*,\s*:)\)")

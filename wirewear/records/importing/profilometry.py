@@ -20,8 +20,7 @@ from wirewear.results.scar import called
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.faces import Face
 
-#: Points that the fitted cylinder is sought on, at most; a map has often millions.
-MOST_POINTS = 20_000
+MOST_POINTS = 20_000  #: Points that the fitted cylinder is sought on, at most; a map has often millions.
 
 #: Points that a wire's direction is sought on; rounds in which a fit settles on what is not worn.
 FEWER_POINTS, ROUNDS = 2_000, 5
@@ -32,8 +31,7 @@ FAR, FINEST_um = 3.0, 1e-3
 #: What lies within so many sizes of the scar is not taken to be unworn, if more than a share of the map is left.
 ABOUT, LEAST_UNWORN = 1.25, 0.2
 
-#: Fewer points tell no cylinder.
-FEWEST_POINTS = 100
+FEWEST_POINTS = 100  #: Fewer points tell no cylinder.
 
 
 #: Share of a body's radius beyond which its flanks are too steep to be measured; beyond any map of a straight one.
@@ -284,11 +282,8 @@ def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, r
             raise RecordError(f"{file}: {problem}") from None
 
 
-#: Fewer points tell no face.
-FEWEST_ON_LINE = 20
-
-#: Shares of a profile at either end that are taken to be unworn at first.
-MARGIN = 0.15
+FEWEST_ON_LINE = 20  #: Fewer points tell no face.
+MARGIN = 0.15  #: Shares of a profile at either end that are taken to be unworn at first.
 
 
 def levelled(

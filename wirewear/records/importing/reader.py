@@ -18,8 +18,7 @@ from wirewear.base.errors import RecordError
 from wirewear.base.quantity import nearest, shown
 from wirewear.base.reading import Held, read_text, require_no_other
 
-#: What stands in a guessed mapping for what only the user can tell.
-OPEN = "?"
+OPEN = "?"  #: What stands in a guessed mapping for what only the user can tell.
 
 _OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")
 
@@ -95,8 +94,7 @@ class Reader(ABC):
         return ()
 
 
-#: Columns side by side that are one channel, such as ``2:129``.
-_GROUP = re.compile(r"(\d+):(\d+)")
+_GROUP = re.compile(r"(\d+):(\d+)")  #: Columns side by side that are one channel, such as ``2:129``.
 
 
 class TextReader(Reader):

@@ -10,8 +10,7 @@ from wirewear.records.importing.matlab import MatlabReader
 from wirewear.records.importing.reader import Reader, TextReader
 from wirewear.records.importing.tdms import TdmsReader
 
-#: Entry point group in which a package names its subclasses of `Reader`.
-ENTRY_POINT_GROUP = "wirewear.readers"
+ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package names its subclasses of `Reader`.
 
 LIBRARY: tuple[type[Reader], ...] = (TextReader, MatlabReader, TdmsReader)
 

@@ -17,8 +17,7 @@ from wirewear.records.importing.registry import kind_of, readers
 from wirewear.records.reading import RECORD_COLUMNS
 from wirewear.study.keys import Table
 
-#: A pattern that needs longer for a file's name would need for ever.
-PATTERN_s = 2.0
+PATTERN_s = 2.0  #: A pattern that needs longer for a file's name would need for ever.
 
 Wanted = Mapping[str, ColumnMapping]
 

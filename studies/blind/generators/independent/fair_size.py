@@ -37,14 +37,9 @@ Array = NDArray[np.float64]
 #: Figures that follow from the loop's shape.
 DERIVED = ("dissipated_energy_mJ", "max_tangential_force_N", "mean_force_N")
 
-#: A charge amplifier's zero is known within this share of the largest force.
-UNKNOWN_ZERO = 0.01
-
-#: Noise of a figure is at least this share of one test's standard deviation.
-LEAST_NOISE = 0.05
-
-#: Sizes at which an effect is tried as an imitation.
-TRIED = ("hard", "easy", "easy")
+UNKNOWN_ZERO = 0.01  #: A charge amplifier's zero is known within this share of the largest force.
+LEAST_NOISE = 0.05  #: Noise of a figure is at least this share of one test's standard deviation.
+TRIED = ("hard", "easy", "easy")  #: Sizes at which an effect is tried as an imitation.
 
 
 def fair_size(case: Case, model: IndependentModel) -> float:

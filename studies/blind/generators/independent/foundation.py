@@ -18,8 +18,7 @@ Array = NDArray[np.float64]
 
 #: Newton steps for the approach; the force is convex in it, so few are needed.
 NEWTON_STEPS, NEWTON_TOLERANCE = 60, 1e-10
-#: Powers of the slope in the series of the tangential force.
-MOMENTS = 7
+MOMENTS = 7  #: Powers of the slope in the series of the tangential force.
 
 
 @dataclass(frozen=True, eq=False)

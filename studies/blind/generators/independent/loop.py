@@ -24,10 +24,8 @@ Array = NDArray[np.float64]
 
 POINTS = 160  # of a branch, crowded after its reversal
 REVERSAL_STEPS, REVERSAL_TOLERANCE = 40, 1e-7
-#: Play is a step of the holder at Q = 0, spread over so much force.
-PLAY_FORCE_N = 2e-3
-#: Speed at which velocity-dependent friction has its nominal value [mm/s].
-REFERENCE_SPEED = 0.3
+PLAY_FORCE_N = 2e-3  #: Play is a step of the holder at Q = 0, spread over so much force.
+REFERENCE_SPEED = 0.3  #: Speed at which velocity-dependent friction has its nominal value [mm/s].
 
 
 class Vector(Protocol):

@@ -27,10 +27,8 @@ Array = NDArray[np.float64]
 
 #: Steps of the finite differences that turn scatter of specimens into scatter of figures.
 STEPS = {"friction": 0.02, "load": 0.02, "wear": 0.1, "angle_deg": 2.0}
-#: Figures are compared at these parts of the test.
-COMPARED = (0.001, 0.01, 0.1, 0.3, 1.0)
-#: Phases at which shapes of loops are compared.
-PHASES = 64
+COMPARED = (0.001, 0.01, 0.1, 0.3, 1.0)  #: Figures are compared at these parts of the test.
+PHASES = 64  #: Phases at which shapes of loops are compared.
 
 
 @dataclass(frozen=True)

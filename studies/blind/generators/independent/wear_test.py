@@ -28,8 +28,7 @@ Array = NDArray[np.float64]
 
 #: Half-columns of the grid, and its half-width over that of the scar which the stated wear would dig.
 POINTS, MARGIN = 24, 1.1
-#: Largest growth of the cycle number in one jump.
-GROWTH = 1.3
+GROWTH = 1.3  #: Largest growth of the cycle number in one jump.
 #: Foundation stiffness as a multiple of E*/a: what gives Hertz's load and radius together in a fresh contact, and what
 #: a half-space yields on average under the even pressure of a worn one (Johnson, Contact Mechanics, eq. 3.29).
 FRESH_FOUNDATION, WORN_FOUNDATION = 16.0 / (3.0 * pi), 3.0 * pi / 16.0
@@ -39,8 +38,7 @@ BULK_YIELD = 5.7
 ROUGH_RATIO = 0.82
 #: Debris lies thickest where the scar is deepest; no more than this share stays, or the scar would close.
 MOST_RETAINED = 0.45
-#: Wear that depends on the pressure does so within these multiples of the reference.
-SEVERE_WITHIN = (0.05, 20.0)
+SEVERE_WITHIN = (0.05, 20.0)  #: Wear that depends on the pressure does so within these multiples of the reference.
 
 
 @dataclass(frozen=True, eq=False)

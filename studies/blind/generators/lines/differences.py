@@ -13,11 +13,8 @@ from studies.blind.generators.sampling import Channels, loop_figures
 from wirewear.effects import Effect
 from wirewear.results import BODIES, RunResult
 
-#: Noise of a profile's points.
-PROFILE_NOISE_um = 0.03
-
-#: Shares of the test at which gaps are sized.
-COMPARED = (0.02, 0.2, 1.0)
+PROFILE_NOISE_um = 0.03  #: Noise of a profile's points.
+COMPARED = (0.02, 0.2, 1.0)  #: Shares of the test at which gaps are sized.
 
 
 def differences(believed: RunResult, true: RunResult, changes: Sequence[Effect[Any]], case: Case) -> dict[str, float]:

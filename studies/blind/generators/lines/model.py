@@ -55,8 +55,7 @@ LINE_LIBRARY = (
     "sensor_lag",
 )
 
-#: Points of a profile, and how far it reaches.
-POINTS, PROFILE_MARGIN = 181, 1.7
+POINTS, PROFILE_MARGIN = 181, 1.7  #: Points of a profile, and how far it reaches.
 
 
 @lru_cache(maxsize=24)

@@ -20,8 +20,7 @@ from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]
 
-#: Even times of a cycle, before the record's sampling.
-TIMES = 1024
+TIMES = 1024  #: Even times of a cycle, before the record's sampling.
 
 
 def nominal_of(case: Case) -> LineNominal:

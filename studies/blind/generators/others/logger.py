@@ -11,13 +11,9 @@ from studies.blind.generators.others.tests_drawn import LineTest, Test
 from studies.blind.generators.waveform import Waveform
 from wirewear.records import MeasuredEvolution, MeasuredLoop, MeasuredProfile, MeasuredScar
 
-#: Displacement [µm], tangential and normal force [N] over a cycle (n,).
-Channels = tuple[Array, Array, Array]
-
-#: Cycles at which a test's loops are computed, and which part of them a logger keeps.
-SNAPSHOTS, KEPT = 18, 0.55
-#: Lines of a scar's map along half of its width.
-LINES = 24
+Channels = tuple[Array, Array, Array]  #: Displacement [µm], tangential and normal force [N] over a cycle (n,).
+SNAPSHOTS, KEPT = 18, 0.55  #: Cycles at which a test's loops are computed, and which part of them a logger keeps.
+LINES = 24  #: Lines of a scar's map along half of its width.
 
 
 @dataclass(frozen=True)

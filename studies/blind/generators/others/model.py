@@ -40,8 +40,7 @@ Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
 CELLS, WIDER = {"half_space": 20, "foundation": 26, "strips": 70, "layers": 80}, 1.35
 #: Cycles grow so much from jump to jump; the first jump has this share of the first snapshot's.
 GROWTH, FIRST = {"half_space": 1.25, "foundation": 1.12, "strips": 1.12, "layers": 1.15}, 0.1
-#: Exponents of friction by speed and by pressure that strips have.
-SPEED_EXPONENT, PRESSURE_EXPONENT = 0.004, -0.004
+SPEED_EXPONENT, PRESSURE_EXPONENT = 0.004, -0.004  #: Exponents of friction by speed and by pressure that strips have.
 #: Effects that a simulator cannot make.
 CANNOT = {"strips": ("crossing_angle_error",), "layers": ("crossing_angle_error", "plasticity")}
 

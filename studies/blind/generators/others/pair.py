@@ -15,8 +15,7 @@ Array = NDArray[np.float64]
 
 #: Positions of a stroke at which a loop's forces are computed, closer to its ends, and fewest and most of a sweep.
 POSITIONS, SWEPT = 13, (7, 15)
-#: Uneven part of successive sweeps' positions: the golden ratio's.
-GOLDEN = 0.6180339887
+GOLDEN = 0.6180339887  #: Uneven part of successive sweeps' positions: the golden ratio's.
 
 
 class Elastic(Protocol):

@@ -10,12 +10,10 @@ from studies.blind.generators.others.pair import Array, Touch
 from studies.blind.generators.others.world import World
 from wirewear.base.errors import RunError
 
-#: Points of a stroke, closer to its beginning, and of a loop over time.
-POINTS, TIMES = 480, 1024
+POINTS, TIMES = 480, 1024  #: Points of a stroke, closer to its beginning, and of a loop over time.
 #: A drive holds its amplitude so well; a play is crossed within this share of the friction's limit.
 HELD, CROSSED = 1e-7, 1e-3
-#: Contacts that slip less than this share of the stroke are no tests of sliding.
-LEAST_SLIP = 0.35
+LEAST_SLIP = 0.35  #: Contacts that slip less than this share of the stroke are no tests of sliding.
 
 
 class Sliding(Protocol):

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 from studies.blind.generators.others.foundation import Foundation
 from studies.blind.generators.others.pair import Array, Layer, Pair
 
-#: Weakest slider's limit over the mean one.
-WEAKEST = 0.5
+WEAKEST = 0.5  #: Weakest slider's limit over the mean one.
 #: Lines across half a cell of the scars' maps, and the least overlap of strips that would touch.
 ACROSS_LINES, LEAST_mm = 24, 1e-5
 

@@ -22,8 +22,7 @@ MATERIALS_MPa = (
     (210000.0, 0.3),
 )
 
-#: How far a pad's face falls over its height at most, so that it is a layer.
-LARGEST_FALL = 0.35
+LARGEST_FALL = 0.35  #: How far a pad's face falls over its height at most, so that it is a layer.
 #: Part of the stroke that bodies of line contacts take; what rims and sides add to a layer is a tenth of it or less.
 MOST_OF_BODIES = 0.08
 
