@@ -21,6 +21,7 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.model.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.fitting import fit_record
+from wirewear.fitting.report import fit_table
 from wirewear.kinds import kind_of
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord
@@ -107,7 +108,9 @@ def test_a_ball_on_a_flat_without_a_gap_has_none_and_a_soft_rig_is_named_and_fit
     (cause,) = (one for one in found.causes if one.effect == "tangential_compliance")
     low, high = cause.parameters["stiffness_N_per_mm"].interval95
     assert low < 5000.0 < high
-    fitted = fit_record(soft).parameters
+    fit = fit_record(soft)
+    assert "worn volume, ball" in [*fit_table(fit).columns[0].cells]
+    fitted = fit.parameters
     assert fitted["tangential_stiffness_N_per_mm"].value == pytest.approx(5000.0, rel=0.1)
     assert fitted["friction"].value == pytest.approx(FRICTION, rel=0.01)
     assert fitted["energy_wear_coefficient_mm3_per_J"].value == pytest.approx(2e-5, rel=0.02)

@@ -15,6 +15,7 @@ from wirewear.fitting.fit import CheckedRun, stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.kinds import kind_of
 from wirewear.records.toml_file import with_checksums
+from wirewear.results.scar import called
 from wirewear.study.template import study_text
 
 #: What parameters and figures are called.
@@ -27,17 +28,13 @@ NAMES = {
     "normal_spring_stiffness_N_per_mm": "spring of the loading train",
     "free_play_um": "free play",
     "energy_wear_coefficient_mm3_per_J": "wear coefficient V/ΣE_d",
-    "moving_share": "moving wire's share of the wear",
+    "moving_share": "driven body's share of the wear",
     "pad_energy_wear_coefficient_mm3_per_J": "wear coefficient of the pad V/ΣE_d",
     "specimen_energy_wear_coefficient_mm3_per_J": "wear coefficient of the specimen V/ΣE_d",
     "measured_stiffness_N_per_mm": "stiffness of the first loops K_t,m",
     "contact_stiffness_N_per_mm": "stiffness of the contact K_c",
     "rig_stiffness_of_first_loops_N_per_mm": "K_rig by 1/K_t,m − 1/K_c, first loops",
     "accumulated_energy_J": "friction energy of a test ΣE_d",
-    "worn_volume_moving_mm3": "worn volume, moving wire",
-    "worn_volume_fixed_mm3": "worn volume, fixed wire",
-    "worn_volume_pad_mm3": "worn volume, pad",
-    "worn_volume_specimen_mm3": "worn volume, specimen",
 }
 
 #: What the fitted figures of loops are called, and their unit.
@@ -60,9 +57,11 @@ def fit_table(fitted: FittedTest) -> Table:
     for heading in ("", "value", "95 % interval", "tests"):
         table.add_column(heading, justify="left" if not heading else "right")
     stiff = STIFF * fitted.rigid_N_per_mm
+    bodies = fitted.record.tables.body_names
+    names = NAMES | {f"worn_volume_{body}_mm3": f"worn volume, {called(body)}" for body in bodies}
     for name, found in {**fitted.parameters, **fitted.found}.items():
         value, interval = _shown(found, stiff)
-        table.add_row(NAMES[name], value, interval, str(found.repeats) if found.repeats else "–")
+        table.add_row(names[name], value, interval, str(found.repeats) if found.repeats else "–")
     return table
 
 
