@@ -12,7 +12,7 @@ from geometry.arrays import Array
 from geometry.errors import GeometryError
 
 if TYPE_CHECKING:
-    from scipy.interpolate import PchipInterpolator
+    from scipy.interpolate import PchipInterpolator, RegularGridInterpolator
 
 
 _REACH = 0.95  # Far beside a contact patch any finite height will do; a cylinder has none there.
@@ -322,3 +322,48 @@ class Turned:
         far = np.hypot(*plane_mm.T)
         within = np.minimum(far, self.face.reach_mm) if isinstance(self.face, TabledProfile) else far
         return np.column_stack([within, np.zeros_like(far)]), far - within
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """A surface that lies below another one by depths as they were measured: an old scar, or errors of its form.
+
+    x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): a map.  to_map: (2, 2), turns plane vectors into the map's axes.
+    Between lines depths and their gradients are bilinear, beside the map those of its rim.
+    """
+
+    base: Profile
+    x_mm: Array
+    y_mm: Array
+    depth_mm: Array
+    to_map: Array
+
+    def height(self, plane_mm: Array) -> Array:
+        """Of the other surface less the depth."""
+        return np.asarray(self.base.height(plane_mm) - self._at(plane_mm)[:, 0])
+
+    def slope(self, plane_mm: Array) -> Array:
+        """Likewise."""
+        return np.asarray(self.base.slope(plane_mm) - self._at(plane_mm)[:, 1:] @ self.to_map)
+
+    def require_within(self, along_mm: float, across_mm: float) -> None:
+        """As of the other surface."""
+        self.base.require_within(along_mm, across_mm)
+
+    def scaled(self, factor: float) -> Measured:
+        """The same surface in another unit of length."""
+        x, y, depth = (factor * values for values in (self.x_mm, self.y_mm, self.depth_mm))
+        return Measured(self.base.scaled(factor), x, y, depth, self.to_map)
+
+    def _at(self, plane_mm: Array) -> Array:
+        """Depth and gradient (n, 3) in the map's axes."""
+        lines = (self.x_mm, self.y_mm)
+        places = [np.clip(own, line[0], line[-1]) for own, line in zip(self.to_map @ plane_mm.T, lines, strict=True)]
+        return np.asarray(self._interpolated(np.column_stack(places)))
+
+    @cached_property
+    def _interpolated(self) -> RegularGridInterpolator:
+        from scipy.interpolate import RegularGridInterpolator
+
+        lines = (self.x_mm, self.y_mm)
+        return RegularGridInterpolator(lines, np.stack([self.depth_mm, *np.gradient(self.depth_mm, *lines)], axis=-1))

@@ -55,6 +55,12 @@ def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
     Raises:
         StudyError: the tables are no valid study of their kind; the message is one sentence.
     """
+    from wirewear.study.surfaces import surfaces_in
+
     named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), next(iter(KINDS.values())))
+    if any(surfaces_in(tables)):
+        from wirewear.kinds.surfaces import with_levelled
+
+        tables = with_levelled(tables, where, named.study_from_tables)
     study: Study | PlanarStudy = named.study_from_tables(tables, where)
     return study

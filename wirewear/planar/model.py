@@ -25,8 +25,10 @@ from wirewear.base.quantity import counted
 from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
+from wirewear.simulation.problem import measured
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
+from wirewear.study.surfaces import Surface
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
@@ -151,7 +153,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     except ValueError as problem:
         raise StudyError(f"the pad is too narrow for this test: {problem}; give it more half_width_mm.") from None
     tilted = farthest_contact(face, reach, _largest_tilt(study.holder, stroke), fresh)
-    wears = max(study.energy_coefficients()) > 0.0
+    wears = max(study.energy_coefficients()) > 0.0 or _lacking(study) > 0.0
     if mesh.scar_half_width_um is not None:
         half = 1e-3 * mesh.scar_half_width_um
     elif isinstance(face, RoundedFlat):
@@ -189,16 +191,20 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     )
 
 
-def placed_body(geometry: PlanarGeometry, material: Elastic, *, upper: bool) -> PlacedBody:
-    """A body of that geometry and material in the contact."""
+def placed_body(
+    geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: Surface | None = None
+) -> PlacedBody:
+    """A body of that geometry and material in the contact, perhaps with a surface that was measured of it."""
     meshed = build_planar(geometry)
-    return place(condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding), upper=upper, axis_angle_rad=0.0)
+    body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
+    return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
 
 
 def bodies(study: PlanarStudy, meshes: PlanarPlan) -> tuple[PlacedBody, PlacedBody]:
     """Pad and specimen, meshed, condensed and placed."""
-    pad = placed_body(meshes.pad, study.pad.elastic, upper=True)
-    return pad, placed_body(meshes.specimen, study.specimen.elastic, upper=False)
+    pad, specimen = study.pad, study.specimen
+    upper = placed_body(meshes.pad, pad.elastic, upper=True, surface=pad.surface)
+    return upper, placed_body(meshes.specimen, specimen.elastic, upper=False, surface=specimen.surface)
 
 
 def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
@@ -270,13 +276,19 @@ def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: f
     factors = wear_factors(
         study.effects, study.contact.friction, conditions.normal_load_N_per_mm, float(conditions.cycles)
     )
-    area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin
+    area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin + _lacking(study)
     scar = scar_half_width(face, area, pad_half_mm)
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.
     stroke = 1e-3 * conditions.displacement_amplitude_um if area > 0.0 else 0.0
     if isinstance(face, RoundedFlat):
         return face.half_width_mm + _MARGIN * (max(scar, contact_mm) + 0.5 * stroke - face.half_width_mm)
     return _MARGIN * max(2.0 * contact_mm, scar + contact_mm + 0.5 * stroke)
+
+
+def _lacking(study: PlanarStudy) -> float:
+    """Area in mm² that both bodies lack as they were measured before the test."""
+    surfaces = (study.pad.surface, study.specimen.surface)
+    return sum(surface.area_mm2 for surface in surfaces if surface is not None)
 
 
 def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, remedy: str) -> None:

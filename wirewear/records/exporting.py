@@ -26,6 +26,7 @@ from wirewear.results import BODIES, Loop, RunResult, age_at, sensor_of
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
+from wirewear.study.surfaces import surfaces_in
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult, Scar
@@ -131,10 +132,14 @@ def record_of_result(
     contact, the record is that of `length_mm`, as is the noise of forces.
 
     Raises:
-        RecordError: the result has logged no loops, its study says too little or has unequal wires, or the length of a
-            line contact is missing, or that of another one is given.
+        RecordError: the result began with a measured surface or has logged no loops, its study says too little or has
+            unequal wires, or the length of a line contact is missing, or that of another one is given.
     """
     TABLES[result.contact_kind].require_length(length_mm, result.label)
+    if any(surfaces_in(result.study)):
+        raise RecordError(
+            f"the result {result.label!r} is of a test that began with a measured surface, which records do not state."
+        )
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
     # Studies of line contacts state effects, as of sensors, as they are of one millimetre.

@@ -61,8 +61,8 @@ class BodiesTest(PointTest, Generic[Bodies]):
         """
         if (wrong := self.bodies.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
-        if any(body.face is not None for body in self.bodies_of_test):
-            raise RecordError(f"{where} is of a pad that is turned about the normal, of which no records are read yet.")
+        if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):
+            raise RecordError(f"{where} is of a pad or a measured surface, of whose tests no records are read yet.")
 
 
 class BallTest(BodiesTest[BallAndFlat]):

@@ -159,7 +159,8 @@ class ExpectedContact:
 
     gap: of the unworn bodies.  hertz: the fresh contact.  scar: outline of the final scar in gross slip on a rigid rig,
     None without wear and flattening.  flattened_mm3: volume of both bodies that an effect takes away before the first
-    cycle.  wear_factors: of the effects, over the test.  sticks: whether the middle of the contact sticks for good.
+    cycle.  lacking_mm3: that which both lack as they were measured before.  wear_factors: of the effects, over the
+    test.  sticks: whether the middle of the contact sticks for good.
     face: of a pad, whose gap is that of the ball with as large a contact.
     """
 
@@ -170,6 +171,7 @@ class ExpectedContact:
     wear_factors: WearFactors
     sticks: bool = False
     face: Face | None = None
+    lacking_mm3: float = 0.0
 
     @property
     def fresh(self) -> Ellipse:
@@ -178,9 +180,10 @@ class ExpectedContact:
 
     def scar_half_width_mm(self, worn_volume_mm3: float) -> float:
         """Largest half-width when both bodies together have lost a volume, never below the fresh contact's."""
-        if worn_volume_mm3 <= 0.0:
+        missing = worn_volume_mm3 + self.lacking_mm3
+        if missing <= 0.0:
             return self.fresh.major_mm
-        return max(self.fresh.major_mm, scar_outline(worn_volume_mm3, self.gap, self.face).major_mm)
+        return max(self.fresh.major_mm, scar_outline(missing, self.gap, self.face).major_mm)
 
 
 def expected_contact(study: Study) -> ExpectedContact:
@@ -199,8 +202,9 @@ def expected_contact(study: Study) -> ExpectedContact:
         gap = (curvature, curvature, 0.0)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     flattened = _flattened_volume(study, gap)
-    volume = max(_worn_volume(study, factors), flattened)
-    sticks = _sticks(study, hertz)
+    lacking = sum(body.surface.volume_mm3 for body in (driven, held) if body.surface is not None)
+    volume = max(_worn_volume(study, factors), flattened) + lacking
+    sticks = lacking == 0.0 and _sticks(study, hertz)
     if volume == 0.0:
         scar = None
     elif sticks:
@@ -208,7 +212,7 @@ def expected_contact(study: Study) -> ExpectedContact:
         scar = fresh_ellipse(hertz)
     else:
         scar = scar_outline(volume, gap, face)
-    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face)
+    return ExpectedContact(gap, hertz, scar, flattened, factors, sticks, face, lacking)
 
 
 def _sticks(study: Study, hertz: reference.PointContact) -> bool:

@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Profile, build_body
+from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Measured, Profile, build_body
 from geometry.arrays import Array
 from solvers import (
     CondensedBody,
@@ -25,12 +25,14 @@ from solvers import (
 )
 from solvers.condensation import condense
 from solvers.patch_compliance import Bricks, PatchCompliance
+from solvers.placement import rotation_to_world
 from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
 from wirewear.base.identity import CONDENSATION_CODE, identity_of
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
 from wirewear.study import Study
+from wirewear.study.surfaces import Surface
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
@@ -168,11 +170,30 @@ def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[
     """The driven body below and the held one above the contact; the world's x axis is the direction of motion."""
     motion = radians(study.motion_angle_deg)
     crossing = radians(specimens_of(study).crossing_angle_deg)
+    driven, held = study.bodies
+    moving = measured(moving, driven.surface, driven.axis_angle_deg, upper=False)
+    fixed = measured(fixed, held.surface, held.axis_angle_deg, upper=True)
     lower = place(moving, upper=False, axis_angle_rad=-motion)
     upper = place(fixed, upper=True, axis_angle_rad=crossing - motion)
     if study.contact.primary_wire == "fixed":
         return lower, facing(upper, lower)
     return facing(lower, upper), upper
+
+
+def measured(condensed: CondensedBody, surface: Surface | None, axis_angle_deg: float, *, upper: bool) -> CondensedBody:
+    """A condensed body, whose axis is at an angle to the motion, with the surface that was measured of it, if any.
+
+    Its mesh keeps the unworn shape.
+    """
+    if surface is None:
+        return condensed
+    angle = radians(axis_angle_deg) if surface.frame == "test" else 0.0
+    to_map = rotation_to_world(upper=upper, axis_angle_rad=angle)[:2, :2]
+    x, y, depth = (1e-3 * values for values in surface.map)
+    if y.size == 1:
+        y, depth = np.array([-1.0, 1.0]), np.repeat(depth, 2, axis=1)
+    profile = Measured(condensed.patch.profile, x, y, depth, to_map)
+    return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 
 def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProblem:

@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from math import cos, inf, radians, sin, sqrt
 from typing import Literal, Self, TypeVar
 
@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.study.faces import Face, half_width_of
+from wirewear.study.surfaces import Surface
 
 _COARSE_PER_DIAMETER = 0.155
 _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
@@ -26,13 +27,17 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True)
 class Body(ABC):
-    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards."""
+    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards.
+
+    surface: as it was measured before the test, None of one that has its unworn shape.
+    """
 
     name: str
     youngs_modulus_MPa: float
     poissons_ratio: float
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
+    surface: Surface | None = field(default=None, kw_only=True)
 
     @property
     def material(self) -> Elastic:

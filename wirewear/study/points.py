@@ -13,6 +13,7 @@ from wirewear.reference import gap_curvatures
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire
 from wirewear.study.faces import FACE_KEYS, PadFaceOrFile, size_of
+from wirewear.study.surfaces import Surface
 from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
 
@@ -47,13 +48,15 @@ class GrippedBody(keys.OfMaterial):
     grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness per area of what holds back and sides, a number or "rigid"'
     )
+    surface: Surface | None = Field(None, description="its surface as measured before the test")
 
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, axis_angle_deg: float = 0.0
     ) -> BlockBody:
         """The body of a name, of these curvatures."""
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
-        return BlockBody(name, *held, axis_angle_deg, curvatures, self.half_width_mm, self.height_mm, size_mm)
+        block = BlockBody(name, *held, axis_angle_deg, curvatures, self.half_width_mm, self.height_mm, size_mm)
+        return replace(block, surface=self.surface)
 
 
 class _Diameter(keys.Table):
@@ -161,7 +164,8 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
         length = None if self.half_width_mm is None else 2.0 * self.half_width_mm
         across, bore = self.diameter_mm or 0.0, self.bore_mm or 0.0
-        return Wire(name, *held, self.axis_angle_deg, across, length, self.grip_angle_deg, None, self.held_at, bore)
+        bar = Wire(name, *held, self.axis_angle_deg, across, length, self.grip_angle_deg, None, self.held_at, bore)
+        return replace(bar, surface=self.surface)
 
 
 class LowerAndUpper(keys.Table):

@@ -12,7 +12,7 @@ from wirewear.study.consistency import checked_tables, merged
 from wirewear.study.study import Study
 from wirewear.study.tables import PLANAR_KINDS
 
-FILE_KEYS = ("profile_file",)  #: Keys that name a file.
+FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 
 def load_study(path: str | Path) -> Study:

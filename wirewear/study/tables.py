@@ -54,6 +54,7 @@ from wirewear.study.keys import (
     YoungsModulus,
     one_of,
 )
+from wirewear.study.surfaces import Surface
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
@@ -135,6 +136,7 @@ class WireOverride(OfMaterial):
     grip_angle_deg: GripAngle | None = Field(None, description="part of this wire's circumference that is held")
     grip_length_mm: Length | None = Field(None, description="length over which this wire is held")
     grip_stiffness_N_per_mm3: GripStiffness | None = Field(None, description="stiffness of this wire's grip per area")
+    surface: Surface | None = Field(None, description="this wire's surface as measured before the test")
 
 
 class Wires(OfMaterial):
@@ -400,7 +402,7 @@ class StudyTables(ContactTables, _OfWires):
 def _wire(name: str, wires: Wires, own: WireOverride, axis_angle_deg: float) -> Wire:
     def value(key: str) -> Any:
         override = getattr(own, key)
-        return getattr(wires, key) if override is None else override
+        return getattr(wires, key, None) if override is None else override
 
     stated = {field.name: value(field.name) for field in fields(Wire) if field.name in WireOverride.model_fields}
     return Wire(name=name, axis_angle_deg=axis_angle_deg, **stated)

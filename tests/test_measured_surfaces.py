@@ -1,0 +1,239 @@
+"""Tests that begin with a surface as it was measured: old scars go on wearing, errors of form are another form."""
+
+from copy import deepcopy
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import polars as pl
+import pytest
+
+from geometry import ContactPatch, Flat
+from geometry.arrays import Array
+from solvers import CondensedBody, place, press, unloaded_state
+from tests.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
+from wirewear import record_of_result, reference
+from wirewear.base.errors import RecordError, StudyError
+from wirewear.kinds import any_study, load_any_study
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
+from wirewear.results import RunResult
+from wirewear.results.flat import profiles_table, scars_table
+from wirewear.simulation import run_study
+from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.problem import measured
+from wirewear.study import Study, study_from_tables
+from wirewear.study.reading import read_study
+from wirewear.study.surfaces import Surface, kept
+
+HALF = 1500
+
+#: What tables call the column of bodies.
+BODY = {"test": "body", "body": "wire"}
+
+
+def surface_of(lines: tuple[Array, Array], depth_um: Any, frame: str = "test") -> Surface:
+    x, y = lines
+    return Surface.model_validate({"frame": frame, **kept(x, y, depth_um(x[:, None], y[None, :]))})
+
+
+WIRES = {
+    "kind": "crossed-wires",
+    "wires": {"diameter_mm": 0.45, **STEEL, "crossing_angle_deg": 60.0},
+    "conditions": POINTS["conditions"] | {"normal_load_N": 2.0, "displacement_amplitude_um": 30.0},
+}
+
+
+def worn(contact: dict[str, Any], folder: Path, cycles: int, surfaces: dict[str, dict[str, str]]) -> RunResult:
+    tables = {"conditions": POINTS["conditions"]} | deepcopy(contact)
+    bodies = tables.get("bodies") or tables["wires"]
+    for body, surface in surfaces.items():
+        bodies[body] = bodies.get(body, {}) | {"surface": surface}
+    tables["conditions"]["cycles"] = cycles
+    asked = study(tables, log={"loop_cycles": [HALF, cycles]}, fidelity={"quick": {"increments_per_cycle": 16}})
+    (result,) = run_study(asked, fidelity="quick", output=folder)
+    return result
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("contact", "frame"), [(BALL, "test"), (WIRES, "body")], ids=["ball", "wires"])
+def test_bodies_go_on_from_their_own_exported_scars_as_without_a_break(
+    tmp_path: Path, contact: dict[str, Any], frame: str
+) -> None:
+    whole = worn(contact, tmp_path / "whole", 2 * HALF, {})
+    surfaces = {}
+    for body in whole.bodies:
+        scar, file = whole.scar(HALF, body), tmp_path / f"scar_{body}.csv"
+        table = scars_table(whole).filter((pl.col("cycle") == HALF) & (pl.col(BODY[frame]) == body))
+        if frame == "body":
+            along, across = np.meshgrid(scar.axial_um, scar.transverse_um, indexing="ij")
+            table = table.with_columns(x_um=along.ravel(), y_um=across.ravel())
+        table.write_csv(file)
+        surfaces[body] = {"file": str(file), "frame": frame}
+    rest = worn(contact, tmp_path / "rest", HALF, surfaces)
+    for name, tolerance in (
+        ("dissipated_energy_mJ", 1e-3),
+        ("contact_half_width_um", 0.05),
+        ("max_mean_pressure_MPa", 0.05),
+    ):
+        assert rest.evolution[name][-1] == pytest.approx(whole.evolution[name][-1], rel=tolerance), name
+    x, y = np.linspace(-200.0, 200.0, 81), np.linspace(-160.0, 160.0, 65)
+    for body in whole.bodies:
+        before, after, at_once = whole.scar(HALF, body), rest.scar(HALF, body), whole.scar(2 * HALF, body)
+        assert before.volume_mm3 + after.volume_mm3 == pytest.approx(at_once.volume_mm3, rel=2e-3)
+        depth = before.sampled(x, y) + after.sampled(x, y)
+        assert np.abs(depth - at_once.sampled(x, y)).max() < 0.05 * at_once.max_depth_um
+    with pytest.raises(RecordError, match="began with a measured surface"):
+        record_of_result(rest)
+
+
+@pytest.mark.seconds
+def test_a_line_contact_goes_on_from_its_own_exported_profiles_as_without_a_break(tmp_path: Path) -> None:
+    def ran(cycles: int, surfaces: str = "") -> RunResult:
+        text = LINE.format(pad="radius_mm = 6.0").replace("cycles = 2000", f"cycles = {cycles}")
+        path = tmp_path / "line.toml"
+        path.write_text(text.replace("[2000]", f"[1000, {cycles}]") + surfaces, encoding="utf-8")
+        return run_planar_study(planar_study_from_tables(read_study(path), str(path)), fidelity="quick")
+
+    whole = ran(2000)
+    for body in whole.bodies:
+        of_body = profiles_table(whole).filter((pl.col("cycle") == 1000) & (pl.col("body") == body))
+        of_body.write_csv(tmp_path / f"{body}.csv")
+    rest = ran(1000, "".join(f'[{body}.surface]\nfile = "{body}.csv"\n' for body in whole.bodies))
+    assert rest.evolution["dissipated_energy_mJ"][-1] == pytest.approx(
+        whole.evolution["dissipated_energy_mJ"][-1], rel=1e-3
+    )
+    for body in whole.bodies:
+        before, after, at_once = whole.scar(1000, body), rest.scar(1000, body), whole.scar(2000, body)
+        assert before.area_um2 + after.area_um2 == pytest.approx(at_once.area_um2, rel=2e-3)
+        depth = before.depth_um + np.interp(before.axial_um, after.axial_um, after.depth_um[:, 0])[:, None]
+        assert np.abs(depth - at_once.depth_um).max() < 0.02 * at_once.max_depth_um
+
+
+@pytest.mark.seconds
+def test_a_ball_that_measures_as_a_larger_one_touches_as_that_one() -> None:
+    """A surface above the unworn one, as large as the difference of two parabolas."""
+    larger_mm = 9.0
+    x = np.linspace(-500.0, 500.0, 101)
+    bulge = surface_of((x, x), lambda x, y: 5e-4 * (x**2 + y**2) * (1.0 / larger_mm - 1.0 / BALL_RADIUS_mm))
+    contact: dict[str, Any] = deepcopy(BALL)
+    contact["bodies"]["ball"]["surface"] = bulge.model_dump(exclude_none=True)
+    meshes = RunPlan.of(study(contact, wear=None, fidelity={}), "standard").meshes
+    problem = meshes.problem(meshes.first(), lambda _: None)
+    state, report = press(problem, unloaded_state(problem))
+    load = POINTS["conditions"]["normal_load_N"]
+    hertz = reference.hertz_point(load, larger_mm, STEEL_MODULUS)
+    assert report.max_pressure == pytest.approx(hertz.peak_pressure_MPa, rel=0.02)
+    assert -state.holder_z == pytest.approx(hertz.approach_mm, rel=0.03)
+
+
+@pytest.mark.parametrize("upper", [False, True])
+@pytest.mark.parametrize("angle_deg", [0.0, 60.0])
+def test_a_map_along_the_motion_and_one_along_the_axis_are_one_surface(*, upper: bool, angle_deg: float) -> None:
+    def slanted(x: Array, y: Array) -> Array:
+        return 2.0 + 0.03 * x - 0.01 * y
+
+    lines, angle = np.linspace(-0.1, 0.1, 5), np.radians(angle_deg)
+    patch = ContactPatch(lines, lines, np.arange(25).reshape(5, 5), Flat())
+    bare = CondensedBody.whole(patch, np.eye(75))
+    far = np.linspace(-200.0, 200.0, 9)
+
+    def along_axis(a: Array, t: Array) -> Array:
+        return slanted(a * np.cos(angle) - t * np.sin(angle), a * np.sin(angle) + t * np.cos(angle))
+
+    for frame, depth in (("test", slanted), ("body", along_axis)):
+        body = place(
+            measured(bare, surface_of((far, far), depth, frame), angle_deg, upper=upper),
+            upper=upper,
+            axis_angle_rad=float(angle),
+        )
+        x, y = 1e3 * body.node_positions.T
+        facing = -1.0 if upper else 1.0
+        np.testing.assert_allclose(body.node_heights(np.zeros((5, 5))), -1e-3 * facing * slanted(x, y), atol=1e-9)
+        sample = body.sample(body.node_positions, np.zeros((5, 5)))
+        np.testing.assert_allclose(sample.slope, np.tile(-facing * np.array([0.03, -0.01]), (25, 1)), atol=1e-6)
+
+
+def scarred(x: Array, y: Array) -> Array:
+    """Heights in µm of a ball, tilted, with a scar of 3 µm beside the map's middle, and some noise."""
+    noise = 0.02 * np.random.default_rng(1).standard_normal(np.broadcast_shapes(x.shape, y.shape))
+    r = 1e3 * BALL_RADIUS_mm
+    shape = np.sqrt(r**2 - x**2 - y**2) - r
+    scar = np.maximum(3.0 - 3.0 * ((x - 60.0) ** 2 + (y + 40.0) ** 2) / 150.0**2, 0.0)
+    return np.asarray(7.0 + 0.01 * x - 0.02 * y + shape - scar + noise)
+
+
+@pytest.mark.parametrize("form", ["table", "map"])
+def test_heights_of_a_ball_are_levelled_to_the_depths_of_its_scar(tmp_path: Path, form: str) -> None:
+    x = np.linspace(-400.0, 400.0, 161)
+    heights = scarred(x[:, None], x[None, :])
+    if form == "table":
+        columns = {"x_um": np.repeat(x, x.size), "y_um": np.tile(x, x.size), "height_um": heights.ravel()}
+        pl.DataFrame(columns).write_csv(tmp_path / "ball.csv")
+        told = {"file": "ball.csv"}
+    else:
+        np.save(tmp_path / "ball.npy", 1e3 * heights)
+        told = {"file": "ball.npy", "step_um": "5.0", "height_unit": "nm"}
+    tables = study(BALL).resolved()
+    tables["bodies"]["ball"]["surface"] = (
+        told | {"file": str(tmp_path / told["file"])} | ({"step_um": 5.0} if "step_um" in told else {})
+    )
+    read = any_study(tables, "s.toml")
+    assert isinstance(read, Study)
+    surface = read.bodies[1].surface
+    assert surface is not None
+    (tmp_path / told["file"]).unlink()
+    assert study_from_tables(read.resolved(), "again").resolved() == read.resolved()
+    at_x, at_y, depth = surface.map
+    inside = np.hypot(at_x[:, None], at_y[None, :]) < 140.0
+    exact = 3.0 - 3.0 * (at_x[:, None] ** 2 + at_y[None, :] ** 2) / 150.0**2
+    assert np.abs(depth - exact)[inside].max() < 0.15
+    assert surface.volume_mm3 == pytest.approx(1e-9 * 0.5 * np.pi * 3.0 * 150.0**2, rel=0.1)
+
+
+def test_a_profile_of_heights_is_levelled_against_the_pads_face(tmp_path: Path) -> None:
+    x = np.arange(-400.0, 401.0, 2.0)
+    scar = np.maximum(2.0 - 2.0 * ((x - 30.0) / 120.0) ** 2, 0.0)
+    height = 1.0 + 0.02 * x - x**2 / 12e3 - scar + 0.01 * np.random.default_rng(2).standard_normal(x.size)
+    pl.DataFrame({"x_um": x, "height_um": height}).write_csv(tmp_path / "pad.csv")
+    path = tmp_path / "line.toml"
+    path.write_text(LINE.format(pad="radius_mm = 6.0") + '[pad.surface]\nfile = "pad.csv"\n', encoding="utf-8")
+    read = load_any_study(path)
+    assert isinstance(read, PlanarStudy)
+    surface = read.pad.surface
+    assert surface is not None
+    places, _, depth = surface.map
+    inside = np.abs(places) < 110.0
+    assert np.abs(depth[:, 0] - (2.0 - 2.0 * (places / 120.0) ** 2))[inside].max() < 0.1
+
+
+@pytest.mark.parametrize(
+    ("rows", "surface", "complaint"),
+    [
+        (None, {}, r"cannot be taken: .*scar\.csv"),
+        ("x_um,y_um,depth_um\n0,0,1\n1,0,1\n0,1,1\n", {}, "3 points lie on 2 × 2 lines, which is no whole grid"),
+        ("x_um,depth_um\n0,1\n1,1\n", {"frame": "map"}, r"frame .* is 'map', but must be"),
+        ("x_um,y_um\n0,0\n1,1\n2,3\n", {}, "cannot be taken"),
+        (None, {"file": None}, "gives no file, or depths that are not those of its lines"),
+        (None, {"file": None, "x_um": [0, 1], "y_um": [0, 1], "depths": "eJw="}, "depths that are not those"),
+    ],
+)
+def test_a_surface_that_cannot_be_taken_is_told_in_one_sentence(
+    tmp_path: Path, rows: str | None, surface: dict[str, Any], complaint: str
+) -> None:
+    file = tmp_path / "scar.csv"
+    if rows is not None:
+        file.write_text(rows, encoding="utf-8")
+    tables = study(BALL).resolved()
+    told = {key: value for key, value in ({"file": str(file)} | surface).items() if value is not None}
+    tables["bodies"]["ball"]["surface"] = told
+    with pytest.raises(StudyError, match=complaint) as found:
+        any_study(tables, "s.toml")
+    assert "\n" not in str(found.value)
+
+
+def test_heights_are_told_where_to_be_read_by_what_does_not_level_them(tmp_path: Path) -> None:
+    (tmp_path / "map.csv").write_text("x_um,y_um,height_um\n0,0,1\n1,0,1\n0,1,1\n", encoding="utf-8")
+    tables = study(BALL).resolved()
+    tables["bodies"]["ball"]["surface"] = {"file": str(tmp_path / "map.csv")}
+    with pytest.raises(StudyError, match="heights and maps are read where a study is loaded as by"):
+        study_from_tables(tables, "s.toml")

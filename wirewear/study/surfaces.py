@@ -1,0 +1,159 @@
+"""Surfaces as they were measured before a test: how deep a body lies below its unworn shape where the test begins."""
+
+import zlib
+from base64 import b64decode, b64encode
+from collections.abc import Iterator, Mapping
+from functools import lru_cache
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field, PlainValidator, model_validator
+
+from geometry.arrays import Array
+from wirewear.base.delimited import read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.guessing import guessed_layout
+from wirewear.base.quantity import FIELD_UNITS, Quantity
+from wirewear.study.keys import Table, one_of
+
+#: Lines of a kept map, at most, each way: more than a contact's elements.
+MOST_LINES = 240
+
+#: Columns of a table of a surface.
+COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
+
+#: Keys of what is taken over from a file.
+KEPT = ("x_um", "y_um", "depths")
+
+Step = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
+
+
+class Surface(Table):
+    """A body's surface as it was measured: an old scar, or how its form differs from the one that it is to have."""
+
+    file: str | None = Field(
+        None,
+        description="table of x_um, y_um and depth_um below the unworn shape (of a line contact without y_um), or of "
+        "height_um, or a profilometer's map; taken over as the keys below",
+        examples=["scar_ball.csv"],
+    )
+    frame: Annotated[Literal["test", "body"], PlainValidator(one_of("test", "body"))] = Field(
+        "test", description='what x runs along: "test", the motion, or "body", the body\'s axis'
+    )
+    centred_on: Annotated[Literal["scar", "map"], PlainValidator(one_of("scar", "map"))] = Field(
+        "scar", description="what of heights lies where the bodies first touch: the middle of the scar or of the map"
+    )
+    step_um: Step | None = Field(None, description="distance of a map's points, where its file does not state it")
+    height_unit: Annotated[str, PlainValidator(one_of(*FIELD_UNITS["um"]))] | None = Field(
+        None, description="unit of a map's heights, where its file does not state it"
+    )
+    x_um: tuple[float, ...] | None = Field(None, description="lines of the map that was taken over")
+    y_um: tuple[float, ...] | None = Field(None, description="its lines across; 0 alone of a line contact")
+    depths: str | None = Field(None, description="its depths in µm, row by row: 32-bit numbers, deflated, in base64")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_depths(cls, table: Any) -> Any:
+        if not isinstance(table, Mapping) or not isinstance(name := table.get("file"), str):
+            return table
+        given = {key: value for key, value in table.items() if key != "file"}
+        try:
+            return given | kept(*depths_of_table(Path(name)))
+        except RecordError as problem:
+            raise ValueError(f"gives a file that cannot be taken: {str(problem).rstrip('.')}") from None
+
+    @model_validator(mode="after")
+    def _with_map(self) -> Self:
+        try:
+            x, _, depth = self.map
+        except (ValueError, zlib.error):
+            x = depth = np.zeros(0)
+        if x.size < 2 or not np.isfinite(depth).all():
+            raise ValueError("gives no file, or depths that are not those of its lines")
+        return self
+
+    @property
+    def map(self) -> tuple[Array, Array, Array]:
+        """Lines x (n_x,) and y (n_y,), and depths (n_x, n_y), all in µm."""
+        return _map(self.x_um or (0.0,), self.y_um or (0.0,), self.depths or "")
+
+    @property
+    def volume_mm3(self) -> float:
+        """What a body lacks; 0 of one that is the same all across."""
+        x, y, depth = self.map
+        return max(1e-9 * float(np.trapezoid(np.trapezoid(depth, y, axis=1), x)), 0.0)
+
+    @property
+    def area_mm2(self) -> float:
+        """What its section along the motion lacks."""
+        x, y, depth = self.map
+        return max(1e-6 * float(np.trapezoid(depth[:, np.abs(y).argmin()], x)), 0.0)
+
+
+@lru_cache(maxsize=8)
+def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array, Array, Array]:
+    flat = np.frombuffer(zlib.decompress(b64decode(depths)), dtype="<f4").astype(float)
+    return np.array(x), np.array(y), flat.reshape(len(x), len(y))
+
+
+def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
+    """A map (n_x, n_y) as keys of a study: averaged in groups where it has many lines, gaps as deep as what is nearest.
+
+    Raises:
+        RecordError: it has no depth.
+    """
+    from scipy.ndimage import distance_transform_edt
+
+    if not np.isfinite(depth).any():
+        raise RecordError("the surface has no depth.")
+    nearest = distance_transform_edt(~np.isfinite(depth), return_distances=False, return_indices=True)
+    whole = depth[tuple(nearest)]
+    groups = [np.array_split(np.arange(line.size), min(line.size, MOST_LINES)) for line in (x, y)]
+    lines = [[float(line[group].mean()) for group in own] for line, own in zip((x, y), groups, strict=True)]
+    means = np.stack([whole[group].mean(axis=0) for group in groups[0]])
+    means = np.stack([means[:, group].mean(axis=1) for group in groups[1]], axis=1)
+    text = b64encode(zlib.compress(means.astype("<f4").tobytes(), 9)).decode()
+    return dict(zip(KEPT, (*lines, text), strict=True))
+
+
+def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[str, ...], Mapping[str, Any]]]:
+    """The tables of surfaces in a study's tables, with their places."""
+    for key, value in table.items():
+        if key == "surface" and isinstance(value, Mapping):
+            yield (*place, key), value
+        elif isinstance(value, Mapping):
+            yield from surfaces_in(value, *place, key)
+
+
+def columns_of_table(file: Path) -> dict[str, Array]:
+    """Columns (n,) x_um, y_um, depth_um and height_um, as far as a table has them.
+
+    Raises:
+        RecordError: it cannot be read.
+    """
+    text = read_delimited(file, guessed_layout(file).layout)
+    places: dict[str, int] = {name: text.names.index(name) for name in COLUMNS if name in text.names}
+    return text.numbers(places).columns if places else {}
+
+
+def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
+    """Lines x (n_x,) and y (n_y,) and depths (n_x, n_y) of a table, y being 0 where it has no y_um.
+
+    Raises:
+        RecordError: it cannot be read, is another table, or its points lie on no grid.
+    """
+    columns = columns_of_table(file)
+    if not {"x_um", "depth_um"} <= columns.keys():
+        raise RecordError(
+            f"{file} has no columns x_um and depth_um; heights and maps are read where a study is loaded as by "
+            "`wirewear run`."
+        )
+    across = columns.get("y_um", np.zeros_like(columns["x_um"]))
+    x, row = np.unique(columns["x_um"], return_inverse=True)
+    y, column = np.unique(across, return_inverse=True)
+    if x.size < 2 or x.size * y.size != across.size or (y.size == 1) != ("y_um" not in columns):
+        raise RecordError(f"{file}: its {across.size} points lie on {x.size} × {y.size} lines, which is no whole grid.")
+    depth = np.full((x.size, y.size), np.nan)
+    depth[row, column] = columns["depth_um"]
+    return x, y, depth
