@@ -13,7 +13,7 @@ from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
 
 #: Keys that are spelled otherwise than a number or text, or make sense to few.
-HIDDEN = ("friction_law", "moving", "fixed", "update", "explicit_jump_cycles", "formulation", "primary_wire")
+HIDDEN = ("friction_law", "moving", "fixed", "surface", "update", "explicit_jump_cycles", "formulation", "primary_wire")
 
 COMMENTS_AT = 52  #: Column at which comments begin, where a key and its value leave room.
 
