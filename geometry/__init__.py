@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from geometry.mesh_motion import mirror_images
     from geometry.patch import ContactPatch
     from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
-    from geometry.profiles import Barrel, Cylinder, Flat, Measured, Profile, RoundedFlat, TabledProfile, Turned
+    from geometry.profiles import Barrel, Cylinder, Flat, LoweredSurface, Profile, RoundedFlat, TabledProfile, Turned
     from geometry.quadmesh import QuadMesh
     from geometry.wire import WireGeometry
 
@@ -35,7 +35,7 @@ __all__ = [
     "GradedAxis",
     "HexMesh",
     "Layering",
-    "Measured",
+    "LoweredSurface",
     "PlanarGeometry",
     "PlanarMesh",
     "Profile",

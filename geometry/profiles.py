@@ -325,7 +325,7 @@ class Turned:
 
 
 @dataclass(frozen=True, eq=False)
-class Measured:
+class LoweredSurface:
     """A surface that lies below another one by depths as they were measured: an old scar, or errors of its form.
 
     x_mm (n_x,), y_mm (n_y,), depth_mm (n_x, n_y): a map.  to_map: (2, 2), turns plane vectors into the map's axes.
@@ -350,10 +350,10 @@ class Measured:
         """As of the other surface."""
         self.base.require_within(along_mm, across_mm)
 
-    def scaled(self, factor: float) -> Measured:
+    def scaled(self, factor: float) -> LoweredSurface:
         """The same surface in another unit of length."""
         x, y, depth = (factor * values for values in (self.x_mm, self.y_mm, self.depth_mm))
-        return Measured(self.base.scaled(factor), x, y, depth, self.to_map)
+        return LoweredSurface(self.base.scaled(factor), x, y, depth, self.to_map)
 
     def _at(self, plane_mm: Array) -> Array:
         """Depth and gradient (n, 3) in the map's axes."""

@@ -23,7 +23,7 @@ from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import measured
 from wirewear.study import Study, study_from_tables
 from wirewear.study.reading import read_study
-from wirewear.study.surfaces import Surface, kept
+from wirewear.study.surfaces import StatedSurface, kept
 
 HALF = 1500
 
@@ -31,9 +31,9 @@ HALF = 1500
 BODY = {"test": "body", "body": "wire"}
 
 
-def surface_of(lines: tuple[Array, Array], depth_um: Any, frame: str = "test") -> Surface:
+def surface_of(lines: tuple[Array, Array], depth_um: Any, frame: str = "test") -> StatedSurface:
     x, y = lines
-    return Surface.model_validate({"frame": frame, **kept(x, y, depth_um(x[:, None], y[None, :]))})
+    return StatedSurface.model_validate({"frame": frame, **kept(x, y, depth_um(x[:, None], y[None, :]))})
 
 
 WIRES = {

@@ -17,7 +17,7 @@ from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.importing.profilometry import MapOfBody, levelled, scar_of_heights, scar_of_map
 from wirewear.study import Study
 from wirewear.study.messages import validated
-from wirewear.study.surfaces import Surface, columns_of_table, kept, surfaces_in
+from wirewear.study.surfaces import StatedSurface, columns_of_table, kept, surfaces_in
 
 #: Lines x (n_x,) and y (n_y,) along and across the motion, and depths (n_x, n_y), all in µm.
 Map = tuple[Array, Array, Array]
@@ -43,7 +43,7 @@ def with_levelled(
     for (*place, key), file in heights.items():
         holder = reduce(dict.__getitem__, place, whole)
         told = {name: value for name, value in holder[key].items() if name != "file"}
-        stated = validated(Surface, told | _LEVEL, where, StudyError)
+        stated = validated(StatedSurface, told | _LEVEL, where, StudyError)
         try:
             of = _of_line if isinstance(study, PlanarStudy) else _of_body
             x, y, depth = of(study, place[-1], file, stated)
@@ -63,7 +63,7 @@ def _has_heights(file: Path) -> bool:
         return False
 
 
-def _of_body(study: Any, name: str, file: Path, stated: Surface) -> Map:
+def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     """Of a body of a contact at a point."""
     told = stated.model_dump(include={"step_um", "height_unit"}, exclude_none=True)
     told |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
@@ -75,7 +75,7 @@ def _of_body(study: Any, name: str, file: Path, stated: Surface) -> Map:
     return scar.x_um, scar.y_um, scar.depth_um
 
 
-def _of_line(study: Any, name: str, file: Path, stated: Surface) -> Map:
+def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     """Of the pad or the specimen of a line contact: the mean over the lines of a map."""
     columns = {} if is_map(file) else columns_of_table(file)
     if "x_um" in columns and "height_um" in columns:

@@ -28,7 +28,7 @@ from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import measured
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
@@ -192,7 +192,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
 
 
 def placed_body(
-    geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: Surface | None = None
+    geometry: PlanarGeometry, material: Elastic, *, upper: bool, surface: StatedSurface | None = None
 ) -> PlacedBody:
     """A body of that geometry and material in the contact, perhaps with a surface that was measured of it."""
     meshed = build_planar(geometry)

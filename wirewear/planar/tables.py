@@ -13,7 +13,7 @@ from wirewear.base.quantity import Quantity
 from wirewear.effects import Effect
 from wirewear.study import keys
 from wirewear.study.faces import PadFaceOrFile
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import FrictionLawKey, Log
 from wirewear.study.template import Template
 
@@ -70,7 +70,7 @@ class HeldTable(MaterialTable):
     grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness of the grip per area, a number or "rigid"'
     )
-    surface: Surface | None = Field(None, description="its surface as measured before the test")
+    surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
         """That body, held so."""

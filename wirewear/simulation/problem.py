@@ -9,7 +9,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
-from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, Measured, Profile, build_body
+from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
 from solvers import (
     CondensedBody,
@@ -32,7 +32,7 @@ from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
 from wirewear.study import Study
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
@@ -180,7 +180,9 @@ def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[
     return facing(lower, upper), upper
 
 
-def measured(condensed: CondensedBody, surface: Surface | None, axis_angle_deg: float, *, upper: bool) -> CondensedBody:
+def measured(
+    condensed: CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
+) -> CondensedBody:
     """A condensed body, whose axis is at an angle to the motion, with the surface that was measured of it, if any.
 
     Its mesh keeps the unworn shape.
@@ -192,7 +194,7 @@ def measured(condensed: CondensedBody, surface: Surface | None, axis_angle_deg: 
     x, y, depth = (1e-3 * values for values in surface.map)
     if y.size == 1:
         y, depth = np.array([-1.0, 1.0]), np.repeat(depth, 2, axis=1)
-    profile = Measured(condensed.patch.profile, x, y, depth, to_map)
+    profile = LoweredSurface(condensed.patch.profile, x, y, depth, to_map)
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 

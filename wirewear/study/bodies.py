@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.study.faces import Face, half_width_of
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 
 _COARSE_PER_DIAMETER = 0.155
 _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
@@ -37,7 +37,7 @@ class Body(ABC):
     poissons_ratio: float
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
-    surface: Surface | None = field(default=None, kw_only=True)
+    surface: StatedSurface | None = field(default=None, kw_only=True)
 
     @property
     def material(self) -> Elastic:

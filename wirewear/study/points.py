@@ -13,7 +13,7 @@ from wirewear.reference import gap_curvatures
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire
 from wirewear.study.faces import FACE_KEYS, PadFaceOrFile, size_of
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
 
@@ -48,7 +48,7 @@ class GrippedBody(keys.OfMaterial):
     grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness per area of what holds back and sides, a number or "rigid"'
     )
-    surface: Surface | None = Field(None, description="its surface as measured before the test")
+    surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
 
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, axis_angle_deg: float = 0.0

@@ -29,7 +29,7 @@ KEPT = ("x_um", "y_um", "depths")
 Step = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 
 
-class Surface(Table):
+class StatedSurface(Table):
     """A body's surface as it was measured: an old scar, or how its form differs from the one that it is to have."""
 
     file: str | None = Field(

@@ -54,7 +54,7 @@ from wirewear.study.keys import (
     YoungsModulus,
     one_of,
 )
-from wirewear.study.surfaces import Surface
+from wirewear.study.surfaces import StatedSurface
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
@@ -136,7 +136,7 @@ class WireOverride(OfMaterial):
     grip_angle_deg: GripAngle | None = Field(None, description="part of this wire's circumference that is held")
     grip_length_mm: Length | None = Field(None, description="length over which this wire is held")
     grip_stiffness_N_per_mm3: GripStiffness | None = Field(None, description="stiffness of this wire's grip per area")
-    surface: Surface | None = Field(None, description="this wire's surface as measured before the test")
+    surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
 
 
 class Wires(OfMaterial):
