@@ -20,7 +20,7 @@ import click
 from wirewear import Study
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript
-from wirewear.simulation.together import Discretisation, build_body
+from wirewear.simulation.workbench import Discretisation, build_body
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
 from .calculix_results import read_forces, read_peak_pressures

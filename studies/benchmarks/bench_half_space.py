@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from wirewear import reference
 from wirewear.faces.study_script import StudyScript
-from wirewear.simulation.together import contact_problem, press, unloaded_state
+from wirewear.simulation.workbench import contact_problem, press, unloaded_state
 
 from .crossed_wires import discretised, study
 

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from wirewear.simulation.together import BodyMesh
+from wirewear.simulation.workbench import BodyMesh
 
 Array = NDArray[np.float64]
 IntArray = NDArray[np.int64]

@@ -3,7 +3,7 @@
 import click
 
 from wirewear import Study, parse_study
-from wirewear.simulation.together import Discretisation, discretise
+from wirewear.simulation.workbench import Discretisation, discretise
 
 #: Displacements in µm after each of the ten increments: out to +20, back to -20.
 DRIVES_um = (5.0, 10.0, 15.0, 20.0, 13.3333333333, 6.6666666667, 0.0, -6.6666666667, -13.3333333333, -20.0)

@@ -18,7 +18,7 @@ from wirewear.simulation.observers import Moment, NoObserver, Observer, Progress
 from wirewear.simulation.plan import require_affordable_wires
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
-from wirewear.simulation.together import write_meshes
+from wirewear.simulation.workbench import write_meshes
 
 __all__ = [
     "Converged",

@@ -1,0 +1,81 @@
+"""A study's bodies for scripts that go beneath a run: meshes, also as files, condensation, single increments."""
+
+from pathlib import Path
+
+from geometry import BodyMesh, Elastic, HexMesh, build_body
+from solvers import (
+    ContactProblem,
+    ContactState,
+    IncrementReport,
+    advance,
+    closed_cycle,
+    first_quarter,
+    press,
+    run_cycle,
+    unloaded_state,
+)
+from solvers.condensation import compliance_of, piece_to_condense, schur_complement, schur_complements
+from solvers.strain import stiffness_matrix
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
+from wirewear.results.scar import called
+from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.plan import RunPlan, require_affordable
+from wirewear.simulation.problem import contact_problem
+from wirewear.study import Study
+
+__all__ = [
+    "BodyMesh",
+    "ContactProblem",
+    "ContactState",
+    "Discretisation",
+    "Elastic",
+    "HexMesh",
+    "IncrementReport",
+    "advance",
+    "build_body",
+    "closed_cycle",
+    "compliance_of",
+    "contact_problem",
+    "discretise",
+    "first_quarter",
+    "piece_to_condense",
+    "press",
+    "run_cycle",
+    "schur_complement",
+    "schur_complements",
+    "stiffness_matrix",
+    "unloaded_state",
+]
+
+
+def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
+    """Mesh both bodies; leave a file of each, such as moving.vtu (surfaces as point data), mesh.png and
+    boundary_conditions.png in a folder.
+
+    Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
+    of a study that mesh alike share one mesh: that of the study as a whole is written.
+
+    Raises:
+        StudyError: the study cannot be discretised.  GeometryError: the mesh is distorted.
+        ResultError: the files cannot be written.
+    """
+    from wirewear.pictures import body_meshes, save, surface_fields
+    from wirewear.pictures.supports import supports
+
+    plan = RunPlan.of(study, fidelity)
+    require_affordable(plan)
+    first, *others = plan.meshes.stages
+    last = others[-1] if others else first
+    meshed = build_body(last.moving), build_body(last.fixed)
+    names = plan.discretisation.bodies
+    fresh = build_body(first.moving) if others else None
+    with writing(ResultError, f"cannot write meshes to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, body in zip(names, meshed, strict=True):
+            with in_one_step(folder / f"{name}.vtu") as partial:
+                body.mesh.write(partial, surface_fields(body))
+    spoken, angle = (called(names[0]), called(names[1])), study.crossing_angle_deg
+    picture = save(lambda: body_meshes(*meshed, angle, spoken, fresh), folder / "mesh.png")
+    held = save(lambda: supports(study, *meshed), folder / "boundary_conditions.png")
+    return [*(folder / f"{name}.vtu" for name in names), picture, held]
