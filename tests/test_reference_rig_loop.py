@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from geometry.arrays import Array
 from solvers.strain import von_mises
 from wirewear import reference
-from wirewear.reference.partial_slip_wear import LineScar
+from wirewear.reference.wear import LineScar
 
 A, P0, Q0, NU = 1.3, 7.0, 3.0, 0.3
 

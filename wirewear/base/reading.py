@@ -1,4 +1,4 @@
-"""Whole files read, TOML among them, with one sentence for whatever keeps them from being read."""
+"""Whole files read, TOML among them, with one sentence for whatever keeps them from being read; what a path holds."""
 
 import codecs
 import hashlib

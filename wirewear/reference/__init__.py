@@ -46,17 +46,6 @@ from wirewear.reference.hertz import (
     semi_axis_ratio,
     tangential_contact_modulus,
 )
-from wirewear.reference.partial_slip_wear import (
-    CrossedWireScar,
-    LimitingShape,
-    LineScar,
-    WearingContact,
-    crossed_wire_scar,
-    explicit_stability_limit,
-    line_contact_scar,
-    worn_pressure,
-    worn_volume,
-)
 from wirewear.reference.rig_loop import (
     HysteresisLoop,
     branch_force,
@@ -67,6 +56,17 @@ from wirewear.reference.rig_loop import (
     sliding_threshold,
     slip_amplitude,
     unloading_stiffness,
+)
+from wirewear.reference.wear import (
+    CrossedWireScar,
+    LimitingShape,
+    LineScar,
+    WearingContact,
+    crossed_wire_scar,
+    explicit_stability_limit,
+    line_contact_scar,
+    worn_pressure,
+    worn_volume,
 )
 
 __all__ = [

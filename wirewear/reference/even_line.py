@@ -12,7 +12,7 @@ import numpy as np
 from geometry import Profile
 from geometry.arrays import Array
 from wirewear.reference.hertz import LineContact, PointContact, require_positive
-from wirewear.reference.partial_slip_wear import LineScar
+from wirewear.reference.wear import LineScar
 
 _POINTS, _PLACES = 400, 300
 _LEAST = 1e-6

@@ -1,6 +1,6 @@
 """A whole run of wires that wear under partial slip, as `wirewear run` goes through it, against the shape at its end.
 
-Its meshes, cycle jumps and loops are those of a run; what it shares with `partial_slip_wear` is the closed form alone.
+Its meshes, cycle jumps and loops are those of a run; it shares the closed form alone with `partial_slip_wear_rows`.
 """
 
 from math import pi, sqrt

@@ -1,10 +1,10 @@
-"""What wear under partial slip leaves in the end: a stuck centre that carries everything, a worn annulus around it.
+"""Wear in closed form: what gross slip leaves by geometry and book-keeping alone, and the shape at which wear ends.
 
-A sphere of radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c
-and wears around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on
-d and c alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014)
-4215). Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach less what the bodies' bulk gives
-way.
+Under partial slip a stuck centre carries everything in the end, and a worn annulus around it nothing. A sphere of
+radius R pressed by d into a half-space of modulus E* and moved to and fro by ±u0 sticks within the radius c and wears
+around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on d and c
+alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014) 4215).
+Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach less what the bodies' bulk gives way.
 """
 
 import math
