@@ -5,9 +5,11 @@ from __future__ import annotations
 import re
 import unicodedata
 from bisect import bisect_left
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from geometry.arrays import Array
 from wirewear.base import delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
@@ -352,3 +354,14 @@ def _rate(header: list[str], table: _Table) -> float | None:
             kilo = 1e3 if found[1] or found[3] else 1.0
             return kilo * float(found[2].replace(",", "."))
     return None
+
+
+def known_columns(file: Path, names: Sequence[str]) -> dict[str, Array]:
+    """Columns (n,) of a table, as far as it has any of these names.
+
+    Raises:
+        RecordError: it cannot be read.
+    """
+    text = delimited.read_delimited(file, guessed_layout(file).layout)
+    places: dict[str, int] = {name: text.names.index(name) for name in names if name in text.names}
+    return text.numbers(places).columns if places else {}

@@ -11,13 +11,14 @@ import numpy as np
 from geometry import Flat
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError, WirewearError
+from wirewear.base.guessing import known_columns
 from wirewear.planar import PlanarStudy
 from wirewear.records.importing.height_maps import MapScale, height_map, is_map
 from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.importing.profilometry import MapOfBody, levelled, scar_of_heights, scar_of_map
 from wirewear.study import Study
 from wirewear.study.messages import validated
-from wirewear.study.surfaces import StatedSurface, columns_of_table, kept, surfaces_in
+from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
 
 #: Lines x (n_x,) and y (n_y,) along and across the motion, and depths (n_x, n_y), all in µm.
 Map = tuple[Array, Array, Array]
@@ -58,7 +59,7 @@ def with_levelled(
 def _has_heights(file: Path) -> bool:
     """Whether a file is a map or a table of heights; of one that cannot be read its reader tells."""
     try:
-        return file.is_file() and (is_map(file) or "depth_um" not in columns_of_table(file))
+        return file.is_file() and (is_map(file) or "depth_um" not in known_columns(file, COLUMNS))
     except WirewearError:
         return False
 
@@ -69,7 +70,7 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     told |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
     source = ScarSource.model_validate(told)
     of = MapOfBody(file, source, next(body for body in study.bodies if body.name == name), 1)
-    columns = {} if is_map(file) else columns_of_table(file)
+    columns = {} if is_map(file) else known_columns(file, COLUMNS)
     points = [columns[key] for key in ("x_um", "y_um", "height_um") if key in columns]
     scar = scar_of_heights(of, (points[0], points[1], points[2])) if len(points) == 3 else scar_of_map(of)
     return scar.x_um, scar.y_um, scar.depth_um
@@ -77,7 +78,7 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
 
 def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     """Of the pad or the specimen of a line contact: the mean over the lines of a map."""
-    columns = {} if is_map(file) else columns_of_table(file)
+    columns = {} if is_map(file) else known_columns(file, COLUMNS)
     if "x_um" in columns and "height_um" in columns:
         x, height = columns["x_um"], columns["height_um"]
     else:

@@ -22,7 +22,7 @@ _MARGIN = 1.35
 _AGES = 200
 
 #: Curvatures A ≤ B of the gap Ax² + By² in 1/mm, and the angle of its x axis from the driven body's.
-Gap = tuple[float, float, float]
+GapCurvatures = tuple[float, float, float]
 
 
 @dataclass(frozen=True)
@@ -76,7 +76,7 @@ def fresh_ellipse(hertz: reference.PointContact) -> Ellipse:
     return Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
 
 
-def scar_ellipse(volume_mm3: float, gap: Gap) -> Ellipse:
+def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
     """Outline of the scar of a worn volume (both bodies together): the gap Ax² + By² cut off by a plane.
 
     The cap of depth d has the semi-axes sqrt(d/A), sqrt(d/B) and the volume pi d² / (2 sqrt(AB)); with wires of equal
@@ -87,7 +87,7 @@ def scar_ellipse(volume_mm3: float, gap: Gap) -> Ellipse:
     return Ellipse((depth / small) ** 0.5, (depth / large) ** 0.5, angle)
 
 
-def scar_outline(volume_mm3: float, gap: Gap, face: Face | None) -> Ellipse:
+def scar_outline(volume_mm3: float, gap: GapCurvatures, face: Face | None) -> Ellipse:
     """Outline of the scar of a worn volume, under a pad a circle.
 
     Raises:
@@ -164,7 +164,7 @@ class ExpectedContact:
     face: of a pad, whose gap is that of the ball with as large a contact.
     """
 
-    gap: Gap
+    gap: GapCurvatures
     hertz: reference.PointContact
     scar: Ellipse | None
     flattened_mm3: float
@@ -240,7 +240,7 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     return per_sliding * conditions.normal_load_N * sliding_m
 
 
-def _flattened_volume(study: Study, gap: Gap) -> float:
+def _flattened_volume(study: Study, gap: GapCurvatures) -> float:
     """Volume in mm³ on which the unworn bodies overlap when they are flattened by an effect."""
     nominal = Specimens(study.crossing_angle_deg)
     depth = applied(study.effects, Seam.SPECIMENS, nominal, Age.new()).flattening_mm

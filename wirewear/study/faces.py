@@ -8,9 +8,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
-from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
-from wirewear.base.guessing import guessed_layout
+from wirewear.base.guessing import known_columns
 from wirewear.base.quantity import Quantity, shown
 from wirewear.study.keys import Table
 
@@ -22,9 +21,8 @@ Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
 COLUMNS = ("x_um", "height_um")  #: What a file of a profile holds, by its columns' names.
 MOST_POINTS = 1_000  #: A file of more points is averaged in groups of neighbours: more than elements of a contact.
 
-
-WIDEST_mm = 10.0
-_ACROSS_RADIUS = 0.8
+#: Half-width of a body that is left open, at most, and as a share of a round face's radius.
+WIDEST_mm, _ACROSS_RADIUS = 10.0, 0.8
 
 
 def half_width_of(face: Face) -> float:
@@ -59,12 +57,12 @@ def _points_of_file(name: object) -> list[tuple[float, float]]:
     if not isinstance(name, str):
         raise ValueError(f'gives profile_file = {shown(name)}, but must give a name such as "pad.csv"')
     try:
-        text = read_delimited(Path(name), guessed_layout(Path(name)).layout)
-        if missing := [column for column in COLUMNS if column not in text.names]:
+        columns = known_columns(Path(name), COLUMNS)
+        if missing := [column for column in COLUMNS if column not in columns]:
             raise RecordError(f"{name} has no column {' and no '.join(missing)}.")
-        x, height = text.numbers({column: text.names.index(column) for column in COLUMNS}).columns.values()
     except RecordError as problem:
         raise ValueError(f"gives a profile_file that cannot be taken: {str(problem).rstrip('.')}") from None
+    x, height = (columns[column] for column in COLUMNS)
     groups = [np.array_split(1e-3 * values, min(x.size, MOST_POINTS)) for values in (x, np.max(height) - height)]
     places, fall = (np.array([group.mean() for group in own]) for own in groups)
     return list(zip(places.tolist(), (fall - fall.min()).tolist(), strict=True))
@@ -125,7 +123,9 @@ class PadFace(Table):
         return None
 
 
-FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face, and those that make one together.
+FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face.
+
+#: Those that make one together.
 _FACES = (
     {"radius_mm"},
     {"face_half_width_mm", "edge_radius_mm"},

@@ -12,7 +12,7 @@ from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.reference import gap_curvatures
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire
-from wirewear.study.faces import FACE_KEYS, PadFaceOrFile, size_of
+from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
@@ -29,7 +29,6 @@ _THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
 FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
-Extent = Annotated[float, PlainValidator(Quantity("mm", 0.02, 500.0))]
 AxisAngle = Annotated[float, PlainValidator(Quantity("deg", -180.0, 180.0))]
 
 
@@ -55,8 +54,8 @@ class GrippedBody(keys.OfMaterial):
     ) -> BlockBody:
         """The body of a name, of these curvatures."""
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
-        block = BlockBody(name, *held, axis_angle_deg, curvatures, self.half_width_mm, self.height_mm, size_mm)
-        return replace(block, surface=self.surface)
+        extents = (self.half_width_mm, self.height_mm, size_mm)
+        return BlockBody(name, *held, axis_angle_deg, curvatures, *extents, surface=self.surface)
 
 
 class _Diameter(keys.Table):
@@ -162,10 +161,18 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
             block = self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
             return replace(block, of_pad=self.profile) if self.shape == PAD else block
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
-        length = None if self.half_width_mm is None else 2.0 * self.half_width_mm
-        across, bore = self.diameter_mm or 0.0, self.bore_mm or 0.0
-        bar = Wire(name, *held, self.axis_angle_deg, across, length, self.grip_angle_deg, None, self.held_at, bore)
-        return replace(bar, surface=self.surface)
+        return Wire(
+            name,
+            *held,
+            self.axis_angle_deg,
+            diameter_mm=self.diameter_mm or 0.0,
+            length_mm=None if self.half_width_mm is None else 2.0 * self.half_width_mm,
+            grip_angle_deg=self.grip_angle_deg,
+            grip_length_mm=None,
+            held_at=self.held_at,
+            bore_mm=self.bore_mm or 0.0,
+            surface=self.surface,
+        )
 
 
 class LowerAndUpper(keys.Table):

@@ -11,9 +11,8 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
-from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
-from wirewear.base.guessing import guessed_layout
+from wirewear.base.guessing import known_columns
 from wirewear.base.quantity import FIELD_UNITS, Quantity
 from wirewear.study.keys import Table, one_of
 
@@ -126,24 +125,13 @@ def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[s
             yield from surfaces_in(value, *place, key)
 
 
-def columns_of_table(file: Path) -> dict[str, Array]:
-    """Columns (n,) x_um, y_um, depth_um and height_um, as far as a table has them.
-
-    Raises:
-        RecordError: it cannot be read.
-    """
-    text = read_delimited(file, guessed_layout(file).layout)
-    places: dict[str, int] = {name: text.names.index(name) for name in COLUMNS if name in text.names}
-    return text.numbers(places).columns if places else {}
-
-
 def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
     """Lines x (n_x,) and y (n_y,) and depths (n_x, n_y) of a table, y being 0 where it has no y_um.
 
     Raises:
         RecordError: it cannot be read, is another table, or its points lie on no grid.
     """
-    columns = columns_of_table(file)
+    columns = known_columns(file, COLUMNS)
     if not {"x_um", "depth_um"} <= columns.keys():
         raise RecordError(
             f"{file} has no columns x_um and depth_um; heights and maps are read where a study is loaded as by "
