@@ -51,9 +51,7 @@ class RoughLayer:
     engagement_pressure_MPa: p_c, at which the stiffness is twice that of first touch.
     shear_ratio: tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl.
     Mech. 16 (1949) 259): 1.21 for nu = 0.3.
-
-    Raises:
-        SolverError: a parameter that cannot be.
+    Raises SolverError for a parameter that cannot be.
     """
 
     decay_mm: float
@@ -97,9 +95,7 @@ class ThirdBody:
 
     retained_fraction: share of the worn depth that is filled.  modulus_MPa: M, of the laterally confined bed.
     poissons_ratio: of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
-
-    Raises:
-        SolverError: a parameter that cannot be.
+    Raises SolverError for a parameter that cannot be.
     """
 
     retained_fraction: float

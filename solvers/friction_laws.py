@@ -24,9 +24,7 @@ class ShearLimited(FrictionLaw):
     pressure asperities merge and the real area of contact can grow no more.
 
     shear_strength_MPa: k, of the softer surface or of the film on it.
-
-    Raises:
-        SolverError: the strength is not positive.
+    Raises SolverError if the strength is not positive.
     """
 
     name: ClassVar[str] = "shear-limited"
@@ -52,9 +50,7 @@ LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited)
 @cache
 def friction_laws() -> Mapping[str, type[FrictionLaw]]:
     """Every law by its name: the library's, then those of installed packages.
-
-    Raises:
-        SolverError: a package's entry point holds no law, or one whose name is taken.
+    Raises SolverError if a package's entry point holds no law, or one whose name is taken.
     """
     found = {law.name: law for law in LIBRARY}
     for place, law in installed(ENTRY_POINT_GROUP, FrictionLaw, "friction law", "solvers", ("name",), SolverError):
@@ -69,9 +65,7 @@ def friction_laws() -> Mapping[str, type[FrictionLaw]]:
 
 def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
     """The law of that name with these parameters.
-
-    Raises:
-        SolverError: there is none, or it has other parameters, or they cannot be.
+    Raises SolverError if there is none, or it has other parameters, or they cannot be.
     """
     if name not in friction_laws():
         raise SolverError(f"there is no friction law {name!r}; the laws are {', '.join(map(repr, friction_laws()))}")

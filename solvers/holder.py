@@ -90,9 +90,7 @@ class Holder:
     play_mm: total width of the free play in series with the springs: the holder floats without force between two stops.
     approach_mm: if given, the holder is lowered by this much after first touch and held there, whatever force that
     takes; normal_load_N is then only the force to be expected, which sets scales.
-
-    Raises:
-        SolverError: a load, approach, compliance, stiffness or play that cannot be.
+    Raises SolverError for a load, approach, compliance, stiffness or play that cannot be.
     """
 
     normal_load_N: float

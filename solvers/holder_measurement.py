@@ -32,9 +32,7 @@ def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> 
     """Least squares of each element's motion over the force or moment that it carries, from the states of a loop.
 
     The translation is fitted by C Q + (g/2) sign(Q), the tilt by the moment about the pivot over K_theta.
-
-    Raises:
-        SolverError: the states carry no tangential force in both directions.
+    Raises SolverError if the states carry no tangential force in both directions.
     """
     holder = problem.holder
     force = np.array([state.primary_force[:, 0].sum() for state in states])

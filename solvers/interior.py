@@ -153,9 +153,7 @@ class Interior:
 
     held: nodes that do not move.  bedding: (n,) stiffness in N/mm by which each node is held elastically in all three
     directions (of a planar body per mm), zero at most of them.
-
-    Raises:
-        SolverError: nothing holds the body.
+    Raises SolverError if nothing holds the body.
     """
 
     mesh: HexMesh | QuadMesh

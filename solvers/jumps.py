@@ -30,9 +30,7 @@ class JumpController:
     first_jump: cycles of the first step.  largest_growth: of one step over the one before.  largest_share: of a step
     over the cycles already done.  least_share: a step is never cut below this share of the cycles already done, so
     that a noisy estimate cannot stall the run.
-
-    Raises:
-        SolverError: a tolerance or a share that cannot be.
+    Raises SolverError for a tolerance or a share that cannot be.
     """
 
     tolerance: float

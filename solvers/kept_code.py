@@ -82,9 +82,7 @@ def chosen_cache() -> Path:
 
 def private_folder(chosen: Path) -> Path:
     """The folder, made if need be; one of the user's own in it, where it is another's or others can write to it.
-
-    Raises:
-        OSError: neither can be written to.
+    Raises OSError if neither can be written to.
     """
     chosen.mkdir(mode=0o700, parents=True, exist_ok=True)
     own = chosen if is_own(chosen) else chosen / f"user-{os.geteuid()}"

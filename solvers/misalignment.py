@@ -16,9 +16,7 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
     Sliding under a dead weight takes Q = P tan(angle + phi) on the way out and P tan(angle - phi) on the way back, with
     tan(phi) the friction coefficient: their mean is P tan(angle) (1 + mu^2) to first order, P tan(angle) without
     friction. A loading spring adds a ripple of its stiffness times tan(angle) times the drive.
-
-    Raises:
-        SolverError: the angle is not between -30 and 30 degrees.
+    Raises SolverError if the angle is not between -30 and 30 degrees.
     """
     if not abs(angle_rad) < pi / 6.0:
         raise SolverError(f"the misalignment must lie between -30 and 30 degrees, but is {angle_rad} rad")

@@ -10,6 +10,8 @@ def installed(
     group: str, base: type[Any], noun: str, home: str, needed: tuple[str, ...], problem: Callable[[str], Exception]
 ) -> Iterator[tuple[str, Any]]:
     """Place ("package.module:Name") and class of each entry point of a group, by the entry points' names.
+    Raises what ``problem`` makes if an entry point cannot be loaded, or holds no such class, or one that lacks an
+    attribute.
 
     Args:
         group: the entry points' group.
@@ -18,10 +20,6 @@ def installed(
         home: package from which users import the base class, for messages.
         needed: attributes that each class must have.
         problem: makes the error that is raised from one clear sentence without its full stop.
-
-    Raises:
-        Exception: what ``problem`` makes: an entry point cannot be loaded, or holds no such class, or one that lacks
-            an attribute.
     """
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:

@@ -47,9 +47,7 @@ def move_stuck(
 
     The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both
     bodies, so that the small gap between curved faces, which the normal load closes, does not distort elements.
-
-    Raises:
-        SolverError: the patches' mesh lines differ, or fewer than three nodes would be joined.
+    Raises SolverError if the patches' mesh lines differ, or fewer than three nodes would be joined.
     """
     x = lower.patch.axial_mm
     if not np.array_equal(upper.patch.axial_mm, x):

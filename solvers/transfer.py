@@ -31,9 +31,7 @@ def remeshed(
 
     The worn volume is conserved (see `transfer`), the height to which the loading spring refers is kept. What friction
     had built up is lost: half a cycle of sliding with the wear frozen builds it up again.
-
-    Raises:
-        SolverError: a worn place lies beside its new patch, or the contact was not found.
+    Raises SolverError if a worn place lies beside its new patch, or the contact was not found.
     """
     old, new = ((of.primary.patch, of.secondary.patch) for of in (problem, onto))
     blank = unloaded_state(onto)

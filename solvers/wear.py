@@ -39,9 +39,7 @@ class OxygenSupply:
 
     supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen gets from the edge.
     starved_factor: wear coefficient without oxygen over that with it.  frequency_Hz: cycles per second.
-
-    Raises:
-        SolverError: a number that cannot be.
+    Raises SolverError for a number that cannot be.
     """
 
     supply_W: float
@@ -84,9 +82,7 @@ class WearRates:
 
     frequency_Hz: cycles per second.  oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it,
     single increments do not.
-
-    Raises:
-        SolverError: a coefficient is negative.
+    Raises SolverError if a coefficient is negative.
     """
 
     upper_mm3_per_mJ: float = 0.0

@@ -174,9 +174,7 @@ def accepted(
     pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
     """The state after the increment, its wear deposited on both surfaces, and the report of it.
-
-    Raises:
-        PatchLeftError: the contact has reached the edge of either patch.
+    Raises PatchLeftError if the contact has reached the edge of either patch.
     """
     pairing = system.pairing
     require_inside_patches(problem, pairing, np.flatnonzero(outcome.traction[:, 2] > 0.0), drive)
@@ -217,9 +215,7 @@ def _slid_so_far(problem: ContactProblem, state: ContactState, parts: Sequence[S
 
 def require_inside_patches(problem: ContactProblem, pairing: Pairing, pressed: IntArray, drive: float) -> None:
     """See that pressed nodes, by their numbers in the pairing, lie inside their patch and face the other one.
-
-    Raises:
-        PatchLeftError: the contact has reached the edge of either patch.
+    Raises PatchLeftError if the contact has reached the edge of either patch.
     """
     if not pairing.inside[pressed].all():
         raise PatchLeftError(

@@ -90,10 +90,8 @@ def solve_increment(
     """Move the lower body to `drive` in one increment, pairing the surfaces anew until they face each other as assumed.
 
     prescribed_height: where the holder is held instead of loaded.  expected: a better guess than the last increment.
-
-    Raises:
-        IncrementFailedError: no solution was found; LostContactError where nothing touches.
-        PatchLeftError: the contact has reached the edge of either patch.
+    Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
+    the contact has reached the edge of either patch.
     """
     tolerance, areas = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas
     holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x

@@ -73,9 +73,7 @@ class CycleEquations:
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
         """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.
-
-        Raises:
-            NotConvergedError: the equations do not determine the pressures.
+        Raises NotConvergedError if the equations do not determine the pressures.
         """
         new, height, gap, linear = self._newton_step(np.where(active, np.maximum(about, 0.0), 0.0), active)
         fits = bool(np.where(active, new >= 0.0, gap >= 0.0).all())

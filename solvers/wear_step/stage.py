@@ -60,9 +60,7 @@ def solve_stage(
     """Solve for the pressures on surfaces of depth `before` that each of them has worn for some cycles.
 
     lasting: how many (N,) under pressures (N,).  pressure: (N,) first guess.
-
-    Raises:
-        NotConvergedError: no active set was found that fits.
+    Raises NotConvergedError if no active set was found that fits.
     """
     gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
     worn, active, cycles = before, pressure > 0.0, lasting(pressure)

@@ -57,10 +57,8 @@ def jump_cycles(
 
     start, trace: the state at an end of the stroke, and the cycle from there with the wear frozen; its first half where
     the symmetry maps that onto the second.
-
-    Raises:
-        NotConvergedError: no pressures were found that fit.
-        PatchLeftError: the contact has reached the edge of either patch.
+    Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the contact has reached the edge
+    of either patch.
     """
     problem = problem_at(done, start.wear.energy_mJ)
     states, across = trace.states, symmetry.across

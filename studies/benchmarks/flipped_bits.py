@@ -191,11 +191,7 @@ def _kinds(base: Path) -> dict[str, Kind]:
 
 
 def cache_folder() -> Path:
-    """The folder of what is kept.
-
-    Raises:
-        RuntimeError: there is none.
-    """
+    """The folder of what is kept. Raises RuntimeError if there is none."""
     folder = cache_directory()
     if folder is None:
         raise RuntimeError("there is no folder for the cache")

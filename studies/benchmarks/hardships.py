@@ -70,11 +70,7 @@ class Undisturbed:
 
 
 def undisturbed(scene: Scene, command: Command) -> Undisturbed:
-    """A command run in peace, twice.
-
-    Raises:
-        RuntimeError: it fails, or the two do not come out alike.
-    """
+    """A command run in peace, twice. Raises RuntimeError if it fails, or the two do not come out alike."""
     outcomes, seconds = [], []
     for name, cache in (("empty", None), ("filled", scene.cache), ("whole", scene.cache)):
         folder = prepared(scene.base / command.name / name, scene.given)

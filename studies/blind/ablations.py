@@ -199,9 +199,7 @@ def all_answers(
     folder: Path, batches: Sequence[Path], tiers: Sequence[str], article: bool
 ) -> list[tuple[Truth, Mapping[str, Any]]]:
     """The same of all batches and of the frozen records of these tiers.
-
-    Raises:
-        WirewearError: there is none, or a batch or an answer cannot be read.
+    Raises WirewearError if there is none, or a batch or an answer cannot be read.
     """
     prepared_folder(folder)
     found = [one for batch in batches for one in kept_answers(folder, batch)]

@@ -36,9 +36,7 @@ REFERENCE_SHARE = 0.4  #: The article's share of the cases at least, of all of t
 
 def cases_of(records: tuple[FrozenRecord, ...], model: Generator) -> Iterator[tuple[FrozenRecord, Case]]:
     """Each record with the case that it was made from.
-
-    Raises:
-        BlindError: the generator draws other cases than it did.
+    Raises BlindError if the generator draws other cases than it did.
     """
     planned = {
         batch: {

@@ -58,9 +58,7 @@ def make_batch(
     `tests` is the number of different nominal tests among the cases, the article's being the first. A case that no draw
     of specimens and sizes can make has no record; the key names it, and the score tells how many there are.
     Records are made by `engine`, whose workers must see the folder, or else in up to `jobs` processes.
-
-    Raises:
-        BlindError: the folder holds another batch, a file cannot be read or written, or no case can be made.
+    Raises BlindError if the folder holds another batch, a file cannot be read or written, or no case can be made.
     """
     folder = Path(folder)
     key_path = key_path or default_key_path(folder)
@@ -97,11 +95,7 @@ def make_batch(
 
 
 def _require_room(folder: Path, cases: int) -> None:
-    """See that the records can be held.
-
-    Raises:
-        BlindError: there is too little disk.
-    """
+    """See that the records can be held. Raises BlindError if there is too little disk."""
     needed, free = LEAST_BYTES * cases, free_disk(folder)
     if needed > free:
         raise BlindError(
@@ -188,9 +182,7 @@ def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> Non
 
 def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord, int]:
     """The case, its record, and how often specimens and sizes of its effects were drawn anew.
-
-    Raises:
-        RunError: no draw could be made; the last one's reason.
+    Raises RunError, with the last one's reason, if no draw could be made.
     """
     for attempt in range(DRAWS - 1):
         try:

@@ -20,10 +20,8 @@ KEY_MODE = 0o600
 
 def new_key_file(path: Path) -> bytes:
     """A new key, written to a file that only its owner may read.
-
-    Raises:
-        BlindError: the file exists or cannot be written.
-        RunError: its folder cannot be made, or takes no files.
+    Raises BlindError if the file exists or cannot be written, and RunError if its folder cannot be made, or takes no
+    files.
     """
     from cryptography.fernet import Fernet
 
@@ -41,9 +39,7 @@ def new_key_file(path: Path) -> bytes:
 
 def read_key_file(path: Path) -> bytes:
     """The key in a file.
-
-    Raises:
-        BlindError: there is none, or it is not one that `python -m studies.blind make` wrote.
+    Raises BlindError if there is none, or it is not one that `python -m studies.blind make` wrote.
     """
     from cryptography.fernet import Fernet
 
@@ -76,11 +72,7 @@ def sealed(truth: Mapping[str, Any], key: bytes) -> bytes:
 
 
 def opened(token: bytes, key: bytes, where: str) -> dict[str, Any]:
-    """The truth that was sealed.
-
-    Raises:
-        BlindError: the key does not open it, or it was altered.
-    """
+    """The truth that was sealed. Raises BlindError if the key does not open it, or it was altered."""
     from cryptography.fernet import Fernet, InvalidToken
 
     try:

@@ -68,11 +68,7 @@ class Outcome:
 
 
 def case_of(path: Path, repeats: int, seed: int, samples: int | None = None) -> Case:
-    """The case that a result or a record makes.
-
-    Raises:
-        WirewearError: it is neither, or cannot be read.
-    """
+    """The case that a result or a record makes. Raises WirewearError if it is neither, or cannot be read."""
     file = path / RESULT_FILE_NAME if path.is_dir() else path
     if not file.is_file():
         return Case(path.name, read_record(path), None)

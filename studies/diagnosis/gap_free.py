@@ -126,11 +126,7 @@ def with_effects(tests: tuple[Nominal, ...], names: tuple[str, ...], seed: int) 
 
 
 def wires_of(record: AnyRecord) -> ExperimentRecord:
-    """What references of wires make: records of wires.
-
-    Raises:
-        TypeError: it is a line contact's.
-    """
+    """What references of wires make: records of wires. Raises TypeError if it is a line contact's."""
     if not isinstance(record, ExperimentRecord):
         raise TypeError("references of wires make records of wires")
     return record

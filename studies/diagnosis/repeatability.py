@@ -22,9 +22,7 @@ from wirewear.faces.study_script import StudyScript, wide_console
 
 def told_by(path: Path) -> dict[str, Told]:
     """What the repeats of one record tell of each observable.
-
-    Raises:
-        WirewearError: the record cannot be read or its nominal model not be run.
+    Raises WirewearError if the record cannot be read or its nominal model not be run.
     """
     nominal, observed = reduced_record(read_record(path))
     return told_by_repeats(observed, estimate(nominal.states, nominal.setup, observed).between)

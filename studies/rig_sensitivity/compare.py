@@ -71,11 +71,7 @@ def both_indices(sweep: Sweep, table: pl.DataFrame, name: str) -> list[tuple[Ind
 
 
 def read_table(folder: Path) -> pl.DataFrame:
-    """The table of the sweep.
-
-    Raises:
-        ResultError: the folder has none, or another sweep's.
-    """
+    """The table of the sweep. Raises ResultError if the folder has none, or another sweep's."""
     path, needed = folder / "table.parquet", ["run", "ended", *(f"{FIRST}{name}" for name in FIGURES)]
     made_by = f"wirewear sweep {SWEEP} --output {folder}"
     if not path.is_file():

@@ -72,11 +72,7 @@ class Case:
 
 
 def cases(pairs: Sequence[tuple[Rig, Rig]]) -> list[Case]:
-    """All rigs beside the article's.
-
-    Raises:
-        ResultError: a rig is not one of the article's.
-    """
+    """All rigs beside the article's. Raises ResultError if a rig is not one of the article's."""
     rows = {(row["contact"], row["case"]): row for row in pl.read_csv(ARTICLE).to_dicts()}
     found = []
     for one, two in pairs:

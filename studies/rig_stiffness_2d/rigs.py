@@ -125,9 +125,7 @@ def shipped(contact: str, fidelity: str = "standard") -> PlanarStudy:
 
 def simulated(fidelity: str, folder: Path, jobs: int = 1) -> list[tuple[Rig, Rig]]:
     """Both scenarios of all cases, translating and rotating; what a folder holds of them is read.
-
-    Raises:
-        StudyError, RunError, SolverError, ResultError: as any run of a line contact.
+    Raises StudyError, RunError, SolverError or ResultError as any run of a line contact does.
     """
     pairs = []
     for contact in CONTACTS:
@@ -140,9 +138,7 @@ def simulated(fidelity: str, folder: Path, jobs: int = 1) -> list[tuple[Rig, Rig
 
 def rig_of(result: RunResult, contact: str) -> Rig:
     """What the run of a variant came to.
-
-    Raises:
-        ResultError: nothing lies on the micro-slip branches of its loop, or it kept no contact forces.
+    Raises ResultError if nothing lies on the micro-slip branches of its loop, or it kept no contact forces.
     """
     holder: dict[str, Any] = result.study["holder"]
     spring = {"translating": "tangential_stiffness_N_per_mm2", "rotating": "rotational_stiffness_N_per_rad"}
@@ -181,9 +177,7 @@ def equally_stiff(one: Rig, study: PlanarStudy, fidelity: str) -> Rig:
 
     study: of a rotating variant.  In series 1/K_t,m = 1/K_c + H²/(K_θ + K_r): in the springs' compliances it is nearly
     a straight line.
-
-    Raises:
-        RunError: no spring was found.
+    Raises RunError if no spring was found.
     """
     pivot, wanted = study.holder.pivot_height_mm or 0.0, one.measured_stiffness_N_per_mm2
     least = 1.01 * study.conditions.normal_load_N_per_mm * pivot

@@ -41,9 +41,7 @@ def overlap_um(run: RunResult) -> Array:
 
 def large_scar(run: RunResult) -> NDArray[np.bool_]:
     """Rows at which the scar's half-width sqrt(2 R h) exceeds the amplitude by `LARGE`.
-
-    Raises:
-        ResultError: there are fewer than three.
+    Raises ResultError if there are fewer than three.
     """
     half_width_um = np.sqrt(1e3 * float(run.study["wires"]["diameter_mm"]) * overlap_um(run))
     large: NDArray[np.bool_] = half_width_um > LARGE * float(run.study["conditions"]["displacement_amplitude_um"])

@@ -29,11 +29,7 @@ class Pair:
 
 
 def read_pair(folder: Path) -> Pair:
-    """The runs "rigid" and "compliant" in `folder`.
-
-    Raises:
-        ResultError: one of them is missing or cannot be read.
-    """
+    """The runs "rigid" and "compliant" in `folder`. Raises ResultError if one of them is missing or cannot be read."""
     runs = {result.variant: result for result in read_results(folder)}
     if missing := {"rigid", "compliant"} - runs.keys():
         raise ResultError(f"{folder} lacks the variant(s) {', '.join(sorted(missing))}, which the comparison needs")

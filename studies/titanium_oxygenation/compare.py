@@ -83,11 +83,7 @@ def simulated(result: RunResult) -> Scar:
 
 
 def read_runs(folder: Path) -> dict[str, Scar]:
-    """The flat of each variant.
-
-    Raises:
-        ResultError: one is missing or has not come to its end.
-    """
+    """The flat of each variant. Raises ResultError if one is missing or has not come to its end."""
     return {name: simulated(read_results(folder / name)[0]) for name in VARIANTS}
 
 

@@ -78,9 +78,8 @@ class Tribometer:
 
 def read_tribometers(path: Path, progress: Progress | None = None) -> tuple[Tribometer, ...]:
     """Read and judge the rows of a CSV file.
-
-    Raises:
-        RecordError: the file cannot be read, or a value is missing or wrong; one sentence with line and column.
+    Raises RecordError, in one sentence with line and column, if the file cannot be read, or a value is missing or
+    wrong.
     """
     return judged(read_rows(path), progress)
 

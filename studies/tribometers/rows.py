@@ -68,9 +68,8 @@ class TribometerRow:
 
 def read_rows(path: Path) -> tuple[TribometerRow, ...]:
     """Read the rows of a CSV file.
-
-    Raises:
-        RecordError: the file cannot be read, or a value is missing or wrong; one sentence with line and column.
+    Raises RecordError, in one sentence with line and column, if the file cannot be read, or a value is missing or
+    wrong.
     """
     text = read_delimited(path)
     names, rows = text.names, [(line, cells) for line, cells in text.rows() if any(cells)]

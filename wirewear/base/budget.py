@@ -18,9 +18,7 @@ MOST_EXPANSION, HARMLESS = 100, 100e6
 
 def require_room(path: Path, need: float, kind: type[WirewearError]) -> None:
     """See that what a file states to hold, in bytes of memory, can be held and can be true.
-
-    Raises:
-        WirewearError: it cannot; of the given kind.
+    Raises WirewearError, of the given kind, if it cannot.
     """
     size, free = path.stat().st_size, free_memory()
     if need > max(HARMLESS, MOST_EXPANSION * size):

@@ -133,9 +133,7 @@ class DelimitedText:
 
         as_logged: rows may be of different lengths, and a word such as "No Data" stand for what is missing.
         clock: the column that may hold times of day, which become seconds.
-
-        Raises:
-            RecordError: a field is no number or missing; the message names its line and column.
+        Raises RecordError if a field is no number or missing; the message names its line and column.
         """
         return self._fast(places) or self._slow(places, as_logged, clock)
 
@@ -320,9 +318,7 @@ def encoding_of(data: bytes) -> str:
 
 def decoded(path: Path) -> tuple[bytes, str | None]:
     """A file's bytes, and the encoding where they are not the file's own but a spreadsheet's text.
-
-    Raises:
-        RecordError: the file cannot be read.
+    Raises RecordError if the file cannot be read.
     """
     data = read_bytes(path, RecordError)
     if is_spreadsheet(data):
@@ -333,9 +329,7 @@ def decoded(path: Path) -> tuple[bytes, str | None]:
 
 def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
-
-    Raises:
-        RecordError: the file cannot be read, or is no text in that encoding.
+    Raises RecordError if the file cannot be read, or is no text in that encoding.
     """
     data, told = decoded(path)
     if told is not None:

@@ -55,11 +55,7 @@ class Engine(ABC):
     @property
     @abstractmethod
     def workers(self) -> int:
-        """How many tasks it does at a time.
-
-        Raises:
-            EngineError: there is nobody to do them.
-        """
+        """How many tasks it does at a time. Raises EngineError if there is nobody to do them."""
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -71,9 +67,7 @@ class Engine(ABC):
         """Every task as it comes to its end; none is begun after `until` (of time.monotonic).
 
         When the caller stops asking, those that run come to their end, and no other is begun.
-
-        Raises:
-            EngineError: the cluster cannot be reached, or runs another program.
+        Raises EngineError if the cluster cannot be reached, or runs another program.
         """
 
 

@@ -118,10 +118,7 @@ class GuessedLayout:
 
 def guessed_layout(path: Path) -> GuessedLayout:
     """How a text file or spreadsheet with a table of numbers is laid out.
-
-    Raises:
-        RecordError: the file cannot be read.
-        NoTableError: no table of numbers is found in it.
+    Raises RecordError if the file cannot be read, and NoTableError if no table of numbers is found in it.
     """
     data, told = delimited.decoded(path)
     encoding = told or delimited.encoding_of(data)
@@ -357,11 +354,7 @@ def _rate(header: list[str], table: _Table) -> float | None:
 
 
 def known_columns(file: Path, names: Sequence[str]) -> dict[str, Array]:
-    """Columns (n,) of a table, as far as it has any of these names.
-
-    Raises:
-        RecordError: it cannot be read.
-    """
+    """Columns (n,) of a table, as far as it has any of these names. Raises RecordError if it cannot be read."""
     text = delimited.read_delimited(file, guessed_layout(file).layout)
     places: dict[str, int] = {name: text.names.index(name) for name in names if name in text.names}
     return text.numbers(places).columns if places else {}

@@ -66,15 +66,14 @@ def opened_hdf5(
     path: Path, kind: type[WirewearError], what: str, *, unsealed: tuple[int, ...] = ()
 ) -> Iterator[h5py.File]:
     """An HDF5 file that `hdf5_image` made, to be read; what it holds that cannot be read is told as damage.
+    Raises WirewearError, of the given kind, if there is no such file, it is damaged or cut off, or it reaches beyond
+    itself.
 
     Args:
         path: of the file.
         kind: of the errors.
         what: the file is: "a result file".
         unsealed: formats, by the attribute of that name, of files that earlier versions wrote without a checksum.
-
-    Raises:
-        WirewearError: there is no such file, it is damaged or cut off, or it reaches beyond itself; of the given kind.
     """
     data = read_bytes(path, kind, what)
     if not data.startswith(_SIGNATURE):
@@ -100,9 +99,7 @@ def opened_hdf5(
 
 def require_self_contained(file: h5py.File, path: Path, kind: type[WirewearError], size: int) -> None:
     """See that an open file of `size` bytes holds all that it shows.
-
-    Raises:
-        WirewearError: it refers to other files, or its arrays are larger than it can hold; of the given kind.
+    Raises WirewearError, of the given kind, if it refers to other files, or its arrays are larger than it can hold.
     """
     total, ahead, seen = 0, [file["/"]], {hash(file["/"].id)}
     while ahead:

@@ -84,9 +84,7 @@ def digest(parts: Mapping[str, Any]) -> str:
 @cache
 def code_hash(code: tuple[str, ...] = ALL_CODE) -> str:
     """SHA-256 over the program's own files in these files and folders, so that no two states of it pass for one.
-
-    Raises:
-        WirewearError: one of them does not exist.
+    Raises WirewearError if one of them does not exist.
     """
     hashed = hashlib.sha256()
     for name in sorted(code):

@@ -27,9 +27,7 @@ def occupied(folder: Path, what: str, **noted: str) -> Iterator[Mapping[str, Any
 
     Yields what the last one noted that held it and did not come to its end; nothing if it did. What is `noted` beside
     `what` stays there when the work ends in an error; else nothing does.
-
-    Raises:
-        RunError: somebody else holds the folder, or it cannot be written to.
+    Raises RunError if somebody else holds the folder, or it cannot be written to.
     """
     path = prepared_folder(folder) / LOCK_FILE_NAME
     with writing(RunError, f"the output folder {folder} cannot be used"):

@@ -113,9 +113,7 @@ class Quantity:
 
     def __call__(self, value: object) -> float | int | str:
         """Check a value read from a study.
-
-        Raises:
-            ValueError: the value is none of the allowed ones; the message goes on from the key's name.
+        Raises ValueError if the value is none of the allowed ones; the message goes on from the key's name.
         """
         if isinstance(value, str) and value in self.words:
             return value

@@ -51,9 +51,7 @@ _ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORE
 
 def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
     """See that a path does not hold what only other commands take; what is not recognised passes.
-
-    Raises:
-        WirewearError: it does; of the given kind, one sentence that says what it is and names a command.
+    Raises WirewearError, of the given kind and in one sentence that says what it is and names a command, if it does.
     """
     held = None
     with suppress(OSError, ValueError):
@@ -118,19 +116,13 @@ _TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOM
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, Any]:
-    """The tables of a TOML file.
-
-    Raises:
-        WirewearError: it cannot be read, or is no valid TOML; of the given kind.
-    """
+    """The tables of a TOML file. Raises WirewearError, of the given kind, if it cannot be read, or is no valid TOML."""
     return parsed_toml(read_text(path, kind, what), str(path), kind)
 
 
 def parsed_toml(text: str, where: str, kind: type[WirewearError]) -> dict[str, Any]:
     """The tables of a TOML text; `where` names its origin in messages.
-
-    Raises:
-        WirewearError: the text is no valid TOML; of the given kind.
+    Raises WirewearError, of the given kind, if the text is no valid TOML.
     """
     try:
         return tomllib.loads(text)
@@ -178,14 +170,12 @@ def is_encoding_of_text(name: str) -> bool:
 
 def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
     """The contents of an ordinary file; where there is none, an error of that kind says so.
+    Raises WirewearError, of the given kind, if it cannot be read.
 
     Args:
         path: the file.
         kind: of the error.
         what: is needed: "a study file".
-
-    Raises:
-        WirewearError: it cannot be read; of the given kind.
     """
     try:
         if path.is_dir():
@@ -214,19 +204,13 @@ def _meant(path: Path, what: str) -> str:
 
 
 def read_text(path: Path, kind: type[WirewearError], what: str = "file") -> str:
-    """The text of a file in UTF-8.
-
-    Raises:
-        WirewearError: it cannot be read or is no text; of the given kind.
-    """
+    """The text of a file in UTF-8. Raises WirewearError, of the given kind, if it cannot be read or is no text."""
     return utf8(read_bytes(path, kind, what), path, kind)
 
 
 def require_within(path: Path, folder: Path, kind: type[WirewearError], where: str) -> None:
     """See that a file lies in a folder, also when links on the way to it are followed.
-
-    Raises:
-        WirewearError: it does not; of the given kind, the sentence beginning with `where`.
+    Raises WirewearError, of the given kind, if it does not; the sentence beginning with `where`.
     """
     try:
         inside = path.resolve().is_relative_to(folder.resolve())
@@ -237,19 +221,13 @@ def require_within(path: Path, folder: Path, kind: type[WirewearError], where: s
 
 
 def read_json(path: Path, kind: type[WirewearError], what: str = "JSON file") -> Any:
-    """What a JSON file holds.
-
-    Raises:
-        WirewearError: it cannot be read, or is no JSON; of the given kind.
-    """
+    """What a JSON file holds. Raises WirewearError, of the given kind, if it cannot be read, or is no JSON."""
     return parsed_json(read_text(path, kind, what), str(path), kind)
 
 
 def parsed_json(text: str | bytes, where: str, kind: type[WirewearError]) -> Any:
     """What a JSON text holds; `where` names its origin in messages.
-
-    Raises:
-        WirewearError: the text is no JSON; of the given kind.
+    Raises WirewearError, of the given kind, if the text is no JSON.
     """
     try:
         return json.loads(text)
@@ -267,9 +245,7 @@ def with_checksum(table: Mapping[str, Any]) -> dict[str, Any]:
 
 def require_unchanged(table: Mapping[str, Any], where: str, kind: type[WirewearError]) -> None:
     """See that a table that was read from JSON is what `with_checksum` made; one without a checksum passes.
-
-    Raises:
-        WirewearError: it has changed since; of the given kind.
+    Raises WirewearError, of the given kind, if it has changed since.
     """
     try:
         whole = "sha256" not in table or with_checksum(table)["sha256"] == table["sha256"]
@@ -281,9 +257,7 @@ def require_unchanged(table: Mapping[str, Any], where: str, kind: type[WirewearE
 
 def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     """Bytes of a file as text in UTF-8, without a mark at its beginning.
-
-    Raises:
-        WirewearError: they are no text; of the given kind.
+    Raises WirewearError, of the given kind, if they are no text.
     """
     try:
         return data.decode("utf-8-sig")

@@ -23,9 +23,7 @@ def is_spreadsheet(data: bytes) -> bool:
 
 def sheet_text(data: bytes, path: Path) -> bytes:
     """The sheet with the most numbers as lines of cells, in UTF-8.
-
-    Raises:
-        RecordError: the file cannot be read, or holds more than the memory takes.
+    Raises RecordError if the file cannot be read, or holds more than the memory takes.
     """
     import openpyxl
 
@@ -47,11 +45,7 @@ def sheet_text(data: bytes, path: Path) -> bytes:
 
 
 def refuse_other_sheets(data: bytes, path: Path) -> None:
-    """Say of spreadsheets that are not read what would be.
-
-    Raises:
-        RecordError: the bytes are those of one.
-    """
+    """Say of spreadsheets that are not read what would be. Raises RecordError if the bytes are those of one."""
     if data.startswith(_OLD_EXCEL) or data[30:80].startswith(b"mimetypeapplication/vnd.oasis.opendocument.spreadsheet"):
         raise RecordError(f"{path} is a spreadsheet of a kind that is not read: save it as .xlsx or as CSV.")
 

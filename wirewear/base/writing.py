@@ -37,9 +37,7 @@ def json_text(value: Any, indent: int | None = 2) -> str:
 
 def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> Path:
     """Write a table, or its rows, in one step; text that begins like a formula has an apostrophe before it.
-
-    Raises:
-        OSError: the file cannot be written.
+    Raises OSError if the file cannot be written.
     """
     import polars as pl
 
@@ -62,9 +60,7 @@ def finite(value: Any) -> Any:
 
 def prepared_folder(path: Path) -> Path:
     """Make an output folder if need be, and see that files can be written there.
-
-    Raises:
-        RunError: the folder cannot be made, or takes no files.
+    Raises RunError if the folder cannot be made, or takes no files.
     """
     with writing(RunError, f"the output folder {path} cannot be used"):
         path.mkdir(parents=True, exist_ok=True)
@@ -74,9 +70,7 @@ def prepared_folder(path: Path) -> Path:
 
 def usable_folder(path: Path) -> Path:
     """See that an output folder takes files, or could be made and would; one that is not there is not left there.
-
-    Raises:
-        RunError: it cannot be made, or takes no files.
+    Raises RunError if it cannot be made, or takes no files.
     """
     with writing(RunError, f"the output folder {path} cannot be used"):
         made = _missing(path)
@@ -91,9 +85,7 @@ def usable_folder(path: Path) -> Path:
 
 def usable_file(path: Path) -> Path:
     """See that a file can be written or replaced, its folder made if need be; nothing is left or changed.
-
-    Raises:
-        RunError: it cannot.
+    Raises RunError if it cannot.
     """
     with writing(RunError, f"{path} cannot be written"):
         if is_special(path):
@@ -140,10 +132,7 @@ def in_one_step(path: Path) -> Iterator[Path]:
 
     A link is followed. What is no regular file, a device or a pipe, stays and is given what was written; what is open
     already, such as /dev/stdout, is given it where it is.
-
-    Raises:
-        OSError: the file cannot be written.
-        RunError: it is special, and there is no temporary folder.
+    Raises OSError if the file cannot be written, and RunError if it is special, and there is no temporary folder.
     """
     if is_special(path):
         with temporary_folder() as folder:
@@ -171,9 +160,7 @@ def in_one_step(path: Path) -> Iterator[Path]:
 @contextmanager
 def folder_in_one_step(path: Path) -> Iterator[Path]:
     """A new folder beside `path` to fill; it becomes `path`, which may at most be an empty folder, when all went well.
-
-    Raises:
-        OSError: the folder cannot be written, or `path` holds files.
+    Raises OSError if the folder cannot be written, or `path` holds files.
     """
     path = link_followed(path)
     path.parent.mkdir(parents=True, exist_ok=True)
@@ -210,9 +197,7 @@ def open_number(path: Path) -> int | None:
 @contextmanager
 def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
     """A folder that is deleted in the end, in the system's one for such.
-
-    Raises:
-        RunError: there is none that can be written to.
+    Raises RunError if there is none that can be written to.
     """
     with writing(RunError, "no temporary folder can be made", "TMPDIR names the folder for them"):
         made = TemporaryDirectory(prefix=prefix)
@@ -222,9 +207,7 @@ def temporary_folder(prefix: str = "wirewear-") -> Iterator[Path]:
 
 def link_followed(path: Path) -> Path:
     """Where a symbolic link leads in the end; the path itself where it is none.
-
-    Raises:
-        OSError: it leads in a circle, or is another user's: who wrote would choose a file, and that user which.
+    Raises OSError if it leads in a circle, or is another user's: who wrote would choose a file, and that user which.
     """
     for _ in range(_MOST_LINKS):
         if not path.is_symlink():

@@ -179,9 +179,7 @@ class Effect(ABC, Generic[T]):
     """An effect that the nominal model lacks; its fields are its parameters, each made by `parameter`.
 
     A subclass's docstring gives the physics and its source; the first line is its title.
-
-    Raises:
-        StudyError: a parameter is out of its range.
+    Raises StudyError if a parameter is out of its range.
     """
 
     #: Name in files; unique.
@@ -223,9 +221,7 @@ class Effect(ABC, Generic[T]):
 
     def foreseen(self, chain: Chain) -> Chain:
         """A test as fast models take it, with the effect in it: what it changes of its seam, unless it says otherwise.
-
-        Raises:
-            UnforeseenError: it changes something there that a chain does not hold.
+        Raises UnforeseenError if it changes something there that a chain does not hold.
         """
         view = _VIEWS[self.seam]
         columns = np.stack([getattr(chain, name) for name in view.columns], axis=1)

@@ -52,9 +52,7 @@ class Parameter:
 
     def beside(self, stated: Stated) -> Parameter:
         """The parameter with plain values, in a study that states these numbers.
-
-        Raises:
-            StudyError: they lack the one that it is a share of.
+        Raises StudyError if they lack the one that it is a share of.
         """
         if not self.share_of:
             return self
@@ -115,9 +113,7 @@ class Parameter:
 
     def checked(self, value: object) -> float:
         """The value as a number; an infinite stiffness may be written as "rigid".
-
-        Raises:
-            ValueError: it is out of range or no number; the message goes on from the parameter's name.
+        Raises ValueError if it is out of range or no number; the message goes on from the parameter's name.
         """
         if RIGID in self.quantity.words and value in (RIGID, math.inf):
             return math.inf

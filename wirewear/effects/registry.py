@@ -45,10 +45,8 @@ LIBRARY: tuple[EffectType, ...] = (
 
 def effects_of_tables(value: object) -> tuple[Effect[Any], ...]:
     """The effects that a list of tables gives; effects already made are kept.
-
-    Raises:
-        ValueError: it is no such list, an effect is unknown or given twice, or a parameter makes no sense; the message
-            goes on from the word "effects" and the place where it stands.
+    Raises ValueError if it is no such list, an effect is unknown or given twice, or a parameter makes no sense; the
+    message goes on from the word "effects" and the place where it stands.
     """
     if not isinstance(value, list | tuple):
         raise ValueError(f"is {shown(value)}, but must be tables {_EXAMPLE}")
@@ -91,9 +89,7 @@ def _effect(table: object) -> Effect[Any]:
 
 def all_effects() -> dict[str, EffectType]:
     """Every effect by its name: the library's, then those of installed packages.
-
-    Raises:
-        StudyError: a package's entry point holds no effect, or one whose name is taken.
+    Raises StudyError if a package's entry point holds no effect, or one whose name is taken.
     """
     return dict(_all_effects())
 
@@ -113,11 +109,7 @@ def _all_effects() -> dict[str, EffectType]:
 
 
 def effect_named(name: object) -> EffectType:
-    """The effect of that name.
-
-    Raises:
-        StudyError: there is none.
-    """
+    """The effect of that name. Raises StudyError if there is none."""
     known = all_effects()
     if isinstance(name, str) and name in known:
         return known[name]

@@ -67,9 +67,7 @@ def new(
 
 def _require_sensible(option: str, value: float, kind: Kind) -> None:
     """See that an option is in the range of its key of a mapping of that kind.
-
-    Raises:
-        RecordError: it lies outside; the sentence names the unit that it seems to be in.
+    Raises RecordError if it lies outside; the sentence names the unit that it seems to be in.
     """
     from wirewear.records.importing.mapping import MAPPINGS
     from wirewear.study.keys import Table, quantity_of, table_of
@@ -127,9 +125,7 @@ def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, out
 
 def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
     """A record's test as the tables of a study, `kind` among them.
-
-    Raises:
-        StudyError: the study is to be of a kind that is never recorded.
+    Raises StudyError if the study is to be of a kind that is never recorded.
     """
     from wirewear.fitting.fit import tables_of_record
     from wirewear.records import read_record

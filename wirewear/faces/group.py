@@ -35,11 +35,7 @@ class Finite(click.FloatRange):
     """A finite number within a range: comparisons alone would let NaN pass."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number.
-
-        Raises:
-            click.BadParameter: it is none, is not finite, or lies outside.
-        """
+        """The number. Raises click.BadParameter if it is none, is not finite, or lies outside."""
         number = float(super().convert(value, param, ctx))
         if not isfinite(number):
             self.fail(f"{value} is not a finite number.", param, ctx)
@@ -56,11 +52,7 @@ class StatedOption(click.types.FloatParamType):
         self.quantity = quantity
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
-        """The number.
-
-        Raises:
-            click.BadParameter: it is none, or lies outside.
-        """
+        """The number. Raises click.BadParameter if it is none, or lies outside."""
         try:
             return float(self.quantity(click.FLOAT.convert(value, param, ctx)))
         except ValueError as problem:

@@ -36,9 +36,7 @@ class Run(RunResult):
 
     def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:
         """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
-
-        Raises:
-            ResultError: there is no such picture, or the run has recorded nothing to be drawn in it.
+        Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
         """
         from wirewear.pictures import drawings
         from wirewear.pictures.gallery import overview
@@ -53,20 +51,14 @@ class Run(RunResult):
 
     def to_xarray(self) -> xarray.DataTree:
         """Evolution, loops and scars as labelled arrays, each with its unit in `attrs["units"]`.
-
-        Raises:
-            ResultError: xarray is not installed.
+        Raises ResultError if xarray is not installed.
         """
         from wirewear.results.flat import labelled
 
         return labelled(self)
 
     def to_polars(self, table: str = "evolution") -> pl.DataFrame:
-        """One of the tables evolution, loops, scars as a data frame.
-
-        Raises:
-            ResultError: there is no such table.
-        """
+        """One of the tables evolution, loops, scars as a data frame. Raises ResultError if there is no such table."""
         from wirewear.results.flat import tables_of
 
         tables = tables_of(self)
@@ -76,9 +68,7 @@ class Run(RunResult):
 
     def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
         """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
-
-        Raises:
-            ResultError: no scar is recorded near that cycle, or there is no such wire.
+        Raises ResultError if no scar is recorded near that cycle, or there is no such wire.
         """
         from wirewear.results.flat import surface_mesh
 
@@ -92,10 +82,8 @@ class Run(RunResult):
 
         at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
         of a recorded position.  worn: the nodes stand in the worn surface.
-
-        Raises:
-            ResultError: no contact forces are recorded near that cycle, or there is no such wire or position.
-            GeometryError: wear distorts the mesh too much.
+        Raises ResultError if no contact forces are recorded near that cycle, or there is no such wire or position;
+        GeometryError if wear distorts the mesh too much.
         """
         from wirewear.interior import body_grid, body_states
 
@@ -104,9 +92,7 @@ class Run(RunResult):
 
     def save(self, path: str | Path) -> Path:
         """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
-
-        Raises:
-            ResultError: it cannot be written.
+        Raises ResultError if it cannot be written.
         """
         from wirewear.results.flat import write_netcdf
 
@@ -182,9 +168,7 @@ def _stated(table: Mapping[str, Any]) -> dict[str, str]:
 
 def read_result(path: str | Path) -> Run:
     """The run stored in a file, or in a folder of one.
-
-    Raises:
-        ResultError: there is none, or it is damaged, or the folder holds several.
+    Raises ResultError if there is none, or it is damaged, or the folder holds several.
     """
     return Run.of(one_run(Path(path)).with_maps())
 
@@ -204,9 +188,7 @@ def one_run(path: Path) -> RunResult:
 
 def read_results(path: str | Path) -> tuple[Run, ...]:
     """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
-
-    Raises:
-        ResultError: nothing is found there, or a file found cannot be read.
+    Raises ResultError if nothing is found there, or a file found cannot be read.
     """
     return tuple(Run.of(result.with_maps()) for result in read_all_plain(Path(path)))
 

@@ -160,9 +160,7 @@ def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: flo
     """Write maps.html and tests.csv into a folder, which is made if need be; returns their paths.
 
     `fatigue_limit_MPa` is the tension from which the material cracks; without it lines of several are drawn.
-
-    Raises:
-        ResultError: there is no test, or tests of wires and of line contacts, or a file cannot be written.
+    Raises ResultError if there is no test, or tests of wires and of line contacts, or a file cannot be written.
     """
     if not tests:
         raise ResultError("there is no test to draw.")

@@ -138,10 +138,8 @@ def fretting_tests(path: Path) -> list[MappedTest]:
     """The test of a record, or those of a result (one a variant).
 
     Those of line contacts are of one millimetre of the contact.
-
-    Raises:
-        RecordError: the record cannot be read, or none of its loops can be analysed.
-        ResultError: the result cannot be read.
+    Raises RecordError if the record cannot be read, or none of its loops can be analysed; ResultError if the result
+    cannot be read.
     """
     if path.name != TABLE_FILE_NAME and not (path / TABLE_FILE_NAME).is_file():
         require_no_other(path, RecordError, Held.RECORD, Held.RUN)

@@ -186,11 +186,7 @@ def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
 
 
 def _require_no_measurement(folder: Path) -> None:
-    """See that an exported simulation takes the place of no measured test.
-
-    Raises:
-        RecordError: one stands there.
-    """
+    """See that an exported simulation takes the place of no measured test. Raises RecordError if one stands there."""
     from wirewear.base.reading import TABLE_FILE_NAME, parsed_toml, read_text
 
     path = folder / TABLE_FILE_NAME

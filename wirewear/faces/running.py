@@ -57,9 +57,7 @@ class Record(ExperimentRecord[Any, Any]):
 
     def compare(self, run: RunResult) -> RecordComparison:
         """The record beside a simulation: loops, evolution, worn surfaces, and what differs.
-
-        Raises:
-            RecordError: they have nothing in common, or nothing can be concluded from the record.
+        Raises RecordError if they have nothing in common, or nothing can be concluded from the record.
         """
         from wirewear.views.comparison import compare
 
@@ -76,10 +74,8 @@ class Record(ExperimentRecord[Any, Any]):
 
         Loops do not tell the worn volume: where no scars were measured, give the wear coefficient of both bodies
         together, or the volume that both lost in a test.
-
-        Raises:
-            RecordError: the record is unsound, none of its loops slides as a whole, or none tells its energy.
-            StudyError, SolverError: the nominal run of the fast model fails.
+        Raises RecordError if the record is unsound, none of its loops slides as a whole, or none tells its energy;
+        StudyError or SolverError if the nominal run of the fast model fails.
         """
         from wirewear.fitting import GivenWear, fit_record
 
@@ -101,10 +97,8 @@ class Record(ExperimentRecord[Any, Any]):
         """Why the record and its model disagree; without a model, the one that the record states.
 
         `further` are other measurements of the same rig, which update the answer.
-
-        Raises:
-            RecordError: the record states too little, has nothing to be diagnosed, or the model is of another test.
-            StudyError, SolverError: the model cannot be run, or there is no effect of a name in `without`.
+        Raises RecordError if the record states too little, has nothing to be diagnosed, or the model is of another
+        test; StudyError or SolverError if the model cannot be run, or there is no effect of a name in `without`.
         """
         from wirewear.diagnosis import diagnose
 
@@ -119,9 +113,7 @@ class Record(ExperimentRecord[Any, Any]):
 
 def read_record(folder: str | Path) -> Record:
     """Read and check a record of any kind of contact. What can be coped with is kept and told in `notes`.
-
-    Raises:
-        RecordError: the record cannot be read; one sentence with file, line and column.
+    Raises RecordError, in one sentence with file, line and column, if the record cannot be read.
     """
     return Record.of(read_plain(folder))
 
@@ -209,9 +201,7 @@ def watched(label: str, *, shown: bool) -> Iterator[Observer]:
 
 def load(source: str | Path) -> Study:
     """Read a study from a file, or from text that is one: TOML of more than one line.
-
-    Raises:
-        StudyError: there is no such file, or it is no valid study; the message is one sentence.
+    Raises StudyError, in one sentence, if there is no such file, or it is no valid study.
     """
     if isinstance(source, str) and "\n" in source.strip():
         return parse_study(source, "the text given")
@@ -230,11 +220,9 @@ def run(
 
     Without `output` no file is written; with it, the folder is as `wirewear run` leaves it, and `resume` goes on where
     an interrupted run stopped.
-
-    Raises:
-        StudyError: the study has variants, of which one must be chosen; or it cannot be discretised or afforded.
-        RunError, ResultError: the folder holds another run, or cannot be written.
-        SolverError: the contact did not converge, or left the fine patch.
+    Raises StudyError if the study has variants, of which one must be chosen, or cannot be discretised or afforded;
+    RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
+    converge, or left the fine patch.
     """
     study = study.alone('run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     label = study.variant_name or study.name
@@ -254,9 +242,7 @@ def run_variants(
     study: Study, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
     """Simulate all variants of a study, by their names; with `output`, each in a folder of its own.
-
-    Raises:
-        StudyError: the study has no variants; and as `run`.
+    Raises StudyError if the study has no variants, and whatever `run` raises.
     """
     if not study.variant_names:
         raise StudyError(f"the study {study.name!r} has no variants: take run(study).")

@@ -134,9 +134,7 @@ def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: in
 
 def _require_nothing_lost(folder: Path) -> None:
     """See that a new run takes the place of no result, complete or not; one that cannot be read is none.
-
-    Raises:
-        StudyError: there is one.
+    Raises StudyError if there is one.
     """
     from wirewear.results import RESULT_FILE_NAME
 

@@ -62,9 +62,7 @@ def _one_sentence(context: click.Context) -> Iterator[None]:
 @contextmanager
 def understanding(path: Path, what: str) -> Iterator[None]:
     """Within it, whatever is looked for in a file's tables and is not there is told: the file is no `what`.
-
-    Raises:
-        ResultError: a key, an entry or a number was missing, or something else stood in its place.
+    Raises ResultError if a key, an entry or a number was missing, or something else stood in its place.
     """
     try:
         yield

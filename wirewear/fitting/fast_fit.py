@@ -71,9 +71,8 @@ class LoopsOfTests:
 
 def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
     """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm.
-
-    Raises:
-        RecordError: no loop tells friction: none can be analysed, or slides as a whole, or is sampled densely enough.
+    Raises RecordError if no loop tells friction: none can be analysed, or slides as a whole, or is sampled densely
+    enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))

@@ -70,9 +70,7 @@ class CheckedRun:
 
 def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: ObserverOf | None = None) -> CheckedRun:
     """Run the fitted study, and set its loops beside those of the record.
-
-    Raises:
-        StudyError, SolverError, RunError: the run cannot be made or written.
+    Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
     from wirewear.simulation import NoObserver
 
@@ -126,11 +124,8 @@ def fit_record(
     First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
     these, then fits friction and rig to the loops of all cycles. Wear coefficients are worn volumes over the friction
     energy of the whole test, or what is given of them in place of scars.
-
-    Raises:
-        RecordError: the record is unsound, or none of its loops slides as a whole; a worn volume is given, and neither
-            loops nor evolution tell the energy.
-        StudyError, SolverError: a nominal run of the fast model fails.
+    Raises RecordError if the record is unsound, none of its loops slides as a whole, or a worn volume is given and
+    neither loops nor evolution tell the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     kind, tables = kind_of(record), record.tables
     with stage("checking the record"):
@@ -158,9 +153,7 @@ def fit_record(
 
 def tables_of_record(record: AnyRecord) -> dict[str, Any]:
     """A record's test as tables of a study: what is stated, with the friction of its loops where none is.
-
-    Raises:
-        RecordError: friction is not stated, and no loop slides as a whole.
+    Raises RecordError if friction is not stated, and no loop slides as a whole.
     """
     friction = stated_friction(record.tables)
     if friction is None:

@@ -129,9 +129,7 @@ def _json(found: FittedParameter) -> dict[str, Any]:
 
 def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     """Write the study, and `[stated]` as a table of its own; return both paths.
-
-    Raises:
-        RunError: the folder cannot be made or written.
+    Raises RunError if the folder cannot be made or written.
     """
     prepared_folder(folder)
     study, stated = folder / "study.toml", folder / "stated.toml"
@@ -147,9 +145,7 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
 
 def write_stated(fitted: FittedTest) -> Path:
     """Write the fitted values into the record's `[stated]`; what else stands in its table file stays.
-
-    Raises:
-        RecordError: the record was not read from a folder, or its table cannot be written.
+    Raises RecordError if the record was not read from a folder, or its table cannot be written.
     """
     if fitted.record.path is None:
         raise RecordError("the record was not read from a folder, so that nothing can be written into it.")

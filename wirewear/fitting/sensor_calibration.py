@@ -51,6 +51,8 @@ def loaded_motions(
     The remote point is the back of the moving wire, which its holder grips and drives, behind
     `remote_compliance_um_per_N` of whatever else lies between the sensor's point and that holder. Nothing slips, so
     what is found is the compliance between the points and no friction.
+    Raises StudyError if a load is not positive, the contact has no friction, or its mesh takes more memory than there
+    is; SolverError if the contact does not converge.
 
     Args:
         study: without variants.
@@ -59,10 +61,6 @@ def loaded_motions(
         remote_compliance_um_per_N: stated by the rig's owner.
         fidelity: of the mesh, which only covers the contact itself.
         progress: is told the share done and what is being done.
-
-    Raises:
-        StudyError: a load is not positive, the contact has no friction, or its mesh takes more memory than there is.
-        SolverError: the contact does not converge.
     """
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
     if loads[0] <= 0.0 or not np.isfinite(loads).all():
@@ -161,9 +159,7 @@ def fitted_polynomial(motions: Sequence[LoadedMotion]) -> LoadPolynomial:
     """Fit the polynomial to motions under all loads alike, by least squares (Infante-García et al. 2020, section 2.1).
 
     How far the normal load changes the compliance is part of the residual, and so of the intervals (Student's t).
-
-    Raises:
-        SensorError: fewer than four motions under load.
+    Raises SensorError for fewer than four motions under load.
     """
     force, remote, near = (
         np.concatenate([getattr(motion, name) for motion in motions])
@@ -209,10 +205,8 @@ def calibrate(
     progress: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Calibration:
     """Simulate the motions of `loaded_motions` and fit the polynomial in the load.
-
-    Raises:
-        StudyError: a load is not positive, the contact has no friction, or the study has variants to choose from.
-        SolverError: the contact does not converge.
+    Raises StudyError if a load is not positive, the contact has no friction, or the study has variants to choose from;
+    SolverError if the contact does not converge.
     """
     motions = loaded_motions(
         study.alone(),
@@ -226,11 +220,7 @@ def calibrate(
 
 
 def parse_loads(text: str) -> tuple[float, ...]:
-    """``"1, 2, 3"`` as numbers.
-
-    Raises:
-        StudyError: a part is no number.
-    """
+    """``"1, 2, 3"`` as numbers. Raises StudyError if a part is no number."""
     try:
         return tuple(float(part) for part in text.split(",") if part.strip())
     except ValueError:
@@ -238,11 +228,7 @@ def parse_loads(text: str) -> tuple[float, ...]:
 
 
 def parse_near(text: str) -> NearPoint:
-    """The near point of that name.
-
-    Raises:
-        StudyError: there is none.
-    """
+    """The near point of that name. Raises StudyError if there is none."""
     for point in NEAR_POINTS:
         if text == point:
             return point

@@ -121,9 +121,7 @@ def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Co
 
     Amplitudes of the evolution and the asked one fall by linear · Q at the tips, where the quadratic part moves both
     alike; slip amplitudes, energies and scars stay (Q = 0, and ∮Q df(Q) = 0). Missing samples stay missing.
-
-    Raises:
-        RecordError: the correction is no smaller than the motion itself.
+    Raises RecordError if the correction is no smaller than the motion itself.
     """
     sensor = polynomial.sensor
     loops = tuple(loop.read_as(sensor.corrected(loop.signals())) for loop in record.loops)

@@ -117,9 +117,7 @@ def wear_given(
     given: GivenWear, tables: Any, worn: dict[str, FittedParameter], found: dict[str, FittedParameter]
 ) -> Worn:
     """Wear as given; what scars say of it no longer counts but for the bodies' shares.
-
-    Raises:
-        RecordError: a volume is given, and nothing tells the energy that wore it.
+    Raises RecordError if a volume is given, and nothing tells the energy that wore it.
     """
     energy = found.get("accumulated_energy_J")
     if given.coefficient_mm3_per_J is not None:

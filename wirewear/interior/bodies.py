@@ -84,10 +84,8 @@ def body_states(
 
     worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh, as
     in a run that does not move nodes.
-
-    Raises:
-        ResultError: the run has recorded no such forces or positions.
-        GeometryError: wear distorts the mesh too much.
+    Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the mesh
+    too much.
     """
     forces = result.forces(cycle, wire)
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
@@ -100,10 +98,8 @@ def body_states(
 
 def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) -> WornBody:
     """A wire as it was at the cycle recorded nearest to `cycle`; the last two asked for are kept with their factors.
-
-    Raises:
-        ResultError: the run has recorded nothing of that wire near that cycle.
-        GeometryError: wear distorts the mesh too much.
+    Raises ResultError if the run has recorded nothing of that wire near that cycle, and GeometryError if wear distorts
+    the mesh too much.
     """
     forces = result.forces(cycle, wire)
     depth = None

@@ -130,9 +130,7 @@ def draw_cut(states: Sequence[BodyState]) -> Figure:
 
 def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: Tracked = untracked) -> Path:
     """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all bodies.
-
-    Raises:
-        ResultError: the file cannot be written, or there is no moment.
+    Raises ResultError if the file cannot be written, or there is no moment.
     """
     from PIL import Image
 

@@ -143,10 +143,8 @@ def strength_of(
     averaging_length_um: float = 0.0,
 ) -> Strength:
     """Stresses of a wire over the cycle recorded nearest to `cycle`, at all its recorded positions.
-
-    Raises:
-        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
-        GeometryError: wear distorts the mesh too much.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length;
+    GeometryError if wear distorts the mesh too much.
     """
     asked = StrengthAsked(yield_strength_MPa, crossland_slope, averaging_length_um)
     return strength_over(body_states(result, wire, assessable(result, wire, cycle, asked)), asked, body_grid)
@@ -154,9 +152,7 @@ def strength_of(
 
 def assessable(result: RunResult, wire: str, cycle: float, asked: StrengthAsked) -> int:
     """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a wire.
-
-    Raises:
-        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
     """
     forces = result.forces(cycle, wire)
     geometry, _ = forces.meshed
@@ -238,11 +234,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
 
 
 def require_room(body: str, least_mm: float, length_um: float) -> None:
-    """See that a ball of that diameter has room in a body of such a least extent.
-
-    Raises:
-        ResultError: it has none.
-    """
+    """See that a ball of that diameter has room in a body of such a least extent. Raises ResultError if it has none."""
     if length_um > 1e3 * least_mm:
         over = f"stresses cannot be averaged over {length_um:g} µm"
         raise ResultError(f"{over}: the {called(body)} is thinner than that.")

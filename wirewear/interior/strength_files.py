@@ -66,9 +66,7 @@ def write_strengths(
     """Write strength.csv, and of each strength a VTU file with its fields and a picture of its maps; returns all.
 
     tracked: passes on what is written one after the other, and may show how far that is.
-
-    Raises:
-        ResultError: the folder cannot be written.
+    Raises ResultError if the folder cannot be written.
     """
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)

@@ -32,10 +32,8 @@ def write_fields(
     at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
     `<body>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
     files and pictures are.  The time of the PVD file is the share of the cycle passed.
-
-    Raises:
-        ResultError: nothing is recorded there, or the folder cannot be written.
-        GeometryError: wear distorts a mesh too much.
+    Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
+    mesh too much.
     """
     from wirewear.interior.pictures import animate_cycle
 

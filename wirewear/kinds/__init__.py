@@ -40,9 +40,7 @@ def kind_of(told: OfAKind) -> Kind:
 
 def load_any_study(path: str | Path) -> Study | PlanarStudy:
     """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
-
-    Raises:
-        StudyError: the file cannot be read, or is no valid study of its kind; the message is one sentence.
+    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of its kind.
     """
     from wirewear.study.reading import read_study
 
@@ -51,9 +49,7 @@ def load_any_study(path: str | Path) -> Study | PlanarStudy:
 
 def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
     """A study of whatever kind its tables say; `where` names their origin in messages.
-
-    Raises:
-        StudyError: the tables are no valid study of their kind; the message is one sentence.
+    Raises StudyError, in one sentence, if the tables are no valid study of their kind.
     """
     from wirewear.study.surfaces import surfaces_in
 

@@ -64,10 +64,8 @@ class Kind(Protocol):
 
     def states(self, study: Any, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
         """Wear states of a finite element run of a record's test, and what that run says against them.
-
-        Raises:
-            StudyError, SolverError: the study cannot be run.
-            RunError: no loop of the run slides as a whole.
+        Raises StudyError or SolverError if the study cannot be run, and RunError if no loop of the run slides as a
+        whole.
         """
 
     def setup(self, study: Any, tables: Any) -> Setup:

@@ -31,9 +31,7 @@ def with_levelled(
     tables: Mapping[str, Any], where: str, read: Callable[[Mapping[str, Any], str], Study | PlanarStudy]
 ) -> Mapping[str, Any]:
     """A study's tables with depths in place of files of heights; `read` makes a study of tables.
-
-    Raises:
-        StudyError: a file cannot be read, or its surface is not that of the body.
+    Raises StudyError if a file cannot be read, or its surface is not that of the body.
     """
     unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
     files = {place: Path(table["file"]) for place, table in surfaces_in(tables) if isinstance(table.get("file"), str)}

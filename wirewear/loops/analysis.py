@@ -129,6 +129,7 @@ def analyse_loop(
     at zero force (here at the mean force, which a sensor's offset does not shift), K_t,m the mean slope of both
     micro-slip branches, each fitted over half of its micro-slip region. Friction: E_d/(4Pδ0) (Fouvry et al. 1996)
     and the geometry-independent coefficient (Jahangiri et al. 2012).
+    Raises LoopError, which says in one sentence what is wrong with the samples.
 
     Args:
         displacement_um: displacement (n,), n ≥ 16, starting anywhere in the cycle and in either direction.
@@ -136,9 +137,6 @@ def analyse_loop(
         normal_force_N: number or (n,), positive when pressing; without it, and where it falls to zero within the cycle,
             friction figures are left out.
         time_s: sample times (n,); without them the samples count as evenly spread where that makes sense.
-
-    Raises:
-        LoopError: what is wrong with the samples, in one sentence.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)

@@ -236,9 +236,7 @@ def _normal_channel(values: ArrayLike | None, length: int) -> tuple[Array | None
 
 def _clipping_notes(displacement: Array, force: Array) -> list[str]:
     """What is said of channels of which a few samples are clipped.
-
-    Raises:
-        LoopError: so many are clipped that the loop's size is not known.
+    Raises LoopError if so many are clipped that the loop's size is not known.
     """
     notes = []
     found = {"displacement": clipped(displacement), "tangential force": clipped(force, beside=displacement)}
@@ -290,9 +288,7 @@ def _smooth_normal(normal: Array | None, time: Array, order: NDArray[np.intp]) -
 
 def _one_cycle(order: NDArray[np.intp], displacement: Array) -> NDArray[np.intp]:
     """The samples, in order, without those that run on past one cycle.
-
-    Raises:
-        LoopError: they hold more than a cycle and a quarter: then it is doubtful what they are.
+    Raises LoopError if they hold more than a cycle and a quarter: then it is doubtful what they are.
     """
     path = displacement[order]
     turns = turns_of(path)

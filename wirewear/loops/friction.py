@@ -228,9 +228,7 @@ def position_resolved_friction(
     A contact that climbs a slope θ needs Q = P tan(φ + θ) one way and P tan(φ − θ) the other (Jahangiri et al. 2012).
     Without system_stiffness_N_per_um, K is the loop's own, corrected for the contact's softening up to sliding.
     Arguments otherwise as for `analyse_loop`.
-
-    Raises:
-        LoopError: the samples cannot be used, or the loop does not slide.
+    Raises LoopError if the samples cannot be used, or the loop does not slide.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     if loop.normal_force_N is None:

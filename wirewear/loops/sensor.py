@@ -27,9 +27,7 @@ class SensorNoise:
 
     `correlation` ρ makes the noise a stationary autoregressive process of order one, e' = ρ e + √(1−ρ²) σ w with
     white w (Box & Jenkins, Time Series Analysis, section 3.2); 0 is white noise. Each loop draws its own.
-
-    Raises:
-        SensorError: a deviation that is negative, or a correlation outside [0, 1).
+    Raises SensorError for a deviation that is negative, or a correlation outside [0, 1).
     """
 
     displacement_um: float = 0.0
@@ -65,18 +63,14 @@ def lagged(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) ->
 
     A delay gives x(t − τ), a first-order lag the periodic solution of τ y' + y = x, both as products of the Fourier
     series with exp(−iωτ) and 1/(1 + iωτ) (e.g. Bendat & Piersol, Random Data, 4th ed., section 2.3).
-
-    Raises:
-        SensorError: values that are not finite, or times without a period.
+    Raises SensorError for values that are not finite, or times without a period.
     """
     return _filtered(signals, values, lambda frequency: _transfer(frequency, time_s, kind))
 
 
 def advanced(signals: LoopSignals, values: Array, time_s: float, kind: LagKind) -> Array:
     """What `lagged` had been given, to round-off where the samples are evenly spread.
-
-    Raises:
-        SensorError: as `lagged`, or a filter so slow that undoing it would raise the noise a hundredfold.
+    Raises SensorError as `lagged` does, or for a filter so slow that undoing it would raise the noise a hundredfold.
     """
 
     def inverse(frequency: Array) -> ComplexArray:
@@ -142,6 +136,7 @@ class Sensor:
     section 2.1: between the point that the sensor looks at and the contact lies compliance, so near displacement is
     the remote reading corrected by a second-order polynomial of the load. Neither changes a loop's energy, as
     ∮Q df(Q) = 0.
+    Raises SensorError for a number that makes no sense.
 
     Attributes:
         remote_compliance_um_per_N: between the point that is looked at, on the driven side, and where δ is defined.
@@ -155,9 +150,6 @@ class Sensor:
         lag_kind: "first-order" (a low-pass filter's time constant) or "delay"; of both lags.
         force_lag_s: of the tangential force behind the other channels.
         noise: of one sample.
-
-    Raises:
-        SensorError: a number that makes no sense.
     """
 
     remote_compliance_um_per_N: float = 0.0
@@ -191,9 +183,7 @@ class Sensor:
 
     def read(self, truth: LoopSignals, random: np.random.Generator | None = None) -> LoopSignals:
         """The readings of a loop; without a generator, those free of noise.
-
-        Raises:
-            SensorError: crosstalk without a normal force, or a lag of samples without a period.
+        Raises SensorError for crosstalk without a normal force, or a lag of samples without a period.
         """
         displacement = self.displacement_gain * truth.displacement_um
         if load_coupling := self._load_coupling(truth.tangential_force_N):
@@ -214,9 +204,8 @@ class Sensor:
 
     def corrected(self, readings: LoopSignals) -> LoopSignals:
         """The true signals behind readings, which keep their noise; to round-off for noise-free, evenly spread ones.
-
-        Raises:
-            SensorError: crosstalk without a normal force, a lag of samples without a period, or too slow a filter.
+        Raises SensorError for crosstalk without a normal force, a lag of samples without a period, or too slow a
+        filter.
         """
         displacement = readings.displacement_um
         if self.lag_s != 0.0:
@@ -288,6 +277,7 @@ def sensor_held_stroke(
 
     a ← a + (asked − read(a)), a fixed-point iteration; from the second step on divided by the secant's slope
     (Steffensen's device), as a load-coupled sensor on a sticking contact reads several micrometres for each.
+    Raises SensorError if the asked amplitude is not positive, or no true amplitude was found.
 
     Args:
         sensor: as the drive's control reads it.
@@ -296,9 +286,6 @@ def sensor_held_stroke(
         first_guess_um: true amplitude to begin with, such as that of the cycle before; the asked one by default.
         tolerance: largest |read − asked| / asked.
         most_evaluations: of `loop_at`.
-
-    Raises:
-        SensorError: the asked amplitude is not positive, or no true amplitude was found.
     """
     if not asked_um > 0.0:
         raise SensorError(f"the amplitude to be held on the sensor's reading is {asked_um} um, but must be positive")

@@ -16,9 +16,7 @@ class LoopSignals:
 
     `time_s` counts within the cycle; the last sample does not repeat the first. `period_s` may be left out where the
     samples are evenly spread over the cycle.
-
-    Raises:
-        SensorError: channels that differ in length or hold fewer than two samples.
+    Raises SensorError for channels that differ in length or hold fewer than two samples.
     """
 
     time_s: Array
@@ -46,9 +44,7 @@ class LoopSignals:
     @property
     def spacing_s(self) -> Array:
         """Times from each sample to the next, the last to the first of the next cycle (n,).
-
-        Raises:
-            SensorError: times that do not rise, or whose period is needed and neither given nor evident.
+        Raises SensorError for times that do not rise, or whose period is needed and neither given nor evident.
         """
         steps = np.diff(self.time_s)
         if not (steps > 0.0).all():

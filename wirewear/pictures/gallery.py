@@ -50,9 +50,7 @@ MOST_CONTACTS = 4
 
 def overview(results: Sequence[RunResult]) -> Figure:
     """Four panels: loops of the first run, amplitudes and depths of all over the cycles, sections of the held bodies.
-
-    Raises:
-        ResultError: a run has no measured cycle yet.
+    Raises ResultError if a run has no measured cycle yet.
     """
     if not all(result.evolution["cycle"].size for result in results):
         raise ResultError("nothing is measured yet, so there is nothing to draw")
@@ -85,9 +83,7 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
 
 def animation(result: RunResult, path: Path) -> Path:
     """Write the moving picture as GIF and return its path.
-
-    Raises:
-        ResultError: there is no cycle of which both a loop and scars are recorded, or the file cannot be written.
+    Raises ResultError if there is no cycle of which both a loop and scars are recorded, or the file cannot be written.
     """
     from PIL import Image
 
@@ -151,9 +147,7 @@ def show(
     They go to `output_dir`, by default a folder `pictures` beside the result file or in the folder of variants. What a
     run that is still going has not logged yet is left out. `ending` is png, svg or pdf; with `moving`, loop and scar of
     each run are drawn as a GIF, too. `drawn` says what there is to draw of results, without it of contacts at a point.
-
-    Raises:
-        ResultError: there is no readable result, none has logged anything to draw, or a picture cannot be written.
+    Raises ResultError if there is no readable result, none has logged anything to draw, or a picture cannot be written.
     """
     results = read_results(result_path)
     if drawn is None or moving:

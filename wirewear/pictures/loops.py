@@ -137,9 +137,7 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
 
 def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
     """One panel for each cycle, the runs overlaid; all panels on the same axes.
-
-    Raises:
-        ResultError: a run has logged no loop near one of the cycles.
+    Raises ResultError if a run has logged no loop near one of the cycles.
     """
     figure, panels = _panels(len(cycles))
     for axes, cycle in zip(panels, cycles, strict=True):

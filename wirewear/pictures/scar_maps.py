@@ -41,9 +41,7 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     """Unworn and worn profile on y = 0: one row for each cycle, one column for each body, the runs overlaid.
 
     All panels have the same scale; the heights are exaggerated by a round factor, stated in the picture.
-
-    Raises:
-        ResultError: a run has logged no scar near one of the cycles.
+    Raises ResultError if a run has logged no scar near one of the cycles.
     """
     bodies = results[0].bodies
     shown = {(c, w): [smooth_scar(result.scar(c, w)) for result in results] for c in cycles for w in bodies}
@@ -225,9 +223,7 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
 
 def last_scars(result: RunResult) -> list[Scar]:
     """The driven and the held body's scar at the last cycle that has both.
-
-    Raises:
-        ResultError: the run has logged no scars.
+    Raises ResultError if the run has logged no scars.
     """
     last = max(result.scar_cycles(), default=1)
     return [result.scar(last, body) for body in result.bodies]

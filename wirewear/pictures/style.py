@@ -102,9 +102,7 @@ def new_figure(height_in: float, width_in: float = WIDTH_in) -> Figure:
 
 def save(draw: Callable[[], Figure], path: Path) -> Path:
     """Make a figure in the house style, write it to `path` as PNG (or as its ending says) and return the path.
-
-    Raises:
-        ResultError: the file cannot be written, or matplotlib knows no such ending.
+    Raises ResultError if the file cannot be written, or matplotlib knows no such ending.
     """
     require_picture_name(path)
     with styled():
@@ -115,11 +113,7 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
 
 
 def require_picture_name(path: Path) -> None:
-    """See that a picture can be drawn under that name.
-
-    Raises:
-        ResultError: matplotlib knows no such ending.
-    """
+    """See that a picture can be drawn under that name. Raises ResultError if matplotlib knows no such ending."""
     if path.suffix[1:].lower() not in {"", *FigureCanvasAgg.get_supported_filetypes()}:
         raise ResultError(f"the picture {path} cannot be drawn: its name must end in .png, .svg or .pdf.")
 

@@ -69,10 +69,8 @@ def planar_states(
     """A body at positions of a recorded cycle, all recorded ones by default.
 
     worn: the nodes stand in the worn surface; else where they were when fresh.
-
-    Raises:
-        ResultError: no contact forces of that body are recorded at that cycle, or there is no such position.
-        GeometryError: wear distorts the mesh too much.
+    Raises ResultError if no contact forces of that body are recorded at that cycle, or there is no such position;
+    GeometryError if wear distorts the mesh too much.
     """
     forces = result.forces(cycle, body)
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
@@ -127,10 +125,8 @@ def planar_grid(
     """The pad or specimen of a result at one position as `state_grid` gives it.
 
     worn: the nodes stand in the worn surface; else where they were when fresh.
-
-    Raises:
-        ResultError: no contact forces of that body are recorded at that cycle, or there is no such position.
-        GeometryError: wear distorts the mesh too much.
+    Raises ResultError if no contact forces of that body are recorded at that cycle, or there is no such position;
+    GeometryError if wear distorts the mesh too much.
     """
     return state_grid(planar_states(result, body, cycle, [at], worn=worn)[0])
 
@@ -154,10 +150,8 @@ def write_planar_fields(
     """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
 
     Where the bodies are apart, nothing is drawn. `tracked` shows how far the positions are.
-
-    Raises:
-        ResultError: nothing is recorded there, or the folder cannot be written.
-        GeometryError: wear distorts a mesh too much.
+    Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
+    mesh too much.
     """
     recorded = result.forces(cycle, BODIES[0])
     written = []
@@ -226,9 +220,7 @@ def planar_strength(result: RunResult, body: str, cycle: int, asked: StrengthAsk
 
 def planar_assessable(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> int:
     """The cycle itself, seen without any computation to allow what is asked of a body.
-
-    Raises:
-        ResultError: no contact forces of it are recorded, or it is smaller than the averaging length.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
     """
     forces, geometry = result.forces(cycle, body), run_geometry(result, body)
     require_room(body, min(2.0 * geometry.half_width_mm, geometry.height_mm), asked.averaging_length_um)

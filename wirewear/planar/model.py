@@ -47,9 +47,7 @@ def fresh_contact(
     face: Face, load_N_per_mm: float, modulus_MPa: float, pad_half_width_mm: float
 ) -> reference.LineContact:
     """The contact before any wear, with half-planes behind it.
-
-    Raises:
-        ValueError: the pad is too narrow to bear the load.
+    Raises ValueError if the pad is too narrow to bear the load.
     """
     if isinstance(face, Cylinder):
         return reference.hertz_line(load_N_per_mm, face.radius_mm, modulus_MPa)
@@ -81,9 +79,7 @@ def farthest_contact(face: Face, reach_mm: float, tilt_rad: float, contact: refe
 
 def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> float:
     """Half-width of the scar of both bodies together in gross slip, mm.
-
-    Raises:
-        ValueError: the pad is too narrow to hold it.
+    Raises ValueError if the pad is too narrow to hold it.
     """
     if area_mm2 <= 0.0:
         return 0.0
@@ -137,9 +133,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
 
     The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
     the stroke can tilt it, with a margin; on the specimen the stroke as well.
-
-    Raises:
-        StudyError: the patch does not fit on a body.
+    Raises StudyError if the patch does not fit on a body.
     """
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
@@ -211,9 +205,7 @@ def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
     """Stiffness of pad and specimen along the motion between where they are held, per length of the contact.
 
     Both are sheared evenly over the width of the fresh contact.
-
-    Raises:
-        StudyError: the patch does not fit on a body.
+    Raises StudyError if the patch does not fit on a body.
     """
     meshes = plan(study, "quick")
     compliance = 0.0
@@ -293,9 +285,7 @@ def _lacking(study: PlanarStudy) -> float:
 
 def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, remedy: str) -> None:
     """See that a body is wide enough for a contact that needs so much to each side of its middle.
-
-    Raises:
-        StudyError: it is not; the message names the key and ends with the remedy.
+    Raises StudyError if it is not; the message names the key and ends with the remedy.
     """
     if needed_mm >= half_width_mm:
         raise StudyError(
@@ -305,11 +295,7 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
 
 
 def require_affordable_meshes(name: str, plan: PlanarPlan) -> None:
-    """See that the compliances of both bodies can be held.
-
-    Raises:
-        StudyError: they take more memory than there is.
-    """
+    """See that the compliances of both bodies can be held. Raises StudyError if they take more memory than there is."""
     nodes = max(least_nodes(plan.pad), least_nodes(plan.specimen))
     needed, free = _MATRICES * 8.0 * (2.0 * nodes) ** 2, free_memory()
     if needed > free:

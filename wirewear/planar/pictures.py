@@ -33,10 +33,8 @@ from wirewear.results import BODIES, RunResult, Scar, read_loops
 
 def write_planar_meshes(study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
     """Mesh both bodies; leave pad.vtu, specimen.vtu and boundary_conditions.png in a folder.
-
-    Raises:
-        StudyError: the study cannot be meshed, or asks for more memory than there is.
-        GeometryError: the mesh is distorted.  ResultError: the files cannot be written.
+    Raises StudyError if the study cannot be meshed, or asks for more memory than there is; GeometryError if the mesh is
+    distorted; ResultError if the files cannot be written.
     """
     meshes = plan(study, fidelity)
     require_affordable_meshes(study.name, meshes)

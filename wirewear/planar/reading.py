@@ -14,9 +14,7 @@ from wirewear.study.reading import variants_in
 
 def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy:
     """Build a planar study from nested tables; `where` names their origin in messages.
-
-    Raises:
-        StudyError: the tables are no valid study; the message is one sentence.
+    Raises StudyError, in one sentence, if the tables are no valid study.
     """
     base = {key: value for key, value in data.items() if key != "variants"}
     study = _checked(base, where)

@@ -154,12 +154,9 @@ def run_planar_study(
     """Simulate a study without variants; with `output`, leave result.h5 there.
 
     With `resume`, the run in `output` continues at its last checkpoint; one that is complete is left as it is.
-
-    Raises:
-        StudyError: the study cannot be meshed, asks for more memory than there is, or has variants.
-        RunError: nothing can be written to `output`, or another command does; or it is to be resumed and holds another
-            run.
-        SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
+    Raises StudyError if the study cannot be meshed, asks for more memory than there is, or has variants. Raises
+    RunError if nothing can be written to `output`, or another command does; or it is to be resumed and holds another
+    run. Raises SolverError if the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
     if study.variant_names:
         raise StudyError(f"the study {study.name!r} has variants: run one of them, or all with run_planar_variants.")
@@ -214,9 +211,7 @@ def resolutions_of(study: PlanarStudy) -> tuple[convergence.Resolution, ...]:
 
 def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
     """The study with itself and its refinements as variants.
-
-    Raises:
-        StudyError: the study has variants of its own; choose one of them.
+    Raises StudyError if the study has variants of its own; choose one of them.
     """
     if study.variant_names:
         raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")

@@ -195,9 +195,7 @@ class PlanarStudy(keys.NamedTable):
 
     def variant(self, name: str) -> "PlanarStudy":
         """The study that a variant is: complete, and without variants of its own.
-
-        Raises:
-            StudyError: there is no such variant.
+        Raises StudyError if there is no such variant.
         """
         for own, study in self._variants:
             if own == name:

@@ -178,18 +178,14 @@ def loop_remarks(checked: CheckedRecord) -> list[Remark]:
 
 def problems_told(record: AnyRecord) -> tuple[str, ...]:
     """The problems of a record from which something is to be concluded all the same, as sentences.
-
-    Raises:
-        RecordError: one of them forbids any conclusion.
+    Raises RecordError if one of them forbids any conclusion.
     """
     return tuple(remark.text for remark in remarks_told(record) if remark.level == "problem")
 
 
 def remarks_told(record: AnyRecord) -> tuple[Remark, ...]:
     """All that is odd in a record from which something is to be concluded all the same.
-
-    Raises:
-        RecordError: something forbids any conclusion.
+    Raises RecordError if something forbids any conclusion.
     """
     report = check_record(record)
     for problem in report.problems:

@@ -61,9 +61,7 @@ def read_columns(path: Path, wanted: Sequence[Column], layout: DelimitedLayout =
     """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
 
     `layout` is another one of delimited text.
-
-    Raises:
-        RecordError: the file cannot be read, lacks a column that is not optional, or holds a wrong value.
+    Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a wrong value.
     """
     text = read_delimited(path, layout)
     names = _names(text)
@@ -79,9 +77,7 @@ def read_columns(path: Path, wanted: Sequence[Column], layout: DelimitedLayout =
 
 def column_names(path: Path, layout: DelimitedLayout = CSV) -> tuple[str, ...]:
     """Names in the first line of a CSV file, or where the layout has them.
-
-    Raises:
-        RecordError: the file cannot be read, or its first line names no columns.
+    Raises RecordError if the file cannot be read, or its first line names no columns.
     """
     return _names(read_delimited(path, layout))
 

@@ -43,9 +43,7 @@ def write_as_heights(
     folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int
 ) -> list[Path]:
     """Write `loops.csv` and one file of heights for every surface and repeat; their paths.
-
-    Raises:
-        RecordError: a file cannot be written.
+    Raises RecordError if a file cannot be written.
     """
     frames = {"loops": loops_frame(loops)}
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}
@@ -130,10 +128,8 @@ def record_of_result(
     increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
     figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle. Of a line
     contact, the record is that of `length_mm`, as is the noise of forces.
-
-    Raises:
-        RecordError: the result began with a measured surface or has logged no loops, its study says too little or has
-            unequal wires, or the length of a line contact is missing, or that of another one is given.
+    Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
+    has unequal wires, or the length of a line contact is missing, or that of another one is given.
     """
     TABLES[result.contact_kind].require_length(length_mm, result.label)
     if any(surfaces_in(result.study)):
@@ -180,11 +176,7 @@ def _of_length(sensor: Sensor, length_mm: float | None) -> Sensor:
 
 
 def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
-    """See that the record can be held.
-
-    Raises:
-        RecordError: it takes more memory than there is.
-    """
+    """See that the record can be held. Raises RecordError if it takes more memory than there is."""
     count = repeats * sum(samples or loop.time_s.size for loop in result.loops)
     needed, free = BYTES_PER_SAMPLE * count, free_memory()
     if needed > free:
@@ -264,9 +256,7 @@ def _figure(figures: LoopFigures, name: str) -> float:
 
 def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) -> RunResult:
     """The one run among those found at a path, or that of a variant.
-
-    Raises:
-        RecordError: there are several and none is chosen, or none is of that variant.
+    Raises RecordError if there are several and none is chosen, or none is of that variant.
     """
     names = ", ".join(result.variant or result.name for result in results)
     chosen = [result for result in results if variant is None or result.variant == variant]
@@ -283,9 +273,7 @@ def chosen_run(results: Sequence[RunResult], variant: str | None, path: Path) ->
 
 def parse_channels(text: str, known: Sequence[str], option: str, *, signed: bool = False) -> dict[str, float]:
     """``"a=0.1,b=2"`` as numbers by name.
-
-    Raises:
-        RecordError: a name is unknown, or a value is no finite number (≥ 0 unless `signed`).
+    Raises RecordError if a name is unknown, or a value is no finite number (≥ 0 unless `signed`).
     """
     values: dict[str, float] = {}
     for part in filter(None, (part.strip() for part in text.split(","))):

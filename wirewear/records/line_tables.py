@@ -211,9 +211,7 @@ class LineTest(OfRecord):
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Pad and specimen, of heights that are taken where they are not stated.
-
-        Raises:
-            RecordError: the bodies alone are no stiffer than what is stated of all.
+        Raises RecordError if the bodies alone are no stiffer than what is stated of all.
         """
         heights = self.assumed_heights_mm
         for body in BODIES:
@@ -258,11 +256,7 @@ class LineTest(OfRecord):
         return 1.0 / (1.0 / whole - 1.0 / of_bodies) / self.length_mm
 
     def require_whole(self, where: str) -> None:
-        """See that the pad has one face.
-
-        Raises:
-            RecordError: it has none, or several.
-        """
+        """See that the pad has one face. Raises RecordError if it has none, or several."""
         if (wanted := self.pad.missing_face(round_alone=self.contact.kind == CYLINDER_ON_FLAT)) is not None:
             raise RecordError(f"[pad] of {where} does not say which face the pad has: {wanted}.")
 

@@ -73,11 +73,7 @@ def impossible_loads(
 
 
 def require_pressing(loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None) -> None:
-    """See that the normal force of loops is one.
-
-    Raises:
-        RecordError: it cannot be.
-    """
+    """See that the normal force of loops is one. Raises RecordError if it cannot be."""
     for words, _ in impossible_loads(loops, load_N, length_mm):
         raise RecordError(f"{words}.")
 

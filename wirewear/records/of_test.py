@@ -74,9 +74,7 @@ class OfRecord(OfTest, ABC):
     @abstractmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
         """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
-
-        Raises:
-            RecordError: a record cannot describe them.
+        Raises RecordError if a record cannot describe them.
         """
 
     @classmethod
@@ -103,9 +101,7 @@ class OfRecord(OfTest, ABC):
     @abstractmethod
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Tables of a study with those of the bodies.
-
-        Raises:
-            RecordError: what is stated of bodies and rig does not fit together.
+        Raises RecordError if what is stated of bodies and rig does not fit together.
         """
 
     @property

@@ -54,11 +54,7 @@ class BodiesTest(PointTest, Generic[Bodies]):
         return self.bodies.of_test()
 
     def require_whole(self, where: str) -> None:
-        """See that the bodies touch at a point.
-
-        Raises:
-            RecordError: they do not, or a diameter is missing.
-        """
+        """See that the bodies touch at a point. Raises RecordError if they do not, or a diameter is missing."""
         if (wrong := self.bodies.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
         if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):

@@ -67,9 +67,7 @@ def tables_of_file(path: Path) -> type[AnyTables]:
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
     """Read and check a record, of whatever kind or of one. What can be coped with is kept and told in `notes`.
-
-    Raises:
-        RecordError: the record cannot be read, or is of another kind; one sentence with file, line and column.
+    Raises RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
     """
     folder = Path(folder)
     if folder.name == TABLE_FILE_NAME and not folder.is_dir():
@@ -103,9 +101,7 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
 
 def _data_file(folder: Path, files: Table, key: str) -> Path:
     """The data file that a key of `[files]` names.
-
-    Raises:
-        RecordError: there is none, or it lies outside the folder.
+    Raises RecordError if there is none, or it lies outside the folder.
     """
     path: Path = folder / getattr(files, key)
     try:
@@ -156,11 +152,7 @@ def _surfaces(table: ColumnTable, worn: WornSurfaces, body: str) -> Iterator[Any
 
 
 def sorted_rows(table: ColumnTable, keys: Sequence[str]) -> ColumnTable:
-    """The rows in order of the keys.
-
-    Raises:
-        RecordError: two rows have the same keys.
-    """
+    """The rows in order of the keys. Raises RecordError if two rows have the same keys."""
     if _in_order([table.columns[key] for key in keys]):
         return replace(table, columns={n: _frozen(v) for n, v in table.columns.items()})
     order = np.lexsort([table.columns[key] for key in reversed(keys)])
@@ -205,10 +197,8 @@ def write_record(folder: str | Path, record: AnyRecord) -> Path:
 
     The files take the names of format 1; what a record before had there goes. A killed writer leaves no file half
     written.
-
-    Raises:
-        RecordError: the record has no loops and must have some, or nothing at all, or a file cannot be written.
-        RunError: the folder cannot be made, or another command is writing to it.
+    Raises RecordError if the record has no loops and must have some, or nothing at all, or a file cannot be written;
+    RunError if the folder cannot be made, or another command is writing to it.
     """
     folder, tables = Path(folder), record.tables
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}

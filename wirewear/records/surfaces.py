@@ -51,11 +51,7 @@ class MeasuredScar:
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
-        """The map of points (n,) that lie on the lines of a grid, in any order.
-
-        Raises:
-            RecordError: they do not.
-        """
+        """The map of points (n,) that lie on the lines of a grid, in any order. Raises RecordError if they do not."""
         lines = np.unique(x_um).size, np.unique(y_um).size
         # Before a grid is made of them: points at random would need a huge one.
         if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
@@ -206,11 +202,7 @@ class MeasuredProfile:
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
-        """The profile of points (n,) in their order.
-
-        Raises:
-            RecordError: there are fewer than three.
-        """
+        """The profile of points (n,) in their order. Raises RecordError if there are fewer than three."""
         if x_um.size < 3:
             raise RecordError(f"the profile of repeat {repeat} has fewer than three points.")
         return cls(repeat, body, x_um, depth_um)

@@ -241,9 +241,7 @@ class PointTest(OfTest):
 
     def require_bodies(self, where: str, *given: keys.Table) -> None:
         """See that tables with a key for each body of any kind of contact give those of the test's own bodies alone.
-
-        Raises:
-            RecordError: one is of another kind's.
+        Raises RecordError if one is of another kind's.
         """
         for key in (key for table in given for key in table.model_fields_set):
             name = key.removeprefix(f"{SCARS.name}_")

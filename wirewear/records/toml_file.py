@@ -31,9 +31,7 @@ def with_checksums(text: str, folder: Path, names: Mapping[str, str]) -> str:
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:
     """See that a record's tables are as they were written; what is to be told of experiment.toml itself.
-
-    Raises:
-        RecordError: a table has changed, or experiment.toml cannot be read.
+    Raises RecordError if a table has changed, or experiment.toml cannot be read.
     """
     data = read_bytes(table_path, RecordError, "TOML file")
     folder = table_path.parent.resolve()
@@ -57,9 +55,8 @@ def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]
     """The checked tables of a TOML file, and one sentence for each unknown key that was passed over.
 
     A key that only looks like a misspelt one is refused: passing over it would lose what it says.
-
-    Raises:
-        RecordError: the file cannot be read, or is no valid TOML of that model; one sentence with line and column.
+    Raises RecordError, in one sentence with line and column, if the file cannot be read, or is no valid TOML of that
+    model.
     """
     text = read_text(path, RecordError, "TOML file")
     data = parsed_toml(text, str(path), RecordError)

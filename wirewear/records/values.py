@@ -26,10 +26,8 @@ def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
     """What the record's owner states, as a study of its kind of contact, of one millimetre of what has a length.
 
     more: further tables of the study, such as log and mesh.
-
-    Raises:
-        RecordError: friction or wear is not stated, or friction twice and differently.
-        StudyError: what is stated does not fit together.
+    Raises RecordError if friction or wear is not stated, or friction twice and differently; StudyError if what is
+    stated does not fit together.
     """
     friction = stated_friction(tables)
     for lacking in tables.missing:
@@ -43,9 +41,7 @@ def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
 
 def stated_friction(tables: Any) -> float | None:
     """Friction once it has run in, None where it is not stated.
-
-    Raises:
-        RecordError: it is stated twice and differently.
+    Raises RecordError if it is stated twice and differently.
     """
     stated: StatedRig = tables.stated
     evolution = stated.friction_evolution
@@ -129,9 +125,7 @@ class MeasuredLoop:
 
     def figures(self, normal_load_N: float | None = None) -> LoopFigures:
         """Figures of the loop, analysed once; `normal_load_N` stands in for a normal force that was not measured.
-
-        Raises:
-            LoopError: the samples make no loop.
+        Raises LoopError if the samples make no loop.
         """
         if normal_load_N not in self._analysed:
             loop = self.complete
@@ -196,11 +190,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         return tuple(loop for loop in self.loops if loop.cycle == cycle)
 
     def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
-        """One loop.
-
-        Raises:
-            RecordError: the record has none of that repeat and cycle.
-        """
+        """One loop. Raises RecordError if the record has none of that repeat and cycle."""
         for loop in self.loops:
             if (loop.repeat, loop.cycle) == (repeat, cycle):
                 return loop

@@ -59,9 +59,7 @@ class PointContact:
 
     def mean_over_disc_MPa(self, diameter_mm: float) -> float:
         """Mean pressure over a disc about the middle of a circular contact: load on it over its area.
-
-        Raises:
-            ValueError: the contact is no circle.
+        Raises ValueError if the contact is no circle.
         """
         if not math.isclose(self.major_semi_axis_mm, self.minor_semi_axis_mm, rel_tol=1e-9):
             raise ValueError("means over a disc are of a circular contact")

@@ -104,9 +104,7 @@ _FARTHEST = 100.0
 @dataclass(frozen=True)
 class LimitingShape:
     """Shape at which wear has ended; depths and volume are those of both bodies together.
-
-    Raises:
-        ValueError: unless all are positive and the stuck centre lies within the contact, c² < d R.
+    Raises ValueError unless all are positive and the stuck centre lies within the contact, c² < d R.
     """
 
     sphere_radius_mm: float

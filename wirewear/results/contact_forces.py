@@ -33,9 +33,7 @@ def largest_mean_pressure_MPa(
 
     axial_um: (n_a,) and transverse_um: (n_t,), the lines of the nodes, as a scar has them; of a line contact's profile
     only the former.  pressure_MPa: (n_a, n_t), or (n_a,), at the nodes.
-
-    Raises:
-        ResultError: the length is not positive, or pressures and lines do not fit together.
+    Raises ResultError if the length is not positive, or pressures and lines do not fit together.
     """
     pressure, axial = np.asarray(pressure_MPa, dtype=float), np.asarray(axial_um, dtype=float)
     transverse = np.zeros(1) if transverse_um is None else np.asarray(transverse_um, dtype=float)
@@ -152,9 +150,7 @@ class ContactForces:
     `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
     flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
     out of its surface. `geometry` and `material` make a body's mesh anew; a line contact's follows from its study.
-
-    Raises:
-        ResultError: arrays do not fit together, or are not finite.
+    Raises ResultError if arrays do not fit together, or are not finite.
     """
 
     cycle: int
@@ -194,18 +190,14 @@ class ContactForces:
 
     def position(self, at: str | int) -> int:
         """The place in this record of a named position, or of one by its number.
-
-        Raises:
-            ResultError: there is no such position.
+        Raises ResultError if there is no such position.
         """
         return position_of(at, self.phase, self.cycle)
 
 
 def geometry_of(table: Mapping[str, Any]) -> BodyGeometry:
     """A body's geometry from the nested mapping that dataclasses.asdict makes of it.
-
-    Raises:
-        ResultError: it is none of this version.
+    Raises ResultError if it is none of this version.
     """
     try:
         axes = {name: GradedAxis(**table[name]) for name in ("axial", "transverse")}
@@ -230,11 +222,7 @@ def named_positions(phase: Array) -> dict[str, int]:
 
 
 def position_of(at: str | int, phase: Array, cycle: int) -> int:
-    """The place of a named position, or of one by its number.
-
-    Raises:
-        ResultError: there is no such position.
-    """
+    """The place of a named position, or of one by its number. Raises ResultError if there is no such position."""
     if isinstance(at, int) or at.isdecimal():
         if 0 <= int(at) < len(phase):
             return int(at)

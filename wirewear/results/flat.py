@@ -37,9 +37,7 @@ def write_time_series(result: RunResult, folder: Path) -> list[Path]:
     Points are the worn surface in micrometres, x along the motion and z from the driven to the held body; the fields
     at points are depth, friction energy per area, pressure and slip distance. The time of a PVD file is the cycle.
     What an earlier run has left there goes.
-
-    Raises:
-        ResultError: the folder cannot be written.
+    Raises ResultError if the folder cannot be written.
     """
     with writing(ResultError, f"cannot write the time series to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -105,9 +103,7 @@ def labelled(result: RunResult) -> xarray.DataTree:
     """A run as a tree of data sets: `evolution`, `loops` and `scars/<wire>_<cycle>`; every array states its unit.
 
     Loops are told apart by `cycle` and filled up with NaN to the length of the longest.
-
-    Raises:
-        ResultError: xarray is not installed.
+    Raises ResultError if xarray is not installed.
     """
     made = _xarray()
     nodes: dict[str, Any] = {"/": made.Dataset(attrs=_described(result))}
@@ -122,9 +118,7 @@ def labelled(result: RunResult) -> xarray.DataTree:
 
 def write_netcdf(result: RunResult, path: Path) -> Path:
     """Write that tree as one netCDF 4 file.
-
-    Raises:
-        ResultError: xarray or h5netcdf is not installed, or the file cannot be written.
+    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written.
     """
     tree = labelled(result)
     try:
@@ -279,9 +273,7 @@ def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame
 
 def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:
     """Write the tables of a result as "csv" or "parquet"; return their paths.
-
-    Raises:
-        ResultError: the folder cannot be written.
+    Raises ResultError if the folder cannot be written.
     """
     with writing(ResultError, f"cannot write tables to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)

@@ -65,9 +65,7 @@ def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | Non
     """Write `result` to `path`, replacing what is there in one step; the folder is made if need be.
 
     so_far: the file of a run that goes on, in which logged cycles stay as they are.
-
-    Raises:
-        ResultError: a table holds what JSON cannot, or the file cannot be written.
+    Raises ResultError if a table holds what JSON cannot, or the file cannot be written.
     """
     path, image = Path(path), (hdf5_image if so_far is None else so_far.filled)(lambda file: _fill(file, result))
     with writing(ResultError, f"cannot write the result file {path}"):
@@ -77,9 +75,7 @@ def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | Non
 
 def read_result(path: str | Path) -> RunResult:
     """The run stored at `path`, or in the run's folder there; its `path` attribute is set.
-
-    Raises:
-        ResultError: there is no such file, it is no result file of a known format, or its contents are damaged.
+    Raises ResultError if there is no such file, it is no result file of a known format, or its contents are damaged.
     """
     path = Path(path) / RESULT_FILE_NAME if Path(path).is_dir() else Path(path)
     with opened_hdf5(path, ResultError, "result file", unsealed=_UNSEALED) as file:
@@ -96,9 +92,7 @@ def read_result(path: str | Path) -> RunResult:
 
 def read_results(path: str | Path) -> tuple[RunResult, ...]:
     """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
-
-    Raises:
-        ResultError: nothing is found there, or a file found cannot be read.
+    Raises ResultError if nothing is found there, or a file found cannot be read.
     """
     path = Path(path)
     require_no_other(path, ResultError, Held.RUN)

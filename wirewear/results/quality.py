@@ -13,9 +13,7 @@ from wirewear.base.errors import ResultError
 
 def float_array(name: str, values: ArrayLike, dimensions: int) -> Array:
     """`values` as a read-only float64 array with that many dimensions.
-
-    Raises:
-        ResultError: `values` are no real numbers, or have another number of dimensions.
+    Raises ResultError if `values` are no real numbers, or have another number of dimensions.
     """
     try:
         array = np.array(values, dtype=np.float64)

@@ -58,9 +58,8 @@ class Scar:
     A line contact's pad or specimen has a single line across, which stands for all of its `length_mm`; a wire has no
     such length. The unworn surface is round across with `diameter_mm` and along with `diameter_along_mm`, infinite
     where it is straight, as a line contact's are said to be.
-
-    Raises:
-        ResultError: shapes do not match, the grid does not increase, values are not finite, or a depth is negative.
+    Raises ResultError if shapes do not match, the grid does not increase, values are not finite, or a depth is
+    negative.
     """
 
     cycle: int

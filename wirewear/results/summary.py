@@ -24,9 +24,7 @@ Row = tuple[str, Callable[[RunResult], str]]  #: One cell for each run; each fun
 
 def summary(results: Sequence[RunResult]) -> RenderableType:
     """A table with one column for each run: state, amplitudes, energy, wear, force, quality and time; then the files.
-
-    Raises:
-        ResultError: there are no results.
+    Raises ResultError if there are no results.
     """
     if not results:
         raise ResultError("there are no results to sum up")

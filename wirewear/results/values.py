@@ -24,9 +24,7 @@ _NEW = Age.new()
 
 def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
     """A sensor with the effects of a resolved study, such as results hold, added to its own errors at an age.
-
-    Raises:
-        StudyError: the study has an effect that is not installed here.
+    Raises StudyError if the study has an effect that is not installed here.
     """
     try:
         effects = effects_of_tables(study.get("effects", []))
@@ -140,9 +138,7 @@ class Loop:
     `relative_displacement_um` that of its holder against the fixed wire's holder; `tangential_force_N` is positive
     when it resists motion in +x; `friction_work_mJ` is cumulated over the loop; `tilt_deg` is that of the holder.
     What results of earlier versions lack is NaN throughout.
-
-    Raises:
-        ResultError: arrays differ in length, are empty or are not finite.
+    Raises ResultError if arrays differ in length, are empty or are not finite.
     """
 
     cycle: int
@@ -187,10 +183,8 @@ class Evolution(Mapping[str, Array]):
     """Columns in a fixed order over the cycles, each (n,): `evolution["cycle"]`; n may be 0 before the first.
 
     A value that a cycle does not define is NaN, except for `cycle`, which increases strictly.
-
-    Raises:
-        ResultError: a column of EVOLUTION_COLUMNS is missing, or columns differ in length.
-        NoColumnError: there is no such column.
+    Raises ResultError if a column of EVOLUTION_COLUMNS is missing, or columns differ in length; NoColumnError if there
+    is no such column.
     """
 
     columns: Mapping[str, Array]
@@ -231,9 +225,7 @@ class Evolution(Mapping[str, Array]):
 
     def at(self, cycle: float) -> dict[str, float]:
         """The row simulated nearest to `cycle` (within NEAREST_CYCLE_FACTOR).
-
-        Raises:
-            ResultError: no simulated cycle is near.
+        Raises ResultError if no simulated cycle is near.
         """
         cycles = [int(c) for c in self["cycle"]]
         index = cycles.index(_nearest_cycle(cycle, cycles, "evolution"))
@@ -250,9 +242,7 @@ class RunResult:
     worst residuals met, `versions` those of the programs used, `timings_s` wall times. `path` is the file that it was
     read from; it is not written. `contact_forces` are missing in files of earlier versions. `label` names the run in
     pictures: its variant, or else its name.
-
-    Raises:
-        ResultError: the status is none of complete, running, failed, or a scar or force is of another body.
+    Raises ResultError if the status is none of complete, running, failed, or a scar or force is of another body.
     """
 
     name: str

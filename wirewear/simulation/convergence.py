@@ -50,9 +50,7 @@ class Limit:
 
 def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
     """The limit of values at three spacings, from coarse to fine, taken to err by a power of the spacing; NaN of NaN.
-
-    Raises:
-        ValueError: there are not three of each, or the spacings do not fall.
+    Raises ValueError if there are not three of each, or the spacings do not fall.
     """
     if len(spacings) != 3 or len(values) != 3 or not spacings[0] > spacings[1] > spacings[2] > 0.0:
         raise ValueError("an extrapolation needs three falling spacings and their values")
@@ -225,9 +223,7 @@ def each_refined(
 
 def refined_study(study: Study, fidelity: str) -> Study:
     """The study with itself and its refinements as variants.
-
-    Raises:
-        StudyError: the study has variants of its own; choose one of them.
+    Raises StudyError if the study has variants of its own; choose one of them.
     """
     study = study.alone()
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
@@ -264,10 +260,7 @@ def converge(
     engine: Engine | None = None,
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
-
-    Raises:
-        StudyError: the study has variants of its own.
-        Whatever the subject's `run` raises.
+    Raises StudyError if the study has variants of its own, and whatever the subject's `run` raises.
     """
     results = subject.run(
         subject.refined(study, fidelity),
@@ -329,9 +322,7 @@ def _percent(part: float, whole: float, sign: str = "+") -> str:
 
 def write_convergence(folder: Path, rows: Sequence[Converged]) -> Path:
     """Write convergence.csv: values of all runs, the limit, order and error of each resolution and of all together.
-
-    Raises:
-        ResultError: the file cannot be written.
+    Raises ResultError if the file cannot be written.
     """
     path = folder / CSV_FILE_NAME
     with writing(ResultError, f"cannot write {path}"):

@@ -41,10 +41,8 @@ class WearStepper(Protocol):
         """One accepted jump from the state after `done` cycles, of about `wanted`, not beyond the next milestone.
 
         problem: on the meshes of now, without the effects of age.
-
-        Raises:
-            PatchLeftError: the contact left a patch; the run goes on with larger meshes, from the state given.
-            SolverError: no jump could be taken.
+        Raises PatchLeftError if the contact left a patch; the run goes on with larger meshes, from the state given.
+        Raises SolverError if no jump could be taken.
         """
 
 
@@ -132,11 +130,8 @@ def cycle_through(
     test: FrettingTest, record: Recorded, store: RunStore, observer: Observer, *, resume: bool = False
 ) -> RunResult:
     """Simulate a test, from its last checkpoint on where it is to be resumed and has one.
-
-    Raises:
-        RunError: the store holds another run's checkpoint.
-        ResultError: the checkpoint is damaged.
-        SolverError: the contact did not converge, or left the fine patch; everything up to there is stored.
+    Raises RunError if the store holds another run's checkpoint. Raises ResultError if the checkpoint is damaged. Raises
+    SolverError if the contact did not converge, or left the fine patch; everything up to there is stored.
     """
     return _Run(test, record, store, observer).go(resume=resume)
 

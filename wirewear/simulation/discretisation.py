@@ -70,9 +70,7 @@ class Discretisation:
 
 def discretise(study: Study, fidelity: str) -> Discretisation:
     """Meshes and steps of a study at a level of fidelity.
-
-    Raises:
-        StudyError: the fine patch would not fit on a body, or the contact would leave it during the stroke.
+    Raises StudyError if the fine patch would not fit on a body, or the contact would leave it during the stroke.
     """
     level, chosen = _level_of(study, fidelity), study.fidelity(fidelity)
     expected = expected_contact(study)

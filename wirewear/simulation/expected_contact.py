@@ -88,11 +88,7 @@ def scar_ellipse(volume_mm3: float, gap: GapCurvatures) -> Ellipse:
 
 
 def scar_outline(volume_mm3: float, gap: GapCurvatures, face: Face | None) -> Ellipse:
-    """Outline of the scar of a worn volume, under a pad a circle.
-
-    Raises:
-        StudyError: the pad is too small for it.
-    """
+    """Outline of the scar of a worn volume, under a pad a circle. Raises StudyError if the pad is too small for it."""
     if face is None:
         return scar_ellipse(volume_mm3, gap)
     radius = on_pad(lambda: reference.turned_scar(face, volume_mm3, half_width_of(face)))
@@ -187,11 +183,7 @@ class ExpectedContact:
 
 
 def expected_contact(study: Study) -> ExpectedContact:
-    """What is expected of a study.
-
-    Raises:
-        StudyError: a pad is too small for its contact or scar.
-    """
+    """What is expected of a study. Raises StudyError if a pad is too small for its contact or scar."""
     driven, held = study.bodies
     gap = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
     conditions, face = study.conditions, driven.face or held.face

@@ -113,9 +113,7 @@ class Checkpoint:
 
 def _write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
     """Write or replace the checkpoint of a run's folder in one step.
-
-    Raises:
-        ResultError: the file cannot be written.
+    Raises ResultError if the file cannot be written.
     """
     path = folder / CHECKPOINT_FILE_NAME
     image = hdf5_image(lambda file: _fill(file, checkpoint))
@@ -141,9 +139,7 @@ def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
 
 def read_checkpoint(folder: Path) -> Checkpoint | None:
     """The checkpoint of a run's folder, or None when there is none.
-
-    Raises:
-        ResultError: the file is damaged or of another version.
+    Raises ResultError if the file is damaged or of another version.
     """
     path = folder / CHECKPOINT_FILE_NAME
     if not path.exists():
@@ -231,10 +227,7 @@ class RunFolder:
         """What is left of the run; no mesh is loaded for it.
 
         `begun` says that this run was the last that was begun in the folder, and did not end.
-
-        Raises:
-            ResultError: the result is damaged.
-            RunError: the folder holds another run.
+        Raises ResultError if the result is damaged, and RunError if the folder holds another run.
         """
         stopped = f"{self.path} was interrupted before its first result: it is run anew."
         if not (self.path / RESULT_FILE_NAME).exists():
@@ -254,9 +247,7 @@ class RunFolder:
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
         """The last checkpoint and the result so far, if the run has come that far.
-
-        Raises:
-            ResultError: a file is damaged.
+        Raises ResultError if a file is damaged.
         """
         if not (self.path / RESULT_FILE_NAME).exists():
             return None
@@ -305,10 +296,8 @@ def occupied_by_runs(
     """Hold an output folder for runs; yields what is left of each, nothing unless they are to be resumed.
 
     A folder in which all are complete is not written to; what a killed run has noted there goes where it may.
-
-    Raises:
-        ResultError: a result is damaged.
-        RunError: another command is writing to the folder, or it holds other runs, or it cannot be written to.
+    Raises ResultError if a result is damaged, and RunError if another command is writing to the folder, or it holds
+    other runs, or it cannot be written to.
     """
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 

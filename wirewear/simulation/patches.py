@@ -45,9 +45,7 @@ def affordable_meshes(study: Study, sizes: ElementSizes, level: WireLevel) -> tu
     """Meshes of the driven and the held body, and by how much their elements are larger than the level asks for.
 
     ElementSizes that the study gives are kept whatever they cost.
-
-    Raises:
-        StudyError: a patch would not fit on its body.
+    Raises StudyError if a patch would not fit on its body.
     """
     coarsening = 1.0
     moving, fixed = geometries(study, sizes, level)
@@ -70,11 +68,7 @@ def _leading(body: Body) -> tuple[float, float]:
 
 
 def geometries(study: Study, sizes: ElementSizes, level: WireLevel) -> tuple[BodyGeometry, BodyGeometry]:
-    """Meshes of the driven and the held body.
-
-    Raises:
-        StudyError: a patch would not fit on its body.
-    """
+    """Meshes of the driven and the held body. Raises StudyError if a patch would not fit on its body."""
     axes = _with_equal_travel(*axes_of(study)) if level.sticking else axes_of(study)
     motion = radians(study.motion_angle_deg)
     driven, held = (_geometry(*one, sizes, level, motion) for one in zip(study.bodies, axes, strict=True))

@@ -46,9 +46,7 @@ def mesh_stages(study: Study, fidelity: str, plan: Discretisation) -> tuple[Mesh
 
     One stage, on the plan's meshes, where nothing wears, where the scar stays as small as one stage serves, or where
     the study gives sizes of its own or asks not to follow the scar.
-
-    Raises:
-        StudyError: a patch would not fit on its body.
+    Raises StudyError if a patch would not fit on its body.
     """
     fresh, scar = plan.expected.fresh, plan.expected.scar
     growth = 1.0 if scar is None else scar.major_mm / fresh.major_mm
@@ -185,11 +183,7 @@ class RunPlan:
 
     @classmethod
     def of(cls, study: Study, fidelity: str) -> RunPlan:
-        """The plan of a study at a fidelity.
-
-        Raises:
-            StudyError: the study cannot be discretised.
-        """
+        """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
         discretisation = discretise(study, fidelity)
         stages = mesh_stages(study, fidelity, discretisation)
         spare = spare_stages(study, fidelity, discretisation, stages[-1])
@@ -275,9 +269,8 @@ def needed_memory(plan: RunPlan) -> float:
 
 def require_affordable(plan: RunPlan) -> None:
     """See that a run can come to its end on this machine.
-
-    Raises:
-        StudyError: it takes more memory than there is, or more cycle jumps than can be waited for; with what would fit.
+    Raises StudyError, with what would fit, if it takes more memory than there is, or more cycle jumps than can be
+    waited for.
     """
     _require_an_end(plan.study)
     needed, free = needed_memory(plan), free_memory()
@@ -288,9 +281,7 @@ def require_affordable(plan: RunPlan) -> None:
 
 def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
     """See that the compliances of two wires can be held.
-
-    Raises:
-        StudyError: they take more memory than there is; with what would fit.
+    Raises StudyError, with what would fit, if they take more memory than there is.
     """
     sizes = (unknowns(meshes.moving), unknowns(meshes.fixed))
     needed, free = _of_pair(*sizes), free_memory()

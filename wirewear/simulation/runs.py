@@ -198,10 +198,8 @@ def run_planned(
 
 def simulate(study: Study, *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
     """Simulate a study without variants, or one variant, and leave no file.
-
-    Raises:
-        StudyError: it cannot be discretised, or asks for more memory or cycle jumps than can be had.
-        SolverError: the contact did not converge, or left the fine patch.
+    Raises StudyError if it cannot be discretised, or asks for more memory or cycle jumps than can be had; SolverError
+    if the contact did not converge, or left the fine patch.
     """
     plan = RunPlan.of(study, fidelity)
     require_affordable(plan)

@@ -153,11 +153,9 @@ def run_together(
 
     variants: whether they are variants, each in a folder of its own within `output`.  engine_for: says what does the
     runs that are left.
-
-    Raises:
-        RunError: another command is writing to the folder, or it cannot be written, or holds other runs.
-        ResultError: what a run has left is damaged; or a file cannot be written.
-        SolverError: a contact did not converge, or left the fine patch; everything up to there is on disk.
+    Raises RunError if another command is writing to the folder, or it cannot be written, or holds other runs. Raises
+    ResultError if what a run has left is damaged, or a file cannot be written. Raises SolverError if a contact did not
+    converge, or left the fine patch; everything up to there is on disk.
     """
     with occupied_by_runs(output, name, [task.folder for task in tasks], resume=resume) as found:
         if variants and not resume:

@@ -55,10 +55,8 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
 
     Where the meshes follow the scar, those of its last stage are written and the first one is drawn as well. Variants
     of a study that mesh alike share one mesh: that of the study as a whole is written.
-
-    Raises:
-        StudyError: the study cannot be discretised.  GeometryError: the mesh is distorted.
-        ResultError: the files cannot be written.
+    Raises StudyError if the study cannot be discretised, GeometryError if the mesh is distorted, and ResultError if the
+    files cannot be written.
     """
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.supports import supports

@@ -79,11 +79,7 @@ class Body(ABC):
 
     @abstractmethod
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BodyGeometry:
-        """What it is meshed as under such a patch.
-
-        Raises:
-            StudyError: the patch does not fit on it.
-        """
+        """What it is meshed as under such a patch. Raises StudyError if the patch does not fit on it."""
 
 
 @dataclass(frozen=True)
@@ -180,9 +176,7 @@ class BlockBody(Body):
 
     def _half_width(self, curvature: float, reach_mm: float) -> float:
         """Half of the block's extent in the direction of a curvature, for a patch that reaches so far.
-
-        Raises:
-            StudyError: it would be too narrow for the patch, or too wide for its radius.
+        Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
         """
         straight = _STRAIGHT * max(self.size_mm, reach_mm)
         fall = _FALL / max(self.curvatures) if curvature else 0.0
@@ -216,9 +210,7 @@ class Gap:
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
         """Of bodies of which the held one may be turned further.
-
-        Raises:
-            StudyError: one has the face of a pad, whose worn shapes are similar to no other's.
+        Raises StudyError if one has the face of a pad, whose worn shapes are similar to no other's.
         """
         if driven.face or held.face:
             raise StudyError(
@@ -249,9 +241,7 @@ class Gap:
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
     """The contact of two unworn bodies; its angle is that of its major axis from the driven body's.
-
-    Raises:
-        StudyError: a pad is too small for the load.
+    Raises StudyError if a pad is too small for the load.
     """
     if (face := driven.face or held.face) is not None:
         modulus = reference.contact_modulus(driven.material, held.material)
@@ -267,11 +257,7 @@ def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) ->
 
 
 def on_pad(found: Callable[[], Found]) -> Found:
-    """What is found of a pad's contact or scar.
-
-    Raises:
-        StudyError: its face does not reach so far.
-    """
+    """What is found of a pad's contact or scar. Raises StudyError if its face does not reach so far."""
     try:
         return found()
     except ValueError as problem:

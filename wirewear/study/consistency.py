@@ -38,9 +38,7 @@ def checked_tables(
     data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
 ) -> ContactTables:
     """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table.
-
-    Raises:
-        StudyError: they are no tables of a study; the message is one sentence.
+    Raises StudyError, in one sentence, if they are no tables of a study.
     """
 
     def spelled(keys: Keys) -> str:

@@ -16,11 +16,7 @@ STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that st
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
-    """What a level of fidelity means for a kind of study.
-
-    Raises:
-        StudyError: there is no such level.
-    """
+    """What a level of fidelity means for a kind of study. Raises StudyError if there is no such level."""
     if name not in levels:
         raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(levels)}.")
     return levels[name]

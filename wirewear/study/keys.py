@@ -68,9 +68,7 @@ def _checked_material(value: object) -> str:
 
 def with_constants_of_material(table: Any) -> Any:
     """A table that names its material, with that material's constants; a validator before all others.
-
-    Raises:
-        ValueError: the table gives other constants as well.
+    Raises ValueError if the table gives other constants as well.
     """
     if not isinstance(table, Mapping) or table.get("material") is None:
         return table

@@ -45,9 +45,7 @@ def names() -> tuple[str, ...]:
 
 def material_named(name: object) -> Material:
     """The material of that name, or also called so; case, blanks and hyphens do not matter.
-
-    Raises:
-        ValueError: there is none; half a sentence, to stand behind the name of a key.
+    Raises ValueError if there is none; half a sentence, to stand behind the name of a key.
     """
     known = {_plain(spelled): (spelled, item) for item in materials() for spelled in (item.name, *item.also)}
     wanted = _plain(name) if isinstance(name, str) else ""

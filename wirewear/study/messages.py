@@ -28,9 +28,7 @@ def validated(
     model: type[Model], data: Mapping[str, Any], where: str, kind: type[WirewearError], spelled: Spelling = table_above
 ) -> Model:
     """Tables of that model; `where` names their origin in messages.
-
-    Raises:
-        WirewearError: the tables do not fit it; of the given kind, one sentence.
+    Raises WirewearError, of the given kind and in one sentence, if the tables do not fit it.
     """
     try:
         return model.model_validate(data)

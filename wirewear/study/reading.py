@@ -17,18 +17,14 @@ FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 def load_study(path: str | Path) -> Study:
     """Read a study from a TOML file.
-
-    Raises:
-        StudyError: the file cannot be read, or is no valid study; the message is one sentence.
+    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study.
     """
     return study_from_tables(read_study(path), str(path))
 
 
 def read_study(path: str | Path) -> dict[str, Any]:
     """The tables of the file of a study of any kind.
-
-    Raises:
-        StudyError: it cannot be read, or is another file of ours or of a laboratory; the message is one sentence.
+    Raises StudyError, in one sentence, if it cannot be read, or is another file of ours or of a laboratory.
     """
     require_no_other(Path(path), StudyError, Held.STUDY)
     return _found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
@@ -48,18 +44,14 @@ def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
 
 def parse_study(text: str, where: str) -> Study:
     """Read a study from TOML text; `where` names its origin in messages.
-
-    Raises:
-        StudyError: the text is no valid study; the message is one sentence.
+    Raises StudyError, in one sentence, if the text is no valid study.
     """
     return study_from_tables(parsed_toml(text, where, StudyError), where)
 
 
 def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
     """Build a study from nested tables such as `Study.resolved()` returns.
-
-    Raises:
-        StudyError: the tables are no valid study; the message is one sentence.
+    Raises StudyError, in one sentence, if the tables are no valid study.
     """
     if data.get("kind") in PLANAR_KINDS:
         raise StudyError(
@@ -76,9 +68,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
 
 def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
     """Names of the variants in a study's tables, and what each has different.
-
-    Raises:
-        StudyError: they are no tables, or have no proper names.
+    Raises StudyError if they are no tables, or have no proper names.
     """
     variants = data.get("variants", {})
     if not isinstance(variants, Mapping):

@@ -37,9 +37,7 @@ def with_values(tables: ContactTables, values: Mapping[str, Any], where: str) ->
     """The tables with these values, checked as a file's are; None takes a key back to its default.
 
     A test of another length is recorded at the same cycles as far as it goes, and at its last.
-
-    Raises:
-        StudyError: there is no such key, or its value cannot be; the message is one sentence.
+    Raises StudyError, in one sentence, if there is no such key, or its value cannot be.
     """
     data = tables.model_dump(mode="json", exclude_none=True)
     for key, value in values.items():
@@ -178,9 +176,8 @@ class Study:
         """The same study, variants and all, with values named by their keys: `{"conditions.normal_load_N": 4}`.
 
         They are checked as a file's are; None takes a key back to its default.
-
-        Raises:
-            StudyError: there is no such key, its value cannot be, or variants state it differently from one another.
+        Raises StudyError if there is no such key, its value cannot be, or variants state it differently from one
+        another.
         """
         name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
         where = f"the study {name!r}"
@@ -196,9 +193,7 @@ class Study:
 
     def with_effects(self, *effects: Effect[Any]) -> Study:
         """The same study, without variants, with these effects in place of its own.
-
-        Raises:
-            StudyError: an effect is given twice, or does not go with the study.
+        Raises StudyError if an effect is given twice, or does not go with the study.
         """
         try:
             study = self.changed({"effects": effects_of_tables(effects)})
@@ -221,9 +216,7 @@ class Study:
 
     def fidelity(self, name: str) -> FidelitySettings:
         """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
-
-        Raises:
-            StudyError: there is no such level.
+        Raises StudyError if there is no such level.
         """
         settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
         return settings
@@ -240,9 +233,7 @@ class Study:
 
     def variant(self, name: str) -> Study:
         """The study that a variant is: complete, and without variants of its own.
-
-        Raises:
-            StudyError: there is no such variant.
+        Raises StudyError if there is no such variant.
         """
         for own, tables in self.variants:
             if own == name:
@@ -252,9 +243,7 @@ class Study:
 
     def alone(self, how: str = "choose one with --variant") -> Study:
         """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
-
-        Raises:
-            StudyError: it has variants.
+        Raises StudyError if it has variants.
         """
         if self.variants:
             how = how.replace("{first}", self.variant_names[0])

@@ -98,9 +98,7 @@ def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array
 
 def kept(x: Array, y: Array, depth: Array) -> dict[str, Any]:
     """A map (n_x, n_y) as keys of a study: averaged in groups where it has many lines, gaps as deep as what is nearest.
-
-    Raises:
-        RecordError: it has no depth.
+    Raises RecordError if it has no depth.
     """
     from scipy.ndimage import distance_transform_edt
 
@@ -127,9 +125,7 @@ def surfaces_in(table: Mapping[str, Any], *place: str) -> Iterator[tuple[tuple[s
 
 def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
     """Lines x (n_x,) and y (n_y,) and depths (n_x, n_y) of a table, y being 0 where it has no y_um.
-
-    Raises:
-        RecordError: it cannot be read, is another table, or its points lie on no grid.
+    Raises RecordError if it cannot be read, is another table, or its points lie on no grid.
     """
     columns = known_columns(file, COLUMNS)
     if not {"x_um", "depth_um"} <= columns.keys():

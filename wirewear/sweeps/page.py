@@ -200,9 +200,7 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
 
 def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> list[Path]:
     """Write table.parquet, table.csv and, if there are any, failures.csv; returns the paths.
-
-    Raises:
-        ResultError: a file cannot be written.
+    Raises ResultError if a file cannot be written.
     """
     table = table_of(sweep, rows)
     parquet, text = folder / f"{TABLE}.parquet", folder / f"{TABLE}.csv"
@@ -229,9 +227,7 @@ HERE = Path(__file__).parent
 
 def write_sweep(folder: Path, result: SweepResult) -> list[Path]:
     """Write the table and, where any run is complete, the page; returns the paths.
-
-    Raises:
-        ResultError: a file cannot be written.
+    Raises ResultError if a file cannot be written.
     """
     written = write_table(folder, result.sweep, result.rows)
     with writing(ResultError, f"cannot write {folder / PAGE}"):

@@ -124,9 +124,7 @@ class Journal:
 
     def begun(self) -> tuple[dict[int, SweepRow], str]:
         """Rows by their number that stand there already, and a sentence if such were given up.
-
-        Raises:
-            RunError: another sweep's rows stand there, or the file cannot be read or written.
+        Raises RunError if another sweep's rows stand there, or the file cannot be read or written.
         """
         note, rows = "", {}
         lines = self._lines()
@@ -151,11 +149,7 @@ class Journal:
             yield file
 
     def add(self, file: TextIO, row: SweepRow) -> None:
-        """Add a row; it is on disk when this returns.
-
-        Raises:
-            RunError: it cannot be written.
-        """
+        """Add a row; it is on disk when this returns. Raises RunError if it cannot be written."""
         with writing(RunError, f"cannot write {self.path}", "the same command goes on"):
             file.write(_line(row.to_json()))
             file.flush()
@@ -236,11 +230,9 @@ def run_sweep(
     sweep: Sweep, output: Path, engine: Engine, observer: SweepObserver | None = None, *, only_pilots: bool = False
 ) -> SweepResult:
     """Make every row that OUTPUT does not hold yet; with `only_pilots`, only those that a forecast needs.
-
-    Raises:
-        RunError: OUTPUT holds another sweep, is written to by somebody else, or cannot be written.
-        StudyError: the sweep needs more memory or disk than there is.
-        EngineError: the cluster cannot be reached, or runs another program.
+    Raises RunError if OUTPUT holds another sweep, is written to by somebody else, or cannot be written; StudyError if
+    the sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another
+    program.
     """
     watcher = observer or Nobody()
     with occupied(output, f"the sweep {sweep.name!r}"):

@@ -107,9 +107,7 @@ def signature_of(
 
     A run that was interrupted is continued; one of another study, fidelity or version is replaced. An effect of the
     sensor needs no run of its own, as the test itself goes on as without it.
-
-    Raises:
-        SolverError, StudyError: as `run_study`.
+    Raises SolverError or StudyError as `run_study` does.
     """
     base = study or signature_study()
     nominal = _run(base.with_effects(), "nominal", output, fidelity, observer_of)

@@ -78,9 +78,7 @@ class Design:
 
 def design_of(tables: SweepTables, where: str) -> Design:
     """The design that a sweep asks for.
-
-    Raises:
-        StudyError: a key is named twice, or its ends, its values or the samples do not go with the design.
+    Raises StudyError if a key is named twice, or its ends, its values or the samples do not go with the design.
     """
     keys = [vary.key for vary in tables.vary]
     twice = next((key for key in keys if keys.count(key) > 1), None)
@@ -271,19 +269,13 @@ class Sweep:
         return identity_of(asked, CODE, {"added": added})
 
     def study_of(self, place: int) -> Study:
-        """The study of a run.
-
-        Raises:
-            StudyError: there is no such key, or its value cannot be.
-        """
+        """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
         return varied(self.study, self.design.values(place))
 
 
 def load_sweep(path: str | Path) -> Sweep:
     """Read a sweep and its study, and see that its first run makes sense.
-
-    Raises:
-        StudyError: a file cannot be read, or asks for what cannot be; the message is one sentence.
+    Raises StudyError, in one sentence, if a file cannot be read, or asks for what cannot be.
     """
     path = Path(path)
     require_no_other(path, StudyError, Held.SWEEP)
@@ -300,9 +292,7 @@ def load_sweep(path: str | Path) -> Sweep:
 
 def _require_possible(sweep: Sweep, where: str) -> None:
     """See that every key can be varied as far as it is to be, the others as in the first run.
-
-    Raises:
-        StudyError: there is no such key, or one of its ends cannot be.
+    Raises StudyError if there is no such key, or one of its ends cannot be.
     """
     first = sweep.design.values(0)
     for factor in sweep.design.factors:
@@ -317,9 +307,7 @@ def varied(study: Study, values: Mapping[str, float]) -> Study:
     """The study with values named by their keys; those of effects as effects.<effect>.<parameter>.
 
     An effect that the study lacks comes in; of one that it has, the named parameters change.
-
-    Raises:
-        StudyError: there is no such key, or its value cannot be.
+    Raises StudyError if there is no such key, or its value cannot be.
     """
     plain = {key: _whole(value) for key, value in values.items() if not key.startswith(f"{EFFECTS}.")}
     changed: defaultdict[str, dict[str, float]] = defaultdict(dict)

@@ -36,11 +36,7 @@ TABLE, PAGE = "uncertain.csv", "uncertain.html"
 
 
 def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
-    """Write uncertain.csv and uncertain.html; returns the paths.
-
-    Raises:
-        ResultError: a file cannot be written.
-    """
+    """Write uncertain.csv and uncertain.html; returns the paths. Raises ResultError if a file cannot be written."""
     rows = [vars(one) | {"unit": unit_of(one.figure)} for one in found.intervals]
     with writing(ResultError, f"cannot write the intervals to {folder}"):
         return [write_csv(folder / TABLE, rows), write_text(folder / PAGE, page(found))]
@@ -151,13 +147,11 @@ def fitted(points: Array, values: Array) -> Surrogate:
     """The polynomial of either degree that predicts left-out points better, by least squares.
 
     Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
+    Raises ValueError if there are too few points for a straight line.
 
     Args:
         points: (n, d), in standard deviations from the middle.
         values: (n,).
-
-    Raises:
-        ValueError: there are too few points for a straight line.
     """
     count, factors = points.shape
     degrees = [degree for degree in (1, 2) if len(_terms(factors, degree)) < 0.8 * count]
@@ -241,9 +235,7 @@ class Uncertainty:
 
 def inputs_of(study: Study) -> tuple[Input, ...]:
     """What scatters, by the study's `[scatter]`.
-
-    Raises:
-        StudyError: nothing does, or something that the study has no value of.
+    Raises StudyError if nothing does, or something that the study has no value of.
     """
     stated = study.tables.scatter
     given = {} if stated is None else {name: value for name, value in stated if value}
@@ -302,10 +294,8 @@ def run_uncertain(
     seed: int = 1,
 ) -> Uncertainty:
     """Make the runs that OUTPUT does not hold yet, and say what 95 % of tests lie between.
-
-    Raises:
-        StudyError: the study states no scatter, or the run in the middle failed, or too many others did.
-        Whatever `run_sweep` raises.
+    Raises StudyError if the study states no scatter, or the run in the middle failed, or too many others did, and
+    whatever `run_sweep` raises.
     """
     sweep, deviations = sweep_of(study, fidelity, runs, seed)
     rows = run_sweep(sweep, output, engine, observer).rows

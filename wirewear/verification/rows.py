@@ -139,10 +139,7 @@ def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
     """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
 
     The folder is made if need be.
-
-    Raises:
-        ResultError: the file cannot be written.
-        RunError: the folder cannot be made.
+    Raises ResultError if the file cannot be written, and RunError if the folder cannot be made.
     """
     document = {
         "wirewear": version("wirewear"),

@@ -46,9 +46,7 @@ def verify(
     """Rows of the families, all of them by default.
 
     `started` is told a family's title, how many are done and how many there are.
-
-    Raises:
-        SolverError: a problem could not be solved at all.
+    Raises SolverError if a problem could not be solved at all.
     """
     chosen = FAMILIES if families is None else families
     rows: list[Row] = []

@@ -94,10 +94,8 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
     """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
 
     Of a line contact both are of its whole length.
-
-    Raises:
-        RecordError: they have no cycle in common, and no scars where a record may be without loops; or nothing can be
-            concluded from the record.
+    Raises RecordError if they have no cycle in common, and no scars where a record may be without loops, or if nothing
+    can be concluded from the record.
     """
     told = problems_told(record)
     if result.status != "complete":
@@ -145,9 +143,7 @@ def differences_table(comparison: RecordComparison) -> Table:
 
 def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
     """Write one self-contained HTML page, its pictures, and the table as CSV and JSON; return their paths.
-
-    Raises:
-        RecordError: the folder cannot be written.
+    Raises RecordError if the folder cannot be written.
     """
     from wirewear.pictures.style import save, svg
     from wirewear.views import comparison_pictures as drawn

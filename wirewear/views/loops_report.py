@@ -51,9 +51,7 @@ class AnalysedLoop:
 
 def analyse_loops(loops: Iterable[SampledLoop]) -> tuple[AnalysedLoop, ...]:
     """Analyse loops; those that cannot be are kept with the reason.
-
-    Raises:
-        LoopError: none of them can be analysed.
+    Raises LoopError if none of them can be analysed.
     """
     analysed = [_analysed(loop) for loop in loops]
     if analysed and all(item.figures is None for item in analysed):

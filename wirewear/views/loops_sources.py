@@ -82,9 +82,7 @@ class Spelling:
 
     def layout(self, path: Path) -> GuessedLayout | None:
         """The layout of a file; None where nothing is told.
-
-        Raises:
-            RecordError: the file cannot be read, or no line names its columns.
+        Raises RecordError if the file cannot be read, or no line names its columns.
         """
         told = {key: value for key, value in vars(self).items() if value is not None}
         if not told:
@@ -110,6 +108,7 @@ def logged_loops(
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file, split by its columns of repeat and cycle, or else where the drive turns round.
+    Raises RecordError if the file cannot be read, or a column or its unit cannot be told.
 
     Args:
         path: a text, or MATLAB's or LabVIEW's file.
@@ -117,9 +116,6 @@ def logged_loops(
         force: the same.
         normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
         spelling: what is known of a text's encoding, delimiter, decimal sign and header; None to guess all of it.
-
-    Raises:
-        RecordError: the file cannot be read, or a column or its unit cannot be told.
     """
     file = table_of(path, spelling.layout(path) if spelling else None)
     constant = _number(normal_load)
@@ -223,6 +219,8 @@ def read_loops(
     spelling: Spelling | None = None,
 ) -> tuple[SampledLoop, ...]:
     """Loops of a logger's file (see `logged_loops`), a record's folder, a result file or a run's folder.
+    Raises RecordError if the source cannot be read, has no loop of that cycle, or an option does not belong to it;
+    ResultError if the result cannot be read.
 
     Args:
         path: file or folder.
@@ -232,10 +230,6 @@ def read_loops(
         force: the same.
         normal_load: the same, or a number in N.
         spelling: what is known of a text's layout.
-
-    Raises:
-        RecordError: the source cannot be read, has no loop of that cycle, or an option does not belong to it.
-        ResultError: the result cannot be read.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")

@@ -147,11 +147,7 @@ def _run(result: RunResult) -> dict[str, object]:
 
 
 def run_page(results: Sequence[RunResult]) -> str:
-    """The page of runs, all of one study.
-
-    Raises:
-        ResultError: none has measured a cycle yet.
-    """
+    """The page of runs, all of one study. Raises ResultError if none has measured a cycle yet."""
     shown = [result for result in results if len(result.evolution["cycle"])]
     if not shown:
         raise ResultError("nothing is measured yet, so there is nothing to report")
@@ -179,9 +175,7 @@ def run_page(results: Sequence[RunResult]) -> str:
 
 def write_page(results: Sequence[RunResult], folder: Path) -> Path:
     """Write the page of runs, all of one study, as report.html into a folder and return its path.
-
-    Raises:
-        ResultError: no run has measured a cycle yet, or the page cannot be written.
+    Raises ResultError if no run has measured a cycle yet, or the page cannot be written.
     """
     text = run_page(results)
     with writing(ResultError, f"cannot write the page to {folder}"):

@@ -120,9 +120,7 @@ def _lines(half: float, step: float) -> Array:
 
 def write_traceless(folder: Path, record: AnyRecord) -> str:
     """Write a record in one step and return its SHA-256.
-
-    Raises:
-        BlindError: the folder exists or cannot be written.
+    Raises BlindError if the folder exists or cannot be written.
     """
     with writing(BlindError, f"cannot write {folder}"), folder_in_one_step(folder) as partial:
         names = {"loops": _loops(partial, record)}
@@ -141,11 +139,7 @@ def write_traceless(folder: Path, record: AnyRecord) -> str:
 
 
 def record_hash(folder: Path) -> str:
-    """SHA-256 of a record's files, names and contents.
-
-    Raises:
-        BlindError: the record cannot be read.
-    """
+    """SHA-256 of a record's files, names and contents. Raises BlindError if the record cannot be read."""
     digest = hashlib.sha256()
     try:
         for path in sorted(folder.iterdir()):

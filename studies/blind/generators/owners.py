@@ -53,11 +53,7 @@ class OwnersWhoKnow:
         return self.model.nominals(number, random)
 
     def make(self, case: Case) -> MadeRecord:
-        """The record of a case.
-
-        Raises:
-            RunError: as the model's.
-        """
+        """The record of a case. Raises RunError as the model's does."""
         made, random = self.model.make(case), np.random.default_rng((case.seed, _STREAM))
         if random.random() >= self.share or made.record.tables.length_mm is not None:
             return made

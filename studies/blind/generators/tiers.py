@@ -17,9 +17,7 @@ def generator_of(
     half that was sealed until a diagnosis was frozen, or one of three sets written without a look at any. T2 knows all,
     T0 and T1 some of each but the half for development, line contacts the first. A share `stated_scatter` of the
     records of wires state the scatter between tests, as their owners estimate it.
-
-    Raises:
-        BlindError: there is no such tier, law or set of causes, or the tier does not know it.
+    Raises BlindError if there is no such tier, law or set of causes, or the tier does not know it.
     """
     if stated_scatter > 0.0:
         from studies.blind.generators.owners import OwnersWhoKnow

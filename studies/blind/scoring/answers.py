@@ -60,9 +60,7 @@ class Answer:
 
 def read_answers(folder: Path, names: list[str]) -> dict[str, Answer | None]:
     """The diagnosis of each record under its name, None where there is none.
-
-    Raises:
-        BlindError: the folder is missing, or a diagnosis cannot be understood.
+    Raises BlindError if the folder is missing, or a diagnosis cannot be understood.
     """
     if not folder.is_dir():
         raise BlindError(f"there is no folder {folder}: name the one that holds a folder with {FILE_NAME} per record.")
@@ -74,21 +72,13 @@ def read_answers(folder: Path, names: list[str]) -> dict[str, Answer | None]:
 
 
 def require_any(answers: Mapping[str, Answer | None], folder: Path, batch: Path) -> None:
-    """See that a folder holds at least one diagnosis of a batch.
-
-    Raises:
-        BlindError: it is another folder.
-    """
+    """See that a folder holds at least one diagnosis of a batch. Raises BlindError if it is another folder."""
     if not any(answers.values()):
         raise BlindError(f"{folder} holds no diagnosis of a record of {batch}, as {next(iter(answers))}/{FILE_NAME}.")
 
 
 def read_answer(path: Path) -> Answer:
-    """One diagnosis.
-
-    Raises:
-        BlindError: it is no JSON, or lacks what the contract asks for.
-    """
+    """One diagnosis. Raises BlindError if it is no JSON, or lacks what the contract asks for."""
     data = read_json(path, BlindError, "diagnosis")
     if not isinstance(data, dict) or data.get("verdict") not in VERDICTS:
         raise BlindError(f"{path} has no verdict: it must be one of {', '.join(VERDICTS)}.")
@@ -101,9 +91,7 @@ def read_answer(path: Path) -> Answer:
 
 def answer_of(data: Mapping[str, Any]) -> Answer:
     """The parts of a diagnosis that are scored.
-
-    Raises:
-        KeyError, IndexError, TypeError, ValueError, AttributeError: it is no diagnosis of format 1.
+    Raises KeyError, IndexError, TypeError, ValueError or AttributeError if it is no diagnosis of format 1.
     """
     gap = data.get("gap") or {}
     causes = tuple(_cause(cause) for cause in data.get("causes", ()))

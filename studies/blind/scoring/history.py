@@ -29,9 +29,7 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any], key_pa
     """Append this run to the batch's log and to its copy beside the key; returns its line with the run's number.
 
     Every line holds the SHA-256 of the one before it, and the copy tells when the log was shortened or deleted.
-
-    Raises:
-        BlindError: the log was altered, or cannot be read or written.
+    Raises BlindError if the log was altered, or cannot be read or written.
     """
     path, copy = batch / LOG, key_path.with_name(f"{key_path.name}.scored")
     with writing(BlindError, f"the log {path} cannot be written"):
@@ -61,9 +59,7 @@ def logged_run(batch: Path, diagnoses: Path, headline: Mapping[str, Any], key_pa
 
 def _require_whole(path: Path, lines: Sequence[str]) -> None:
     """See that each line is a scored run, and knows the one before it where it says so.
-
-    Raises:
-        BlindError: one is or does not.
+    Raises BlindError if one is none, or does not.
     """
     for place, line in enumerate(lines):
         entry = parsed_json(line, f"line {place + 1} of {path}", BlindError)

@@ -86,10 +86,8 @@ def score_batch(folder: str | Path, diagnoses: str | Path, *, key_path: Path, ou
 
     `diagnoses` holds a folder with diagnosis.json for each record. Beside them, oracle/ may hold those of a diagnosis
     that was told the truth, and baselines/NAME/ those of simpler methods.
-
-    Raises:
-        BlindError: key, manifest or records do not belong together, or a diagnosis cannot be understood.
-        RunError: the report could not be written; the run is not logged then.
+    Raises BlindError if key, manifest or records do not belong together, or a diagnosis cannot be understood. Raises
+    RunError if the report could not be written; the run is not logged then.
     """
     folder, diagnoses = Path(folder), Path(diagnoses)
     usable_folder(output or diagnoses)
@@ -144,9 +142,7 @@ def _unmade(case: Mapping[str, Any]) -> dict[str, Any]:
 
 def verified(folder: Path, key_path: Path) -> VerifiedBatch:
     """A batch's manifest and what its key says, once key and records have been found to be those that it binds.
-
-    Raises:
-        BlindError: they are not, or something is missing.
+    Raises BlindError if they are not, or something is missing.
     """
     try:
         manifest = read_json(folder / MANIFEST, BlindError, "manifest")
@@ -173,9 +169,7 @@ def verified(folder: Path, key_path: Path) -> VerifiedBatch:
 
 def _require_sealed(folder: Path, manifest: Mapping[str, Any], key: Mapping[str, Any]) -> None:
     """See that the manifest says what the key, which nobody else can write, has sealed.
-
-    Raises:
-        BlindError: it does not.
+    Raises BlindError if it does not.
     """
     sealed_too = {**key, "left_out": {case["case"]: case.get("left_out") for case in key["truths"]}}
     for name in ("format", "records", "left_out", "tier", "model", "wirewear"):

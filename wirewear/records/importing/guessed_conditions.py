@@ -29,9 +29,7 @@ def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
     """Conditions that the first file tells, left open where it does not; signs of forces by key; what was assumed.
-
-    Raises:
-        RecordError: the file holds too few samples, or its loops cannot be told apart.
+    Raises RecordError if the file holds too few samples, or its loops cannot be told apart.
     """
     closed = {key: own for key, own in source["columns"].items() if own["column"] != OPEN}
     columns = text.read(closed, length_mm) if closed else {}

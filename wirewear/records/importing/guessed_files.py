@@ -91,9 +91,7 @@ class GuessedFile:
     @property
     def listing(self) -> str:
         """The file's columns in words, with the range of their numbers.
-
-        Raises:
-            RecordError: none of them can be read.
+        Raises RecordError if none of them can be read.
         """
         told, unread = [], []
         for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
@@ -118,11 +116,7 @@ def shut(column: dict[str, Any]) -> dict[str, Any]:
 
 
 def looked_into(path: Path) -> GuessedFile:
-    """What a file seems to hold.
-
-    Raises:
-        RecordError: it cannot be read, or holds no table of numbers.
-    """
+    """What a file seems to hold. Raises RecordError if it cannot be read, or holds no table of numbers."""
     file = table_of(path)
     if not file.named:
         return _line_of_heights(file) or _points_without_names(file)
@@ -149,9 +143,7 @@ def looked_into(path: Path) -> GuessedFile:
 
 def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
     """A file's columns, a text's as it is laid out, before it is known what they hold.
-
-    Raises:
-        RecordError: it cannot be read, or holds no table of numbers.
+    Raises RecordError if it cannot be read, or holds no table of numbers.
     """
     kind = kind_of(path)
     if kind == TextReader.kind:

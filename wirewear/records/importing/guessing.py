@@ -34,14 +34,12 @@ class GuessedMapping:
 
 def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touching) -> GuessedMapping:
     """The mapping that files of one folder seem to ask for.
+    Raises RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
 
     Args:
         files: loops, and perhaps an evolution and scars.
         known: what the user says: keys of `[conditions]`, and `name`.
         touching: what the user says of the bodies.
-
-    Raises:
-        RecordError: no file holds loops, or one of them cannot be read; one sentence.
     """
     kinds, length = recognised_files(files), touching.length_mm
     if length is None:
@@ -81,9 +79,7 @@ class RecognisedFiles:
 
 def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
     """Files of one folder, looked into; what cannot be read is left out with a sentence.
-
-    Raises:
-        RecordError: they lie in several folders, or there is no such file.
+    Raises RecordError if they lie in several folders, or there is no such file.
     """
     if any(path.parent != files[0].parent for path in files):
         raise RecordError("the files of a mapping must lie in one folder; copy them into one.")
@@ -138,9 +134,7 @@ def loop_source(
     """The table `[loops]`, the conditions that the loops tell, and what was assumed.
 
     length_mm: of a line contact, whose forces may be given per millimetre.
-
-    Raises:
-        RecordError: something is not known that no file tells; one sentence.
+    Raises RecordError, in one sentence, if something is not known that no file tells.
     """
     first = loops[0]
     columns, remarks = mapped_columns(first, per_length=length_mm is not None)
@@ -203,9 +197,7 @@ def ball_on_flat(known: Mapping[str, Any], elastic: Mapping[str, float], of_ball
 
 def with_files_from(guess: GuessedMapping, home: Path, folder: Path) -> GuessedMapping:
     """The guess for a mapping that stands in `folder`, in or above which the files' own folder lies.
-
-    Raises:
-        RecordError: the files do not lie there.
+    Raises RecordError if the files do not lie there.
     """
     try:
         relative = home.resolve().relative_to(folder.resolve())

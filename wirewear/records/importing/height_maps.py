@@ -53,9 +53,7 @@ class StatedMap:
 
     def scaled(self, file: Path, told: MapScale) -> Map:
         """The map in µm about its middle; what a mapping tells goes before what the file states.
-
-        Raises:
-            RecordError: neither states the scale, or the size is not finite; one sentence.
+        Raises RecordError, in one sentence, if neither states the scale, or the size is not finite.
         """
         step = self.step_um if told.step_um is None else (told.step_um, told.step_y_um or told.step_um)
         unit = self.unit_um if told.height_unit is None else FIELD_UNITS["um"][told.height_unit]
@@ -101,11 +99,7 @@ class Matrix:
         return (self.sizes_um or self.step_um) is not None and self.unit_um is not None
 
     def read(self, file: Path) -> StatedMap:
-        """The heights with what is stated of them.
-
-        Raises:
-            RecordError: a field is no number.
-        """
+        """The heights with what is stated of them. Raises RecordError if a field is no number."""
         layout = (self.guessed.tables or (self.guessed.layout,))[0]
         text = read_delimited(file, layout)
         # Numbers need no quotation marks, and are read fast without.
@@ -121,11 +115,7 @@ class Matrix:
 
 
 def matrix_of(file: Path) -> Matrix | None:
-    """The matrix that a text holds, None where it holds none.
-
-    Raises:
-        RecordError: the file cannot be read.
-    """
+    """The matrix that a text holds, None where it holds none. Raises RecordError if the file cannot be read."""
     try:
         guessed = guessed_layout(file)
     except RecordError:
@@ -244,19 +234,13 @@ def is_map(path: Path) -> bool:
 
 def height_map(file: Path, told: MapScale | None = None) -> Map:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm; NaN where nothing was measured.
-
-    Raises:
-        RecordError: the file cannot be read, or neither it nor `told` states its size, which is finite, and unit.
+    Raises RecordError if the file cannot be read, or neither it nor `told` states its size, which is finite, and unit.
     """
     return stated_map(file).scaled(file, told or MapScale())
 
 
 def stated_map(file: Path) -> StatedMap:
-    """A map with what its file states of its scale.
-
-    Raises:
-        RecordError: the file cannot be read; one sentence.
-    """
+    """A map with what its file states of its scale. Raises RecordError, in one sentence, if the file cannot be read."""
     if file.is_file() and file.read_bytes()[: len(_ZYGO)] == _ZYGO:
         return _zygo(file)
     if file.suffix.lower() not in MAPS and (matrix := matrix_of(file)) is not None:
@@ -337,9 +321,7 @@ def _by_surface_topography(file: Path) -> StatedMap:
 
 def _require_room(file: Path) -> bytes | None:
     """See that a file's contents fit into the memory; the first lines of a text, on which reading is tried.
-
-    Raises:
-        RecordError: they do not.
+    Raises RecordError if they do not.
     """
     data = file.read_bytes()
     if data.startswith(b"PK\x03\x04"):

@@ -178,9 +178,8 @@ _NO_CYCLE = -1.0  #: In place of the number of a cycle where a sample belongs to
 
 def import_record(mapping_path: str | Path) -> AnyRecord:
     """The record that a mapping file describes; file names in it are relative to its folder.
-
-    Raises:
-        RecordError: the mapping or a file cannot be read, or does not hold what the mapping says; one sentence.
+    Raises RecordError, in one sentence, if the mapping or a file cannot be read, or does not hold what the mapping
+    says.
     """
     path = Path(mapping_path)
     require_mapping(path)
@@ -215,9 +214,7 @@ def mapped_loops(
     """The loops of a source in order, their forces resisting the motion, and what was turned for that.
 
     length_mm: of a line contact, whose forces may be given per millimetre.
-
-    Raises:
-        RecordError: a file cannot be read or lacks something, or a loop is there twice.
+    Raises RecordError if a file cannot be read or lacks something, or a loop is there twice.
     """
     home = mapping_path.parent
     loops = [
@@ -253,9 +250,7 @@ def loops_of(
     file: Path, source: LoopSource, frequency: float, length_mm: float | None = None
 ) -> Iterator[MeasuredLoop]:
     """The loops of one file as they stand there; `length_mm` as of `mapped_loops`.
-
-    Raises:
-        RecordError: the file cannot be read or lacks something.
+    Raises RecordError if the file cannot be read or lacks something.
     """
     named = sources.numbers_in_name(file, source)
     columns = in_rows(file, sources.read_source(file, source, sources.wanted_columns(source.columns), length_mm))

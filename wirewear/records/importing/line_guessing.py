@@ -25,9 +25,7 @@ _OPTIONS = {
 
 def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Mapping[str, Any]) -> Touching:
     """A line contact of such constants, of a length and a face as the user says.
-
-    Raises:
-        RecordError: the length or the face is not known, which no file tells; one sentence.
+    Raises RecordError, in one sentence, if the length or the face is not known, which no file tells.
     """
     length = known.get("length_mm")
     if length is None:
@@ -44,11 +42,7 @@ def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Map
 
 
 def asked_of(known: Mapping[str, Any]) -> dict[str, Any]:
-    """The conditions of a test of which no file holds loops.
-
-    Raises:
-        RecordError: the options do not tell them all.
-    """
+    """The conditions of a test of which no file holds loops. Raises RecordError if the options do not tell them all."""
     missing = [option for key, option in _OPTIONS.items() if known.get(key) is None]
     if missing:
         raise RecordError(f"no file holds loops, so that only options can tell the test: give {', '.join(missing)}.")

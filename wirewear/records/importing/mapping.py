@@ -282,9 +282,7 @@ def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = Non
     """Factor from the file's unit and calibration to the unit in a record column's name.
 
     length_mm: of a line contact; units per length are those of the whole contact over it.
-
-    Raises:
-        ValueError: the unit is unknown for such a column; the message names those that are known.
+    Raises ValueError if the unit is unknown for such a column; the message names those that are known.
     """
     suffix = name.rpartition("_")[2]
     if mapping.unit is None:
@@ -353,9 +351,7 @@ class LineMapping(LineTest):
 
     def asked(self, path: Path) -> LineConditions:
         """The conditions of the record, with the load of the whole contact.
-
-        Raises:
-            RecordError: the load is given twice, or not at all.
+        Raises RecordError if the load is given twice, or not at all.
         """
         whole, per_mm = self.conditions.normal_load_N, self.conditions.normal_load_N_per_mm
         if (whole is None) == (per_mm is None):

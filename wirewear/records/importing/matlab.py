@@ -45,9 +45,7 @@ _TYPES_OF_4 = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}
 
 def require_room_for(path: Path) -> None:
     """See that a file's arrays can be held and can be true; what is no MATLAB file is left to the reader.
-
-    Raises:
-        RecordError: they cannot.
+    Raises RecordError if they cannot.
     """
     data = path.read_bytes()
     order = _ORDER.get(data[124:_HEAD])
@@ -203,9 +201,7 @@ def _parts(name: str, array: Array) -> list[str]:
 
 def _require_one_channel_each(path: Path, contents: Any, wanted: Wanted) -> None:
     """See that no whole variable stands for two channels.
-
-    Raises:
-        RecordError: one does; the sentence says how its columns are named.
+    Raises RecordError if one does; the sentence says how its columns are named.
     """
     for variable in dict.fromkeys(map(str, wanted.values())):
         several = [name for name, column in wanted.items() if str(column) == variable]

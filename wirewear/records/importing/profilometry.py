@@ -76,27 +76,21 @@ class MapOfBody:
 
 def scar_of_map(of: MapOfBody) -> MeasuredScar:
     """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
-
-    Raises:
-        RecordError: SurfaceTopography cannot read the file, or the map lacks its size or unit.
+    Raises RecordError if SurfaceTopography cannot read the file, or the map lacks its size or unit.
     """
     return _scar(of, *height_map(of.file, of.source.scale))
 
 
 def scar_of_heights(of: MapOfBody, points: tuple[Array, Array, Array]) -> MeasuredScar:
     """The scar of points x, y, height (n,) in µm; points off a grid are laid on one as dense as they are.
-
-    Raises:
-        RecordError: the points are too few, or lie beyond the body.
+    Raises RecordError if the points are too few, or lie beyond the body.
     """
     return _scar(of, *grid_of_points(of.file, points))
 
 
 def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm, as `height_map` has them.
-
-    Raises:
-        RecordError: the points are too few.
+    Raises RecordError if the points are too few.
     """
     x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
     if x.size < FEWEST_POINTS:
@@ -245,9 +239,7 @@ def surfaces_of(
     source: ScarSource | ProfileSource, body: str, home: Path, tables: Any
 ) -> Iterator[MeasuredScar | MeasuredProfile]:
     """The worn surfaces of a body that a source's files hold: maps with x along the motion, or profiles.
-
-    Raises:
-        RecordError: a file cannot be read or lacks something, or a repeat is there twice.
+    Raises RecordError if a file cannot be read or lacks something, or a repeat is there twice.
     """
     seen: dict[int, Path] = {}
     for place, file in enumerate(files_of(source, home)):
@@ -294,9 +286,7 @@ def levelled(
     The ends are taken to be unworn. From there the fit goes on to all points beside the scar, of which those that lie
     far off count for little: what is worn or piled up does not pull it. Along a cylinder level and tilt suffice, as a
     shift of its crown is a tilt; a flat's edges are sought, too.
-
-    Raises:
-        RecordError: there are too few points.
+    Raises RecordError if there are too few points.
     """
     x, height = heights
     if x.size < FEWEST_ON_LINE or np.ptp(x) <= 0.0:

@@ -39,9 +39,7 @@ def require_mapping(path: Path) -> None:
     """See that a file is no study, no sweep, no record and none of a laboratory's own files, and is filled in.
 
     What else is wrong within a mapping is left to whoever reads it.
-
-    Raises:
-        RecordError: it is; one sentence that says what it is.
+    Raises RecordError, in one sentence that says what it is, if it is one.
     """
     require_no_other(path, RecordError, Held.MAPPING)
     if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
@@ -71,14 +69,12 @@ class Reader(ABC):
     @abstractmethod
     def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
         """The wanted columns as they stand in the file: (n,), or (samples, cycles) where the file holds matrices.
+        Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
 
         Args:
             path: the file.
             layout: the mapping's keys on delimited text, for readers that need them.
             wanted: the record's columns, and for each the name or the number (from 1 on) of the file's.
-
-        Raises:
-            RecordError: the file cannot be read, lacks a column or holds text for a number; one sentence.
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
@@ -87,9 +83,7 @@ class Reader(ABC):
 
     def channels(self, path: Path) -> tuple[Channel, ...]:  # noqa: ARG002
         """What a file offers as columns; nothing where the kind does not name them.
-
-        Raises:
-            RecordError: the file cannot be read; one sentence.
+        Raises RecordError, in one sentence, if the file cannot be read.
         """
         return ()
 

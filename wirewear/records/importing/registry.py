@@ -18,9 +18,7 @@ LIBRARY: tuple[type[Reader], ...] = (TextReader, MatlabReader, TdmsReader)
 @cache
 def readers() -> Mapping[str, Reader]:
     """One of each, by its kind.
-
-    Raises:
-        RecordError: a package's entry point holds no reader, or one whose kind is taken.
+    Raises RecordError if a package's entry point holds no reader, or one whose kind is taken.
     """
     found: dict[str, Reader] = {kind.kind: kind() for kind in LIBRARY}
     home = "wirewear.records.importing.reader"
@@ -36,9 +34,7 @@ def readers() -> Mapping[str, Reader]:
 
 def kind_of(path: Path) -> str:
     """Of which kind a file is, by its own first bytes: text, unless a reader knows them.
-
-    Raises:
-        RecordError: the file cannot be read.
+    Raises RecordError if the file cannot be read.
     """
     try:
         with path.open("rb") as file:

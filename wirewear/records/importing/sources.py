@@ -24,9 +24,7 @@ Wanted = Mapping[str, ColumnMapping]
 
 def files_of(source: Source, home: Path) -> list[Path]:
     """The files that a source names, each once, patterns in natural order (2 before 10).
-
-    Raises:
-        RecordError: there is none.
+    Raises RecordError if there is none.
     """
     found: list[Path] = []
     for name in source.files:
@@ -47,11 +45,7 @@ def _natural(path: Path) -> list[tuple[int, str]]:
 
 
 def numbers_in_name(path: Path, source: Source) -> dict[str, int]:
-    """Cycle and repeat as the file's name tells them.
-
-    Raises:
-        RecordError: the name does not fit the pattern.
-    """
+    """Cycle and repeat as the file's name tells them. Raises RecordError if the name does not fit the pattern."""
     if source.name_pattern is None:
         return {}
     try:
@@ -74,9 +68,7 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
     """The wanted columns of one file in the record's units: (n,), or from MATLAB (samples, cycles).
 
     length_mm: of a line contact, whose forces and energies may be given per millimetre.
-
-    Raises:
-        RecordError: the file cannot be read, lacks a column or holds text for a number.
+    Raises RecordError if the file cannot be read, lacks a column or holds text for a number.
     """
     factors = {}
     for name, mapping in wanted.items():
@@ -114,11 +106,7 @@ def wanted_columns(columns: Table) -> dict[str, ColumnMapping]:
 
 
 def equal_rows(file: Path, columns: dict[str, Array], first: str) -> dict[str, Array]:
-    """Columns (n,).
-
-    Raises:
-        RecordError: they differ in length.
-    """
+    """Columns (n,). Raises RecordError if they differ in length."""
     count = columns[first].size
     for name, values in columns.items():
         if values.size != count:
@@ -133,9 +121,7 @@ def columns_of_levels(
 
     columns: what the mapping's `table` says of them.  repeat: of a file without a column of repeats.  step_um: from
     row to row, where there is no column of positions.
-
-    Raises:
-        RecordError: the mapping gives no columns, none or both of the levels, or the file's do not fit together.
+    Raises RecordError if the mapping gives no columns, none or both of the levels, or the file's do not fit together.
     """
     if columns is None:
         raise RecordError(f'{file}: [{table}] must give columns, or kind = "{PROFILOMETER}".')
@@ -154,11 +140,7 @@ def columns_of_levels(
 
 
 def require_recorded(file: Path, **columns: Array) -> None:
-    """See that columns hold what a record's columns of these names can.
-
-    Raises:
-        RecordError: a value is none.
-    """
+    """See that columns hold what a record's columns of these names can. Raises RecordError if a value is none."""
     for name, values in columns.items():
         column = RECORD_COLUMNS.get(name)
         place = None if column is None else column.first_wrong(values)

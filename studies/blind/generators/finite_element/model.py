@@ -108,9 +108,7 @@ class FiniteElementModel:
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.
-
-        Raises:
-            RunError: the contact does not slip, does not converge, or cannot be meshed.
+        Raises RunError if the contact does not slip, does not converge, or cannot be meshed.
         """
         kept = np.random.default_rng((case.seed, _SPECIMENS)).random() < self.several
         case = replace(case, nuisances=_affordable(case.nuisances, self.numerics, 3 if kept else 1))
@@ -172,9 +170,7 @@ def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -
 
 def run(study: Study, name: str) -> RunResult:
     """A run whose files are not kept; those that a killed one left more than a day ago go too.
-
-    Raises:
-        RunError: the study cannot be meshed, or the contact did not converge or does not slip.
+    Raises RunError if the study cannot be meshed, or the contact did not converge or does not slip.
     """
     from wirewear.base.cache import remove_abandoned
     from wirewear.simulation import run_study

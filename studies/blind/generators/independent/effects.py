@@ -12,11 +12,7 @@ from wirewear.base.course import Course
 
 
 def changed(world: World, effect: str, parameters: Parameters) -> World:
-    """The world with an effect of the library or from outside it.
-
-    Raises:
-        KeyError: there is no such effect.
-    """
+    """The world with an effect of the library or from outside it. Raises KeyError if there is no such effect."""
     return (LIBRARY | OUTSIDE)[effect](world, parameters)
 
 

@@ -47,9 +47,7 @@ def fair_size(case: Case, model: IndependentModel) -> float:
 
     A single effect is imitated by none but the scatter; two effects, and what is in no library, by each effect alone
     that a diagnosis of the case may name.
-
-    Raises:
-        RunError: the contact does not slip.
+    Raises RunError if the contact does not slip.
     """
     if not case.effects:
         return 0.0

@@ -184,9 +184,7 @@ def solve_contact(
     bodies: Bodies, shapes: Shapes, foundation: Foundation, load: Load, start_mm: Array | None = None
 ) -> Contact:
     """Pressures that carry the load at every position, by Newton's method for the approach of each.
-
-    Raises:
-        ArithmeticError: no approach carries the load.
+    Raises ArithmeticError if no approach carries the load.
     """
     grid = bodies.grid
     distance = bodies.distance_mm + shapes.fixed[:, None, :] + grid.windows(shapes.moving)

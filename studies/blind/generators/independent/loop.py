@@ -125,9 +125,7 @@ class _Ends:
 
 def closed_loop(world: World, table: ForceTable, amplitude_mm: float) -> TrueLoop:
     """The loop that closes while the drive moves to ±amplitude.
-
-    Raises:
-        ArithmeticError: the contact does not reach gross slip or the reversals are not found.
+    Raises ArithmeticError if the contact does not reach gross slip or the reversals are not found.
     """
     world = replace(world, rig=world.rig.aged(table.cycle))
     moments, load = table.splines()

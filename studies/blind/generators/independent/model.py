@@ -56,9 +56,7 @@ class IndependentModel:
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.
-
-        Raises:
-            RunError: the case's world cannot be run: its contact does not slip.
+        Raises RunError if the case's world cannot be run: its contact does not slip.
         """
         random = np.random.default_rng(case.seed)
         true = self.true_world(case)
@@ -74,9 +72,7 @@ class IndependentModel:
 
     def differences(self, case: Case) -> dict[str, float]:
         """What the case's effects change: figures of the readings and scars, each over one test's scatter.
-
-        Raises:
-            RunError: the contact does not slip.
+        Raises RunError if the contact does not slip.
         """
         try:
             return _differences(case, self.true_world(case), self)

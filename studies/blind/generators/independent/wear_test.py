@@ -75,9 +75,7 @@ def grid_of(world: World, points: int = POINTS) -> Grid:
 
 def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth: float = GROWTH) -> Iterator[Snapshot]:
     """The test at each of the cycles, increasing; jumps between them are of second order at a fixed stroke.
-
-    Raises:
-        ArithmeticError: the world's contact does not slip, or nothing carries its load.
+    Raises ArithmeticError if the world's contact does not slip, or nothing carries its load.
     """
     grid = grid_of(world, points)
     wires = world.specimens

@@ -61,9 +61,7 @@ POINTS, PROFILE_MARGIN = 181, 1.7  #: Points of a profile, and how far it reache
 @lru_cache(maxsize=24)
 def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
     """The run of a test with effects of the whole contact in it.
-
-    Raises:
-        RunError: it cannot be meshed, or the contact did not converge.
+    Raises RunError if it cannot be meshed, or the contact did not converge.
     """
     from wirewear.planar.run import run_planar_study
 
@@ -119,9 +117,7 @@ class LineModel:
 
     def make(self, case: Case) -> MadeRecord:
         """The record of a case; the same for the same case.
-
-        Raises:
-            RunError: the contact does not slip, does not converge, or cannot be meshed.
+        Raises RunError if the contact does not slip, does not converge, or cannot be meshed.
         """
         case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
         random = np.random.default_rng(case.seed)

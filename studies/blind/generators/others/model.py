@@ -77,11 +77,7 @@ class OtherSimulators:
         return cast("Sequence[Nominal]", drawn_tests(number, SIMULATORS[self.chosen], random))
 
     def make(self, case: Case) -> MadeRecord:
-        """The record of a case.
-
-        Raises:
-            RunError: a contact does not slide.
-        """
+        """The record of a case. Raises RunError if a contact does not slide."""
         test, random = cast("object", case.nominal), np.random.default_rng((case.seed, 3))
         if not isinstance(test, WireTest | LineTest):
             raise RunError("tests of the tier T3 are drawn by its own simulators.")
@@ -172,9 +168,7 @@ def _circle(x: Array, radius: float) -> Array:
 
 def simulated(test: Test, world: World, snapshots: Sequence[int]) -> Course:
     """A test from its first cycle to its last: jumps that grow with the cycles, loops at snapshots.
-
-    Raises:
-        RunError: the contact does not slide.
+    Raises RunError if the contact does not slide.
     """
     pair = contact_of(test, world.angle_error_deg)
     half_slip = 0.9 * world.amplitude_mm

@@ -40,11 +40,7 @@ class Loop:
 
 
 def periodic_loop(world: World, cycle: float, load_N: float, touch: Touch, sliding: Sliding) -> Loop:
-    """The loop whose stroke the drive holds.
-
-    Raises:
-        RunError: the contact does not slide, or no stroke is found.
-    """
+    """The loop whose stroke the drive holds. Raises RunError if the contact does not slide, or no stroke is found."""
     half = world.amplitude_mm
     for _ in range(40):
         strokes = [_stroke(world, cycle, load_N, touch, sliding, half, direction) for direction in (1, -1)]
