@@ -4,8 +4,6 @@ A quarter of the body (y >= 0, x >= 0) is swept by gmsh from a graded cross-sect
 along itself, and mirrored twice, so the mesh is symmetric to the last bit.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -212,7 +210,7 @@ class BodyMesh:
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_areas("grip")
 
-    def worn(self, depth_mm: Array) -> BodyMesh:
+    def worn(self, depth_mm: Array) -> "BodyMesh":
         """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
 
         The patch's height is that of the moved nodes. GeometryError when the depth has another shape than the patch or

@@ -1,7 +1,5 @@
 """One-dimensional gradings of mesh lines: uniform and fine in the middle, growing outwards."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from math import log
 
@@ -118,7 +116,7 @@ class Layering:
             )
 
     @classmethod
-    def resolving(cls, per_contact_radius: float, elongation: float = 1.0) -> Layering:
+    def resolving(cls, per_contact_radius: float, elongation: float = 1.0) -> "Layering":
         """Layers for so many elements per contact radius: the standard ones up to four, refined beyond.
 
         elongation: of a long contact, whose stresses reach deeper: its axes' geometric mean over its narrowest radius.
@@ -128,11 +126,11 @@ class Layering:
         count = log(1.0 + elongation * (layers.growth**layers.count - 1.0)) / log(layers.growth)
         return replace(layers, count=round(count))
 
-    def refined(self, factor: float) -> Layering:
+    def refined(self, factor: float) -> "Layering":
         """Layers thinner by `factor` that reach to the same depth."""
         return Layering(max(2, round(self.count * factor)), float(self.growth ** (1.0 / factor)), self.first)
 
-    def deeper(self, factor: float) -> Layering:
+    def deeper(self, factor: float) -> "Layering":
         """More layers of the same thicknesses above each row that joins columns, by about that factor."""
         return Layering(round(self.count * factor), self.growth, self.first)
 

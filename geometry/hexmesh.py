@@ -1,7 +1,5 @@
 """Hexahedral meshes as values: points, cells, named surfaces, quality, mirror images, export."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -102,7 +100,7 @@ class HexMesh:
                 total += float(np.einsum("ij,ij->", p, np.cross(q, r))) / 12.0
         return total
 
-    def with_mirror_image(self, axis: int) -> HexMesh:
+    def with_mirror_image(self, axis: int) -> "HexMesh":
         """This mesh and its mirror image about the plane through zero on `axis`, sharing the nodes on that plane.
 
         All nodes must lie on the non-negative side, else GeometryError. Surfaces of the mirror image join those of the

@@ -4,8 +4,6 @@ A planar body's patch has a single line across, which stands for a strip of unit
 areas are lengths times 1 mm, forces are per mm. Everything that depends on the dimension is here.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,7 +69,7 @@ class ContactPatch:
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")
         return np.column_stack([a.ravel(), t.ravel()])
 
-    def scaled(self, factor: float) -> ContactPatch:
+    def scaled(self, factor: float) -> "ContactPatch":
         """The same patch in another unit of length; the thickness of a planar one stays 1."""
         axial, transverse = factor * self.axial_mm, factor * self.transverse_mm
         moved = None if self.repositioned_depth_mm is None else factor * self.repositioned_depth_mm

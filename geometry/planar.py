@@ -1,7 +1,5 @@
 """Structured, graded quadrilateral meshes of planar bodies: pads with a cylindrical or rounded face, specimens."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -81,7 +79,7 @@ class PlanarMesh:
         stiffness = self.geometry.grip_stiffness_N_per_mm3
         return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
 
-    def worn(self, depth_mm: Array) -> PlanarMesh:
+    def worn(self, depth_mm: Array) -> "PlanarMesh":
         """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n,).
 
         Those beneath follow, each column as a whole, ever less towards the held back. GeometryError when the depth has

@@ -4,8 +4,6 @@ A product of hat functions is then integrated along one axis and along the other
 outer product of a row along each.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -56,7 +54,7 @@ class CommonAxes(NamedTuple):
     offset: Array
 
     @classmethod
-    def of(cls, turn: Array, offset: Array) -> CommonAxes | None:
+    def of(cls, turn: Array, offset: Array) -> "CommonAxes | None":
         """Those of positions at `turn @ (position - offset)`; None where the axes lie at another angle."""
         if turn[0, 1] == 0.0 == turn[1, 0]:
             return cls(False, np.array([turn[0, 0], turn[1, 1]]), offset)

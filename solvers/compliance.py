@@ -1,7 +1,5 @@
 """Compliance of two bodies as their paired contact nodes see it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -83,7 +81,7 @@ class Share:
     before: NodalTransfer
 
     @classmethod
-    def of(cls, body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> Share:
+    def of(cls, body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> "Share":
         """That of a body with transfers from its whole patch."""
         reached = np.zeros(body.patch.size, dtype=bool)
         reached[now.columns] = True

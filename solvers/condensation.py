@@ -14,8 +14,6 @@ kernels, which makes it several times faster than a general sparse factorisation
 block (`make bench` prints the ratio).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -40,7 +38,7 @@ class Substructure:
     """Nodes to be eliminated once the parts, which touch one another only through them, have been."""
 
     eliminated: IntArray
-    parts: tuple[Substructure, ...]
+    parts: "tuple[Substructure, ...]"
 
 
 @dataclass(frozen=True)
@@ -232,7 +230,7 @@ class CondensedBody:
     bricks: Bricks | None = None
 
     @classmethod
-    def whole(cls, patch: ContactPatch, compliance: Array) -> CondensedBody:
+    def whole(cls, patch: ContactPatch, compliance: Array) -> "CondensedBody":
         """A body of known compliance (3 n, 3 n), whose symmetry is not used."""
         return cls(patch, PatchCompliance(patch.shape, (), compliance[None]))
 

@@ -5,8 +5,6 @@ traction. In series with the bodies' own compliance they enter the contact condi
 is no penetration, and its shear no slip.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import exp, inf
@@ -66,7 +64,7 @@ class RoughLayer:
                 "a rough layer needs a decay length and a shear ratio of at least 0 and a positive engagement pressure"
             )
 
-    def worn_in(self, cycles: float, cycles_to_wear_in: float) -> RoughLayer:
+    def worn_in(self, cycles: float, cycles_to_wear_in: float) -> "RoughLayer":
         """The layer after so many cycles, thinner by exp(-cycles / cycles_to_wear_in)."""
         return replace(self, decay_mm=self.decay_mm * exp(-cycles / cycles_to_wear_in))
 

@@ -4,8 +4,6 @@ On the surface of a half-plane only the stress along it depends on tractions els
 it is 2/(π r) times its size, by pressure it is the pressure itself (Johnson, Contact Mechanics, 1985, section 2.5).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -34,7 +32,7 @@ class LineSurfaceStress:
     layers: tuple[float, float]
 
     @classmethod
-    def of(cls, body: PlanarMesh, material: Elastic) -> LineSurfaceStress:
+    def of(cls, body: PlanarMesh, material: Elastic) -> "LineSurfaceStress":
         """The surface of a meshed pad or specimen."""
         geometry = body.geometry
         return cls(body.mesh, body.patch, material, (float(geometry.layers()[0]), geometry.growth))
@@ -75,7 +73,7 @@ class LineSurfaceStress:
         result[reach - kept : reach + kept + 1] += error[half - kept : half + kept + 1]
         return result
 
-    def under(self, force_N_per_mm: Array) -> LoadedLine:
+    def under(self, force_N_per_mm: Array) -> "LoadedLine":
         """The surface under forces (n, 3) at the patch's nodes."""
         traction = unspread(self.patch.axial_mm, force_N_per_mm)[self.window]
         # Of a tilted surface there is more than of the plane beneath it.

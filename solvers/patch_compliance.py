@@ -17,8 +17,6 @@ as long waves are resolved.
 Displacements and forces are (..., 3): x, y, and z outwards.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 
@@ -194,7 +192,7 @@ class PatchCompliance:
             )
 
     @classmethod
-    def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> PatchCompliance:
+    def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> "PatchCompliance":
         """From the compliances (2^p, 3 q, 3 q) of the piece on the planes' non-negative sides, which are used up.
 
         Even about each plane before odd, the last plane first to change. Nodes on a plane carry the piece's half of the
@@ -209,7 +207,7 @@ class PatchCompliance:
             np.subtract(even, odd, out=odd)
         return cls(shape, planes, parts)
 
-    def turned(self, rotation: Array) -> PatchCompliance:
+    def turned(self, rotation: Array) -> "PatchCompliance":
         """The same displacements in other axes, by a matrix (3, 3) that turns vectors into them."""
         if np.array_equal(rotation, np.eye(3)):
             return self
@@ -217,7 +215,7 @@ class PatchCompliance:
         rows = triples.reshape(-1, 3, self.blocks.shape[-1])
         return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
 
-    def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> PatchCompliance:
+    def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> "PatchCompliance":
         """The same with displacements added of nodes by forces on nodes up to (a, t) lines away.
 
         near: (m, 2 a + 1, 2 t + 1, 3, 3) in the body's axes, of m kinds of node: by the lines from the loaded node to

@@ -19,8 +19,6 @@ Stresses are (..., 6) in VTK's order: xx, yy, zz, xy, yz, xz. Tractions are (...
 negative z.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -159,7 +157,7 @@ class _Brick:
     mass: ComplexArray
 
     @classmethod
-    def of(cls, points: IntegrationPoints, material: Elastic, phase: ComplexArray) -> _Brick:
+    def of(cls, points: IntegrationPoints, material: Elastic, phase: ComplexArray) -> "_Brick":
         """phase: (n, 8, 8) by which a wave differs between two corners."""
         unit = np.eye(24).reshape(24, 8, 3)
         stress = np.array([points.stresses(material, one)[0] for one in unit])
@@ -226,7 +224,7 @@ class SubgridTraction:
     ratio: Array
 
     @classmethod
-    def of_nodes(cls, traction: Array) -> SubgridTraction:
+    def of_nodes(cls, traction: Array) -> "SubgridTraction":
         """From tractions (n_a, n_t, 3) at the nodes: x, y, and z outwards."""
         pressure = np.maximum(-traction[..., 2], 0.0)
         loaded = pressure > _LOADED * pressure.max(initial=0.0)

@@ -8,8 +8,6 @@ remains of the elements' field is smooth: the body's size, its curvature, its gr
 elements around a point only: farther away elements resolve them.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -50,7 +48,7 @@ class SurfaceStress:
     layers: tuple[float, float]
 
     @classmethod
-    def of(cls, wire: BodyMesh, material: Elastic) -> SurfaceStress:
+    def of(cls, wire: BodyMesh, material: Elastic) -> "SurfaceStress":
         """The surface of a wire."""
         return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
 
@@ -96,7 +94,7 @@ class SurfaceStress:
             result[..., component] += exact.reshape(size, size, 6)
         return result
 
-    def under(self, force_N: Array) -> LoadedSurface:
+    def under(self, force_N: Array) -> "LoadedSurface":
         """The surface under forces (n, 3) at the patch's nodes, in the order of its flattened grid."""
         patch = self.patch
         plane = force_N.reshape(*patch.shape, 3)

@@ -14,8 +14,6 @@ and none beyond d = √(2 D h/(κ q)). So q d² is a constant of the pair of mat
 Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -101,7 +99,7 @@ class WearRates:
         """
         return friction if self.law == "energy" else Friction(1.0)
 
-    def scaled(self, factor: float) -> WearRates:
+    def scaled(self, factor: float) -> "WearRates":
         """The same law with both coefficients times a factor."""
         return replace(
             self, upper_mm3_per_mJ=factor * self.upper_mm3_per_mJ, lower_mm3_per_mJ=factor * self.lower_mm3_per_mJ

@@ -8,8 +8,6 @@ The bodies slide by what the drive moves and the holder does not. Where the hold
 one before; else it is taken to spring back as far to the other side as it was carried along, and to stand still.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -35,7 +33,7 @@ class Stroke:
     holder_x: Array
 
     @property
-    def mirrored(self) -> Stroke:
+    def mirrored(self) -> "Stroke":
         """The stroke back of a symmetric cycle, turned round to run from +amplitude to -amplitude as well."""
         return Stroke(-self.drive, -self.holder_x)
 

@@ -8,8 +8,6 @@ The augmentation that decides between stick and slip is scaled with the whole co
 meets, the rig's included; with the local one alone a soft rig makes nodes alternate between both slip directions.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
@@ -80,7 +78,7 @@ class ContactConditions:
     scales: Scales
 
     @classmethod
-    def of(cls, system: Linearisation, loaded: BoolArray) -> ContactConditions:
+    def of(cls, system: Linearisation, loaded: BoolArray) -> "ContactConditions":
         """The conditions, scaled as for a contact of the loaded nodes (k,)."""
         return cls(system, _scales(system, loaded))
 

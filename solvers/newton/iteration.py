@@ -1,7 +1,5 @@
 """The iteration: nodes change their status until none does, and gaps and directions of slip are as they should be."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np
@@ -112,7 +110,7 @@ class _Change(NamedTuple):
     @classmethod
     def between(
         cls, conditions: ContactConditions, before: _Status, after: _Status, about: Iterate, state: Iterate
-    ) -> _Change:
+    ) -> "_Change":
         opening, sticking, changing, gap, turned = _changed(
             before.active,
             after.active,

@@ -1,7 +1,5 @@
 """What the compiled equations of one pairing are made of: arrays over its k nodes, and plain numbers."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
@@ -60,7 +58,7 @@ class Carried(NamedTuple):
 
 
 @inlined
-def carried_by(nodes: Nodes, friction: FrictionTerms) -> Carried:
+def carried_by(nodes: "Nodes", friction: "FrictionTerms") -> Carried:
     """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
     frames, direction = nodes.frames, friction.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))

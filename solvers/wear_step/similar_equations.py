@@ -6,8 +6,6 @@ factors of the equations before then make an excellent preconditioner: the metho
 factors cost n³.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """The contact conditions of all positions of a cycle on surfaces of given depth: normals, gaps, elastic influence."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -65,7 +63,7 @@ class CycleNodes(NamedTuple):
     weights: Array
 
     @classmethod
-    def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> CycleNodes:
+    def of(cls, positions: Sequence[Position], rows: Sequence[IntArray]) -> "CycleNodes":
         """Those of positions, of whose nodes some `rows` are unknowns."""
         start = np.concatenate([[0], np.cumsum([len(position.nodes) for position in positions])])
         of_each = []

@@ -12,8 +12,6 @@ are nearly as large as the stresses' own waves. There the field at the nodes swi
 several times closer to the closed form: the last two columns compare these, interpolated between the elements' middles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -60,7 +58,7 @@ class Difference:
     peak_MPa: float
 
     @classmethod
-    def of(cls, coarse: Array, fine: Array) -> Difference:
+    def of(cls, coarse: Array, fine: Array) -> "Difference":
         """From von Mises stresses (k,) in MPa."""
         apart, peak = np.abs(coarse - fine), float(fine.max())
         root = float(np.linalg.norm(coarse - fine) / np.linalg.norm(fine))

@@ -7,8 +7,6 @@ they were frozen. They were looked at before, so their figures say nothing of un
 change made the diagnosis worse. Exit code 1 if they fell.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import tarfile
@@ -57,7 +55,7 @@ class FrozenRecord:
     wrongly_named: bool
 
     @classmethod
-    def of_json(cls, data: dict[str, Any]) -> FrozenRecord:
+    def of_json(cls, data: dict[str, Any]) -> "FrozenRecord":
         """The record that a line of truths.json describes."""
         frozen = data["frozen"]
         return cls(

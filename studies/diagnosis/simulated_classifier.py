@@ -8,8 +8,6 @@ Signals have either sign and any size, and fill a few dozen of several hundred d
 the components within these directions, as they are, as a direction, and their length.
 """
 
-from __future__ import annotations
-
 import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -46,7 +44,7 @@ class Signals:
     labels: Places
 
     @classmethod
-    def drawn(cls, problem: Problem, singles: Sequence[Fit], number: int, random: np.random.Generator) -> Signals:
+    def drawn(cls, problem: Problem, singles: Sequence[Fit], number: int, random: np.random.Generator) -> "Signals":
         """So many of each effect."""
         base = problem.predicted(problem.setup)
         rows = []
@@ -58,7 +56,7 @@ class Signals:
         labels = np.repeat(np.arange(1, len(singles) + 1), number)
         return cls((NONE, *(one.names[0] for one in singles)), np.stack(rows), labels)
 
-    def taken(self, some: NDArray[Any]) -> Signals:
+    def taken(self, some: NDArray[Any]) -> "Signals":
         """Some of them."""
         return Signals(self.names, self.whitened[some], self.labels[some])
 
@@ -72,7 +70,7 @@ class Signals:
         held = np.cumsum(sizes**2) / np.sum(sizes**2)
         return np.asarray(rows[: int(np.searchsorted(held, _SPANNED)) + 1])
 
-    def along(self, directions: Array) -> Signals:
+    def along(self, directions: Array) -> "Signals":
         """Their components."""
         return Signals(self.names, self.whitened @ directions.T, self.labels)
 

@@ -12,8 +12,6 @@ weak expectation that they are what calibration.toml says now, are printed besid
 fit say of them. `--write` puts them into calibration.toml.
 """
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -68,13 +66,13 @@ class Sizes:
     shifts: Array
 
     @classmethod
-    def present(cls, pairs: Sequence[Pair]) -> Sizes:
+    def present(cls, pairs: Sequence[Pair]) -> "Sizes":
         """No change."""
         parts = tuple(sorted({name for pair in pairs for name in pair.parts}))
         count = len(NUMERICAL) + len(parts)
         return cls(tuple(NUMERICAL), parts, np.zeros(count), np.zeros(len(EXPECTED)))
 
-    def of(self, values: Array) -> Sizes:
+    def of(self, values: Array) -> "Sizes":
         """Others, from one row of numbers."""
         count = self.log_factors.size
         return replace(self, log_factors=values[:count], shifts=values[count:])

@@ -4,8 +4,6 @@ Everything is per mm of thickness. A rig is a variant of cylinder.toml or flat.t
 spring along the motion (scenario 1), `rotating_1` by one against rotation about a pivot (scenario 2).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -92,7 +90,7 @@ class Change:
     width_ratio: float
 
     @classmethod
-    def between(cls, one: Rig, two: Rig) -> Change:
+    def between(cls, one: Rig, two: Rig) -> "Change":
         """What rotation instead of translation changes; both rigs on the same mesh and steps."""
         force = two.tangential_force_N_per_mm - one.tangential_force_N_per_mm
         shift = two.pressure_centre_um - one.pressure_centre_um

@@ -1,7 +1,5 @@
 """How a quantity changes over the cycles of a test: exponentially from one value towards another."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
@@ -31,7 +29,7 @@ class Course:
     lasting: float = 0.0
 
     @classmethod
-    def constant(cls, value: float) -> Course:
+    def constant(cls, value: float) -> "Course":
         """A value that stays."""
         return cls(value, value)
 
@@ -54,7 +52,7 @@ class Course:
             left = left if isinstance(passed, np.ndarray) else float(left)
         return self.final + (self.initial - self.final) * (self.lasting + (1.0 - self.lasting) * left)
 
-    def times(self, factor: float) -> Course:
+    def times(self, factor: float) -> "Course":
         """The course with both values multiplied."""
         return replace(self, initial=factor * self.initial, final=factor * self.final)
 

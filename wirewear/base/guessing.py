@@ -1,7 +1,5 @@
 """How a delimited text is laid out, guessed from its first lines: encoding, delimiter, decimal sign, header, units."""
 
-from __future__ import annotations
-
 import re
 import unicodedata
 from bisect import bisect_left
@@ -183,7 +181,7 @@ def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.Del
     return tuple(found)
 
 
-def _thousands_or_fractions(lines: list[str], table: _Table) -> str:
+def _thousands_or_fractions(lines: list[str], table: "_Table") -> str:
     """A number that may be either: no number of the table tells, and its column has others without any sign."""
     rows = [delimited.fields_of(line, table.delimiter) for line in lines if line.strip()]
     signed = [field for row in rows for field in row if table.decimal in field]

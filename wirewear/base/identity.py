@@ -1,7 +1,5 @@
 """What an answer was asked and made by: two answers of one identity are equal, so that one may stand for the other."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import sys
@@ -64,7 +62,7 @@ class Identity:
         return digest({"asked": self.asked, "made": self.made})[:24]
 
     @classmethod
-    def of_text(cls, text: object) -> Identity:
+    def of_text(cls, text: object) -> "Identity":
         """The identity that stands in a file; of an earlier version it is one that nothing equals."""
         asked, _, made = str(text).partition(".")
         return cls(asked, made)

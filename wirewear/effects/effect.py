@@ -4,8 +4,6 @@ A test is a chain in series to them: drive, play and springs, contact, sensors. 
 Without further words that is what it does to its seam, read moment by moment.
 """
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
@@ -98,7 +96,7 @@ class Chain:
         """How far the test has come at each moment."""
         return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
 
-    def taken(self, moments: NDArray[np.intp]) -> Chain:
+    def taken(self, moments: NDArray[np.intp]) -> "Chain":
         """Some moments only."""
         return replace(self, **{name: getattr(self, name)[moments] for name in _COLUMNS})
 

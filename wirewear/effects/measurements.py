@@ -1,7 +1,5 @@
 """Measurements beyond a record's loops, and what each would show: effects of different answers are told apart by it."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 
@@ -17,7 +15,7 @@ class Measurement:
     cost_days: float
     without_gap: str = ""
 
-    def shows(self, text: str) -> Answer:
+    def shows(self, text: str) -> "Answer":
         """What it would show under an effect; effects of one text are alike to it."""
         return Answer(self, text)
 

@@ -1,7 +1,5 @@
 """Parameters of effects: unit, range, the value that changes nothing, and which sizes are of interest."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Mapping
@@ -50,7 +48,7 @@ class Parameter:
     share_of: str = ""
     held_by: tuple[str, float] | None = None
 
-    def beside(self, stated: Stated) -> Parameter:
+    def beside(self, stated: Stated) -> "Parameter":
         """The parameter with plain values, in a study that states these numbers.
         Raises StudyError if they lack the one that it is a share of.
         """
@@ -89,7 +87,7 @@ class Parameter:
             return self.neutral or 0.0
         return self.value(1.0 if self.neutral else -1.0)
 
-    def scaled(self, factor: float) -> Parameter:
+    def scaled(self, factor: float) -> "Parameter":
         """The same with sizes so many times as large, as far as its range goes."""
         if factor == 1.0:
             return self

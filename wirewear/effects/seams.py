@@ -1,7 +1,5 @@
 """The seams of the model at which effects enter, and what the model says at each of them."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -29,7 +27,7 @@ class Age:
     energy_J: float
 
     @classmethod
-    def new(cls) -> Age:
+    def new(cls) -> "Age":
         """Before the first cycle."""
         return cls(0.0, 0.0)
 
@@ -82,7 +80,7 @@ class ChangesASeam(Protocol):
         ...
 
 
-def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
+def applied(effects: Iterable[ChangesASeam], seam: Seam, described: "T", age: Age) -> "T":
     """What a seam's description becomes by those effects that change it, one after the other."""
     for effect in effects:
         if effect.seam is seam:

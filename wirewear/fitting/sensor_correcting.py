@@ -1,7 +1,5 @@
 """A record whose displacements are corrected for the load; a calibration on one screen, and as JSON."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,7 +17,7 @@ from wirewear.records.tables import Noise
 from wirewear.views.loops_report import rounded
 
 
-def calibration_json(study: str, calibration: Calibration, correction: Correction | None) -> dict[str, Any]:
+def calibration_json(study: str, calibration: Calibration, correction: "Correction | None") -> dict[str, Any]:
     """The calibration as JSON; `record` is null where none was corrected."""
     polynomial = calibration.polynomial
     return {
@@ -65,7 +63,7 @@ def slope(motion: LoadedMotion) -> float:
     return float(force @ difference / (force @ force))
 
 
-def calibration_text(calibration: Calibration, correction: Correction | None) -> RenderableType:
+def calibration_text(calibration: Calibration, correction: "Correction | None") -> RenderableType:
     """Compliance under each load, the polynomial with its error, and what it did to a record."""
     polynomial = calibration.polynomial
     table = Table(box=box.SIMPLE, pad_edge=False, title="Remote minus near displacement", title_justify="left")

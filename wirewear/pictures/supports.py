@@ -1,7 +1,5 @@
 """How two bodies in contact are held and moved, drawn on their sections: grips, load, stroke, springs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 

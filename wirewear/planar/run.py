@@ -1,7 +1,5 @@
 """Runs of line contacts: the cycles and solvers are those of the wires, in plane strain."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import dataclass
@@ -104,7 +102,7 @@ class PlanarRun:
     planned: PlanarPlan
 
     @classmethod
-    def of(cls, study: PlanarStudy, fidelity: str) -> PlanarRun:
+    def of(cls, study: PlanarStudy, fidelity: str) -> "PlanarRun":
         """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
         return cls(study, fidelity, plan(study, fidelity))
 

@@ -15,8 +15,6 @@ A cylinder in a flat touches it over x² = 2R·d_t. The pad's scar is as long; t
 parabola the second moment is 3/20 of its squared half width.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -61,7 +59,7 @@ class ScarSize:
     mixed_um2: float
 
     @classmethod
-    def of(cls, scar: MeasuredScar) -> ScarSize | None:
+    def of(cls, scar: MeasuredScar) -> "ScarSize | None":
         """Those of a map, or None where the scar does not stand out from the map."""
         known = scar.depth_um[np.isfinite(scar.depth_um)]
         if not known.size:

@@ -6,8 +6,6 @@ Each node's pressure stands for the cell that belongs to the node, up to halfway
 nodes are kept to round-off, wherever the contact ends between them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -78,7 +76,7 @@ def averaging(
         yield _weights(a.of_lines(first, min(first + at_once, a.count)), t, plane=len(transverse) > 1)
 
 
-def _weights(a: _Near, t: _Near, *, plane: bool) -> csr_matrix:
+def _weights(a: "_Near", t: "_Near", *, plane: bool) -> csr_matrix:
     if plane:
         (low_a, high_a), (low_t, high_t) = 2.0 * a.sides.T[:, :, None], 2.0 * t.sides.T[:, None, :]
         inside = _disc_below(high_a, high_t) - _disc_below(low_a, high_t)
@@ -110,7 +108,7 @@ class _Near:
     node: IntArray
     sides: Array
 
-    def of_lines(self, first: int, end: int) -> _Near:
+    def of_lines(self, first: int, end: int) -> "_Near":
         """Pairs of some of the lines, which are counted from the first of them."""
         here = slice(*np.searchsorted(self.about, [first, end]))
         return _Near(end - first, self.count, self.about[here] - first, self.node[here], self.sides[here])

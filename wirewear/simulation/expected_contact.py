@@ -1,7 +1,5 @@
 """What contact and scar of a study are expected to be, for meshes that hold them: worked out once for a run."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, hypot, pi, radians, sin
@@ -47,7 +45,7 @@ class Ellipse:
         c, s = cos(axis_rad - self.angle_rad), sin(axis_rad - self.angle_rad)
         return 1.0 / hypot(c / self.major_mm, s / self.minor_mm)
 
-    def enlarged(self, factor: float) -> Ellipse:
+    def enlarged(self, factor: float) -> "Ellipse":
         """An ellipse of the same shape."""
         return Ellipse(self.major_mm * factor, self.minor_mm * factor, self.angle_rad)
 

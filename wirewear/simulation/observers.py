@@ -1,7 +1,5 @@
 """What watches a run: the interface, and the progress bar."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any, Protocol
@@ -88,7 +86,7 @@ class ProgressBar:
         self._label, self._state, self._said = label, "", ""
         self._task: TaskID | None = None
 
-    def __enter__(self) -> ProgressBar:
+    def __enter__(self) -> "ProgressBar":
         self._progress.start()
         if not self._console.is_interactive:
             self.note(f"{self._label}: preparing the run")

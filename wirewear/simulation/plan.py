@@ -1,7 +1,5 @@
 """What one run is to do: resolution, meshes, cycles at which its loop is measured; whether memory and time allow it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
@@ -182,7 +180,7 @@ class RunPlan:
     meshes: PointMeshes
 
     @classmethod
-    def of(cls, study: Study, fidelity: str) -> RunPlan:
+    def of(cls, study: Study, fidelity: str) -> "RunPlan":
         """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
         discretisation = discretise(study, fidelity)
         stages = mesh_stages(study, fidelity, discretisation)

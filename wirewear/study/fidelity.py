@@ -1,7 +1,5 @@
 """What --fidelity means where a study does not say otherwise: crossed wires and line contacts."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -52,7 +50,7 @@ class WireLevel:
     move_nodes_at_stages: bool = False
     sticking: bool = False
 
-    def for_sticking(self) -> WireLevel:
+    def for_sticking(self) -> "WireLevel":
         """The same level where the middle of the contact sticks for good: what does not move needs few positions."""
         return replace(
             self,
@@ -61,7 +59,7 @@ class WireLevel:
             sticking=True,
         )
 
-    def coarser(self, factor: float) -> WireLevel:
+    def coarser(self, factor: float) -> "WireLevel":
         """The same level with elements larger by a factor."""
         return replace(
             self,

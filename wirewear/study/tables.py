@@ -1,7 +1,5 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from dataclasses import asdict, fields
 from itertools import pairwise
@@ -270,7 +268,7 @@ class Log(Table):
         "length; without it the diameter of the fresh contact, of a line contact half its width",
     )
 
-    def of_cycles(self, cycles: tuple[int, ...]) -> Log:
+    def of_cycles(self, cycles: tuple[int, ...]) -> "Log":
         """The same with the loops of these cycles recorded."""
         return self.model_copy(update={"loop_cycles": cycles})
 

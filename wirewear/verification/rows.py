@@ -1,7 +1,5 @@
 """Lines of the verification table, the levels of its meshes, and what is derived from errors on several."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from importlib.metadata import version
@@ -106,7 +104,7 @@ FULL = Level(
 )
 
 
-def table(rows: Sequence[Row]) -> Table:
+def table(rows: "Sequence[Row]") -> Table:
     """One line for each row; a caption says how many failed."""
     failed = sum(not row.passed for row in rows)
     caption = f"{len(rows) - failed} of {len(rows)} checks passed"
@@ -135,7 +133,7 @@ def _error(value: float) -> str:
     return f"{100.0 * value:.2f} %" if value == 0.0 or abs(value) >= 5e-5 else f"{value:.1e}"
 
 
-def write_json(path: Path, level: str, rows: Sequence[Row]) -> None:
+def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
     """Write version, level and all rows, replacing the file in one step; numbers that are not finite become null.
 
     The folder is made if need be.

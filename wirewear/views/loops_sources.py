@@ -1,7 +1,5 @@
 """Where loops come from: a logger's file, its columns chosen by name and unit or recognised; a record; a result."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -61,7 +59,7 @@ class SampledLoop:
     notes: tuple[str, ...] = ()
 
     @classmethod
-    def of(cls, loop: MeasuredLoop, load_N: float | None) -> SampledLoop:
+    def of(cls, loop: MeasuredLoop, load_N: float | None) -> "SampledLoop":
         """A record's loop, under that load where none was measured."""
         normal = load_N if loop.normal_force_N is None else loop.normal_force_N
         return cls(loop.repeat, loop.cycle, loop.displacement_um, loop.tangential_force_N, normal, loop.time_s)

@@ -1,7 +1,5 @@
 """Judging one answer against the truth, class by class."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -28,7 +26,7 @@ class Truth:
     gap_in_scatter: float
 
     @classmethod
-    def of_key(cls, data: Mapping[str, Any]) -> Truth:
+    def of_key(cls, data: Mapping[str, Any]) -> "Truth":
         """The truth from the key's JSON."""
         return cls(
             case=data["case"],

@@ -5,8 +5,6 @@ worn; the fixed wire's lie on a grid (n_y, n_x), the moving wire's on one longer
 that a stroke position is a shift by whole columns. Lengths in mm, forces in N.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -31,7 +29,7 @@ class Grid:
     half_positions: int
 
     @classmethod
-    def around(cls, extent_mm: float, stroke_mm: float, points: int) -> Grid:
+    def around(cls, extent_mm: float, stroke_mm: float, points: int) -> "Grid":
         """A grid over ±extent with that many points to each side, for slip to ±stroke."""
         spacing = extent_mm / points
         return cls(spacing, points, points, int(np.ceil(stroke_mm / spacing)) + 1)
@@ -84,7 +82,7 @@ class Shapes:
     fixed: Array
     moving: Array
 
-    def plus(self, share: float, rate: Shapes) -> Shapes:
+    def plus(self, share: float, rate: "Shapes") -> "Shapes":
         """These and a multiple of others."""
         return Shapes(self.fixed + share * rate.fixed, self.moving + share * rate.moving)
 

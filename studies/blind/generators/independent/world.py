@@ -3,8 +3,6 @@
 Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, times in s.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field, replace
 from math import exp, inf, log, pi, prod, sin
 
@@ -159,7 +157,7 @@ class Rig:
         cracked = 0.0 if self.crack_mm_per_N is None else self.crack_mm_per_N.at(cycle)
         return self.loosening_mm_per_N * (1.0 - exp(-cycle / self.loosening_cycles)) + cracked
 
-    def aged(self, cycle: float) -> Rig:
+    def aged(self, cycle: float) -> "Rig":
         """The rig with the play that it has by a cycle."""
         if self.worn_play_mm is None:
             return self

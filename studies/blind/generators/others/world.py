@@ -1,7 +1,5 @@
 """What is true of one test by others: specimens, rig, instruments, and what an effect or a cause changes of them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
@@ -48,13 +46,13 @@ class World:
     stated_load_N: float = 1.0
     outside: Mapping[str, Mapping[str, float]] = field(default_factory=dict, hash=False)
 
-    def with_effect(self, effect: str, given: Mapping[str, float]) -> World:
+    def with_effect(self, effect: str, given: Mapping[str, float]) -> "World":
         """The world with an effect of the contract, by its parameters there, or with a cause of no library."""
         if effect in CHANGES:
             return replace(self, **CHANGES[effect](self, given))
         return replace(self, outside={**self.outside, effect: given})
 
-    def with_effects(self, effects: Sequence[TrueEffect]) -> World:
+    def with_effects(self, effects: Sequence[TrueEffect]) -> "World":
         """The world with all of a case's effects."""
         return reduce(lambda world, one: world.with_effect(one.effect, one.parameters), effects, self)
 
