@@ -21,21 +21,7 @@ from threadpoolctl import threadpool_limits
 
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.condensation import (
-    Substructure,
-    System,
-    add_update,
-    bedded,
-    cholesky_factor,
-    divided,
-    elimination_order,
-    front_of,
-    held_on_planes,
-    hold,
-    node_graph,
-    one_side,
-    unknowns_of,
-)
+from solvers import condensation
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.errors import SolverError
@@ -91,17 +77,19 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     SolverError where the rest is not positive definite.
     """
     d = unknowns_per_node
-    graph = node_graph(matrix, d)
-    tree = divided(graph, nodes)
+    graph = condensation.node_graph(matrix, d)
+    tree = condensation.divided(graph, nodes)
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
-    order = elimination_order(tree)
+    order = condensation.elimination_order(tree)
     rank[order] = np.arange(len(order))
     fronts: list[list[_Front]] = [[] for _ in held]
-    _eliminate(tree, System(matrix, graph, rank, d, held), fronts)
+    _eliminate(tree, condensation.System(matrix, graph, rank, d, held), fronts)
     return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
 
 
-def _eliminate(tree: Substructure, system: System, fronts: list[list[_Front]]) -> tuple[IntArray, list[Array]]:
+def _eliminate(
+    tree: condensation.Substructure, system: condensation.System, fronts: list[list[_Front]]
+) -> tuple[IntArray, list[Array]]:
     """Eliminate a substructure, append its front for each way to hold unknowns, and return what it leaves.
 
     That is the nodes that it leaves behind, and the update of their matrix for each way: the same array where ways do
@@ -109,8 +97,8 @@ def _eliminate(tree: Substructure, system: System, fronts: list[list[_Front]]) -
     """
     parts = [_eliminate(part, system, fronts) for part in tree.parts]
     d, own = system.d, tree.eliminated
-    boundary, position, matrix = front_of(own, [nodes for nodes, _ in parts], system)
-    unknowns = unknowns_of(own, d)
+    boundary, position, matrix = condensation.front_of(own, [nodes for nodes, _ in parts], system)
+    unknowns = condensation.unknowns_of(own, d)
     held = system.held[:, unknowns]
     done: dict[tuple[object, ...], tuple[Array, _Front | None]] = {}
     updates = []
@@ -121,8 +109,8 @@ def _eliminate(tree: Substructure, system: System, fronts: list[list[_Front]]) -
                 matrix.copy(order="F") if any(later != key and later not in done for later in keys[way:]) else matrix
             )
             for nodes, of_part in parts:
-                add_update(front, unknowns_of(position[nodes], d), of_part[way])
-            done[key] = _eliminated(front, unknowns, unknowns_of(boundary, d), of_own)
+                condensation.add_update(front, condensation.unknowns_of(position[nodes], d), of_part[way])
+            done[key] = _eliminated(front, unknowns, condensation.unknowns_of(boundary, d), of_own)
         update, kept = done[key]
         updates.append(update)
         if kept is not None:
@@ -135,8 +123,8 @@ def _eliminated(front: Array, own: IntArray, boundary: IntArray, held: BoolArray
     m = len(own)
     if m == 0:  # The two sides are not connected, so nothing separates them.
         return front, None
-    hold(front, held)
-    factor = cholesky_factor(front[:m, :m])
+    condensation.hold(front, held)
+    factor = condensation.cholesky_factor(front[:m, :m])
     coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1) if len(boundary) else front[m:, :m]
     kept = _Front(own, boundary, factor, coupling, own[held])
     if not len(boundary):
@@ -168,7 +156,7 @@ class Interior:
         axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
         images = {axis: self._image(axis) for axis in axes}
         self._images = {axis: image for axis, image in images.items() if image is not None}
-        self._piece, self._number = one_side(self.mesh, self.planes)
+        self._piece, self._number = condensation.one_side(self.mesh, self.planes)
         self._nodes = np.flatnonzero(self._number >= 0)[np.argsort(self._number[self._number >= 0])]
         self._on_planes = sum(
             ((self._piece.points[:, axis] == 0.0).astype(int) for axis in self.planes), np.zeros(len(self._nodes), int)
@@ -207,14 +195,14 @@ class Interior:
         every = list(product((False, True), repeat=len(self.planes)))
         held = self._number[self.held]
         free = np.setdiff1d(np.arange(len(self._nodes)), held[held >= 0])
-        on_planes = held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
+        on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
         self._factors |= dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
 
     @cached_property
     def _stiffness(self) -> csr_matrix:
         matrix = stiffness_matrix(self._piece, self.material)
         if self.bedding is not None:
-            matrix = bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
+            matrix = condensation.bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
         return matrix
 
     def _of_parity(self, fields: Array, odd: tuple[bool, ...]) -> Array:

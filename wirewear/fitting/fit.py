@@ -13,20 +13,10 @@ from scipy.stats import t as students_t
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
+from wirewear.fitting import wear
 from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.fitting.wear import (
-    ANY_WEAR_mm3_per_J,
-    GivenWear,
-    Worn,
-    fitted_wear,
-    parted,
-    stated_wear,
-    total_of,
-    wear_given,
-    where_volumes,
-)
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
@@ -115,7 +105,7 @@ Stage = Callable[[str], AbstractContextManager[object]]
 def fit_record(
     record: AnyRecord,
     *,
-    given: GivenWear | None = None,
+    given: wear.GivenWear | None = None,
     observer_of: ObserverOf | None = None,
     stage: Stage = nullcontext,
 ) -> FittedTest:
@@ -132,11 +122,11 @@ def fit_record(
         told = tuple(remark.text for remark in remarks_told(record))
     with stage("measuring the loops"):
         tests = loops_of_tests(record)
-        worn, found, notes = fitted_wear(record)
+        worn, found, notes = wear.fitted_wear(record)
         if given is not None:
-            worn, notes = wear_given(given, tables, worn, found)
+            worn, notes = wear.wear_given(given, tables, worn, found)
     with stage("the contact on a rigid rig"):
-        some_wear = {} if stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
+        some_wear = {} if wear.stated_wear(tables) else {key: one.value for key, one in _some_wear(tables)[0].items()}
         contact = contact_stiffness(record, _friction_of(tests), some_wear)
         found |= _stiffnesses(contact, tests, kind.rigid_N_per_mm)
     rough = _rough_study(record, contact, tests, worn)
@@ -197,8 +187,8 @@ def _friction_of(tests: LoopsOfTests) -> float:
     return float(np.nanmean(tests.figures[:, :, 0]))
 
 
-def _some_wear(tables: Any) -> Worn:
-    return parted(tables, FittedParameter(ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))
+def _some_wear(tables: Any) -> wear.Worn:
+    return wear.parted(tables, FittedParameter(wear.ANY_WEAR_mm3_per_J, (0.0, 0.0), "mm3_per_J", 1))
 
 
 def _rough_study(
@@ -215,9 +205,9 @@ def _rough_study(
         ),
     }
     rough |= _play(tests)
-    if total_of(tables, worn) is not None:
+    if wear.total_of(tables, worn) is not None:
         rough |= {key: replace(worn[key], value=float(f"{worn[key].value:.2g}")) for key in tables.wear if key in worn}
-    elif stated_wear(tables) is None:
+    elif wear.stated_wear(tables) is None:
         rough |= _some_wear(tables)[0]
     return fitted_study(record, rough, ())
 
@@ -304,17 +294,17 @@ def _misfit(fitted: FastFit) -> list[str]:
 def _missing(record: AnyRecord, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
     """What the record does not tell, and where to get it."""
     notes = []
-    if total_of(record.tables, parameters) is None:
-        stated = stated_wear(record.tables)
+    if wear.total_of(record.tables, parameters) is None:
+        stated = wear.stated_wear(record.tables)
         wears = f"takes the stated {stated}" if stated is not None else "does not wear"
         notes.append(
             f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume; "
-            f"{where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"
+            f"{wear.where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"
         )
         if stated is None:
             notes.append(
                 "friction and rig were fitted as if the bodies wore like steel on steel, by "
-                f"{1e5 * ANY_WEAR_mm3_per_J:g}·10⁻⁵ mm³/J"
+                f"{1e5 * wear.ANY_WEAR_mm3_per_J:g}·10⁻⁵ mm³/J"
             )
     if len(tests.repeats) == 1:
         notes.append(

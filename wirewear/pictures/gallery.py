@@ -15,24 +15,11 @@ from matplotlib.figure import Figure
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
+from wirewear.pictures import style
 from wirewear.pictures.loops import draw_amplitudes, draw_depths, draw_loops, evolution_panels, loops_by_run
 from wirewear.pictures.scar_maps import contact_maps, draw_map, profile, scar_sections, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    GREY,
-    VARIANT_COLOURS,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    round_below,
-    save,
-    scale_bar,
-    sliding_arrow,
-    styled,
-    variant_style,
-)
 from wirewear.results import RunResult, read_results
 from wirewear.results.scar import called
 
@@ -54,14 +41,14 @@ def overview(results: Sequence[RunResult]) -> Figure:
     """
     if not all(result.evolution["cycle"].size for result in results):
         raise ResultError("nothing is measured yet, so there is nothing to draw")
-    figure = new_figure(5.6)
+    figure = style.new_figure(5.6)
     panels = list(figure.subplots(2, 2).flat)
     draw_loops(panels[0], results[0])
     panels[0].set_title(f"loops of {results[0].label}" if len(results) > 1 else "loops")
     draw_amplitudes(panels[1], results)
     draw_depths(panels[2], results)
     _draw_last_sections(panels[3], results)
-    panel_letters(panels)
+    style.panel_letters(panels)
     handles, labels = panels[1].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 4))
     return figure
@@ -75,9 +62,9 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
         x = np.linspace(reach[0], reach[-1], 401)
         unworn, worn = profile(scar, x)
         if index == with_scars[0][0]:
-            axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)))
-        axes.plot(x, worn, **variant_style(index))
-        axes.set_title(f"{called(scar.body)}, {cycle_name(scar.cycle)} cycles")
+            axes.plot(x, unworn, color=style.GREY, linewidth=1.0, linestyle=(0, (3, 2)))
+        axes.plot(x, worn, **style.variant_style(index))
+        axes.set_title(f"{called(scar.body)}, {style.cycle_name(scar.cycle)} cycles")
     axes.set(xlabel="position along the motion x [µm]", ylabel="height z [µm]")
 
 
@@ -91,7 +78,7 @@ def animation(result: RunResult, path: Path) -> Path:
     if not cycles:
         raise ResultError("no loop and scars of one cycle are recorded, so that nothing can be shown in motion")
     frames = []
-    with styled():
+    with style.styled():
         for cycle in cycles:
             image = BytesIO()
             _frame(result, cycle, cycles).savefig(image, format="png", dpi=DOTS_PER_INCH)
@@ -112,25 +99,25 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     scars = [result.scar(one, result.bodies[1]) for one in cycles]
     half_x, half_y = (1.25 * half for half in worn_half_extent(scars))
     norm = Normalize(0.0, max(scar.max_depth_um for scar in scars) or 1.0)
-    figure = new_figure(HEIGHT_in)
+    figure = style.new_figure(HEIGHT_in)
     left, right = figure.subplots(1, 2)
     curves = {one: smooth_loop(result.loop(one)) for one in cycles}
-    left.plot(*curves[cycles[0]], color=GREY, linewidth=0.9)
-    left.plot(*curves[cycle], color=VARIANT_COLOURS[0])
+    left.plot(*curves[cycles[0]], color=style.GREY, linewidth=0.9)
+    left.plot(*curves[cycle], color=style.VARIANT_COLOURS[0])
     for axis, values in (("x", 0), ("y", 1)):
         reach = 1.06 * max(float(np.abs(curve[values]).max()) for curve in curves.values())
         getattr(left, f"set_{axis}lim")(-reach, reach)
     left.set(
         xlabel="displacement δ [µm]",
         ylabel="tangential force Q [N]",
-        title=f"{result.label}: cycle {cycle_name(cycle)}",
+        title=f"{result.label}: cycle {style.cycle_name(cycle)}",
     )
     scar = result.scar(cycle, result.bodies[1])
     draw_map(right, scar, half_x, half_y, norm)
     right.set(title=f"{called(scar.body)}, deepest {scar.max_depth_um:.3g} µm", xlabel="x [µm]", ylabel="y [µm]")
-    sliding_arrow(right)
-    scale_bar(right, round_below(0.4 * half_x))
-    figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=right, label="worn depth [µm]", shrink=0.8, pad=0.02)
+    style.sliding_arrow(right)
+    style.scale_bar(right, style.round_below(0.4 * half_x))
+    figure.colorbar(ScalarMappable(norm, style.DEPTH_COLOURS), ax=right, label="worn depth [µm]", shrink=0.8, pad=0.02)
     return figure
 
 
@@ -161,7 +148,7 @@ def show(
         folder.mkdir(parents=True, exist_ok=True)
         with TemporaryFile(dir=folder):
             pass
-    written = [save(draw, folder / f"{name}.{ending}") for name, draw in pictures.items()]
+    written = [style.save(draw, folder / f"{name}.{ending}") for name, draw in pictures.items()]
     if moving:
         for result in results:
             suffix = f"_{_file_name(result.variant)}" if len(results) > 1 else ""

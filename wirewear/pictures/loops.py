@@ -9,17 +9,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
+from wirewear.pictures import style
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop
-from wirewear.pictures.style import (
-    GREY,
-    INK,
-    cycle_axis,
-    cycle_colours,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    variant_style,
-)
 from wirewear.results import Loop, RunResult
 from wirewear.results.scar import called
 
@@ -28,7 +19,7 @@ DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the h
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
     """Displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
-    figure = new_figure(3.3)
+    figure = style.new_figure(3.3)
     axes = figure.subplots()
     draw_amplitudes(axes, results)
     axes.set_title("")
@@ -38,7 +29,7 @@ def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
 
 def evolution_panels(results: Sequence[RunResult]) -> Figure:
     """Four panels over the cycles: amplitudes, deepest points of both scars, energy per cycle, largest force."""
-    figure = new_figure(5.4)
+    figure = style.new_figure(5.4)
     panels = list(figure.subplots(2, 2).flat)
     draw_amplitudes(panels[0], results)
     draw_depths(panels[1], results)
@@ -47,11 +38,11 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
         (panels[3], "max_tangential_force_N", "peak force", "largest tangential force [N]"),
     ):
         for index, result in enumerate(results):
-            axes.plot(result.evolution["cycle"], result.evolution[column], **variant_style(index))
+            axes.plot(result.evolution["cycle"], result.evolution[column], **style.variant_style(index))
         axes.set(title=title, ylabel=label)
-        cycle_axis(axes)
+        style.cycle_axis(axes)
         _widen(axes)
-    panel_letters(panels)
+    style.panel_letters(panels)
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=min(len(labels), 4))
     return figure
@@ -61,14 +52,14 @@ def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
     """Displacement and slip amplitude over the cycles."""
     for index, result in enumerate(results):
         columns = result.evolution
-        style = variant_style(index)
-        axes.plot(columns["cycle"], columns["slip_amplitude_um"], **style, label=f"{result.label}: slip δ0")
-    axes.plot([], [], color=INK, linewidth=1.0, label="displacement δa")
+        look = style.variant_style(index)
+        axes.plot(columns["cycle"], columns["slip_amplitude_um"], **look, label=f"{result.label}: slip δ0")
+    axes.plot([], [], color=style.INK, linewidth=1.0, label="displacement δa")
     for result in results:
         columns = result.evolution
-        axes.plot(columns["cycle"], columns["displacement_amplitude_um"], color=INK, linewidth=1.0)
+        axes.plot(columns["cycle"], columns["displacement_amplitude_um"], color=style.INK, linewidth=1.0)
     axes.set(title="displacement and slip amplitude", ylabel="amplitude [µm]")
-    cycle_axis(axes)
+    style.cycle_axis(axes)
     _widen(axes)
 
 
@@ -76,15 +67,15 @@ def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
     """Deepest wear of each body over the cycles."""
     lines = list(zip(results[0].bodies, DASHES, strict=True))[::-1]
     for index, result in enumerate(results):
-        colour = variant_style(index)["color"]
+        colour = style.variant_style(index)["color"]
         for body, dashes in lines:
             depth = result.evolution[f"max_depth_{body}_um"]
             axes.plot(result.evolution["cycle"], np.where(depth > 0.0, depth, np.nan), color=colour, linestyle=dashes)
     for body, dashes in lines:
-        axes.plot([], [], color=GREY, linestyle=dashes, label=called(body))
+        axes.plot([], [], color=style.GREY, linestyle=dashes, label=called(body))
     axes.legend(loc="upper left")
     axes.set(title="worst depth", ylabel="depth [µm]")
-    cycle_axis(axes)
+    style.cycle_axis(axes)
     # A logarithmic axis has no place for a surface that is still unworn.
     if any((result.evolution[f"max_depth_{body}_um"] > 0.0).any() for result in results for body, _ in lines):
         axes.set_yscale("log")
@@ -113,8 +104,8 @@ def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
         axes.set_title(result.label)
     _finish(panels, unit)
     keys = [
-        Line2D([], [], color=colour, linewidth=width, label=cycle_name(cycle))
-        for cycle, colour, width in zip(cycles, cycle_colours(len(cycles)), _widths(len(cycles)), strict=True)
+        Line2D([], [], color=colour, linewidth=width, label=style.cycle_name(cycle))
+        for cycle, colour, width in zip(cycles, style.cycle_colours(len(cycles)), _widths(len(cycles)), strict=True)
     ]
     figure.legend(handles=keys, title="cycle", loc="outside right upper", alignment="left")
     return figure
@@ -127,9 +118,9 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
     """
     chosen = chosen_cycles([loop.cycle for loop in result.loops]) if cycles is None else cycles
     logged = {loop.cycle: loop for loop in result.loops}
-    for cycle, colour, width in zip(chosen, cycle_colours(len(chosen)), _widths(len(chosen)), strict=True):
+    for cycle, colour, width in zip(chosen, style.cycle_colours(len(chosen)), _widths(len(chosen)), strict=True):
         if cycle in logged:
-            _draw_loop(axes, logged[cycle], color=colour, linewidth=width, label=cycle_name(cycle))
+            _draw_loop(axes, logged[cycle], color=colour, linewidth=width, label=style.cycle_name(cycle))
     if cycles is None:
         axes.legend(loc="center", title="cycle", fontsize=6.5, title_fontsize=6.5, handlelength=1.4, ncols=2)
         _name_axes(axes)
@@ -142,8 +133,8 @@ def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figur
     figure, panels = _panels(len(cycles))
     for axes, cycle in zip(panels, cycles, strict=True):
         for index, result in enumerate(results):
-            _draw_loop(axes, result.loop(cycle), **variant_style(index), label=result.label)
-        axes.set_title(f"cycle {cycle_name(results[0].loop(cycle).cycle)}")
+            _draw_loop(axes, result.loop(cycle), **style.variant_style(index), label=result.label)
+        axes.set_title(f"cycle {style.cycle_name(results[0].loop(cycle).cycle)}")
     _finish(panels)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", alignment="left")
     return figure
@@ -152,7 +143,7 @@ def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figur
 def _panels(count: int) -> tuple[Figure, list[Axes]]:
     columns = min(count, PANELS_IN_A_ROW)
     rows = -(-count // columns)
-    figure = new_figure(3.1 * rows if columns > 1 else 3.8)
+    figure = style.new_figure(3.1 * rows if columns > 1 else 3.8)
     grid = figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False)
     panels = list(grid.flat)
     for unused in panels[count:]:
@@ -170,8 +161,8 @@ def _widths(count: int) -> list[float]:
 
 
 def _name_axes(axes: Axes, unit: str = "N") -> None:
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    axes.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    axes.axvline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
     axes.set(xlabel="displacement δ [µm]", ylabel=f"tangential force Q [{unit}]")
 
 
@@ -180,4 +171,4 @@ def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
         _name_axes(axes, unit)
         axes.label_outer()
     if len(panels) > 1:
-        panel_letters(panels)
+        style.panel_letters(panels)

@@ -16,21 +16,8 @@ from matplotlib.colors import Colormap, Normalize, PowerNorm
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
+from wirewear.pictures import style
 from wirewear.pictures.smooth import smooth_field, smooth_scar, worn_half_extent
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    GREY,
-    PRESSURE_COLOURS,
-    SLIP_COLOURS,
-    WIDTH_in,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    round_below,
-    scale_bar,
-    sliding_arrow,
-    variant_style,
-)
 from wirewear.results import RunResult, Scar
 from wirewear.results.scar import called
 
@@ -50,16 +37,16 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
     # The flanks beside the scars are of no interest: the panels end a little below the lowest worn point.
     low = min(_lowest_worn_height(scar) for scars in shown.values() for scar in scars)
     bottom, top = 1.5 * low, -0.25 * low
-    exaggeration = round_below(max(TALLEST_PANEL * 2.0 * half_width / (top - bottom), 1.0))
-    panel_height_in = 0.42 * WIDTH_in * exaggeration * (top - bottom) / (2.0 * half_width)
-    figure = new_figure(len(cycles) * (panel_height_in + 0.3) + 0.7)
+    exaggeration = style.round_below(max(TALLEST_PANEL * 2.0 * half_width / (top - bottom), 1.0))
+    panel_height_in = 0.42 * style.WIDTH_in * exaggeration * (top - bottom) / (2.0 * half_width)
+    figure = style.new_figure(len(cycles) * (panel_height_in + 0.3) + 0.7)
     grid = figure.subplots(len(cycles), len(bodies), sharex=True, sharey=True, squeeze=False)
     for row, cycle in zip(grid, cycles, strict=True):
         for axes, body in zip(row, bodies, strict=True):
             scars = shown[cycle, body]
             _draw_section(axes, results, scars, x)
             axes.set(
-                title=f"{called(body)}, {cycle_name(scars[0].cycle)} cycles",
+                title=f"{called(body)}, {style.cycle_name(scars[0].cycle)} cycles",
                 aspect=exaggeration,
                 xlim=(-half_width, half_width),
                 ylim=(bottom, top),
@@ -68,7 +55,7 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
         axes.set_xlabel("position along the motion x [µm]")
     for axes in grid[:, 0]:
         axes.set_ylabel("height z [µm]")
-    panel_letters(list(grid.flat))
+    style.panel_letters(list(grid.flat))
     handles, labels = grid[0, 0].get_legend_handles_labels()
     title = "true proportions" if exaggeration == 1.0 else f"heights × {exaggeration:g}"
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels), title=title)
@@ -77,12 +64,12 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
 
 def _draw_section(axes: Axes, results: Sequence[RunResult], scars: Sequence[Scar], x: Array) -> None:
     unworn, _ = profile(scars[0], x)
-    axes.plot(x, unworn, color=GREY, linewidth=1.0, linestyle=(0, (3, 2)), label="unworn")
+    axes.plot(x, unworn, color=style.GREY, linewidth=1.0, linestyle=(0, (3, 2)), label="unworn")
     for index, (result, scar) in enumerate(zip(results, scars, strict=True)):
         unworn, worn = profile(scar, x)
-        style = variant_style(index)
-        axes.fill_between(x, worn, unworn, color=style["color"], alpha=0.12, linewidth=0)
-        axes.plot(x, worn, **style, label=result.label)
+        look = style.variant_style(index)
+        axes.fill_between(x, worn, unworn, color=look["color"], alpha=0.12, linewidth=0)
+        axes.plot(x, worn, **look, label=result.label)
 
 
 def profile(scar: Scar, x: Array) -> tuple[Array, Array]:
@@ -108,8 +95,8 @@ def _half_extent(scar: Scar) -> float:
 
 #: Field, label of its colour bar, unit of its largest value and where that is, colours: the rows of the picture.
 _ROWS = (
-    ("pressure_MPa", "pressure [MPa]", "MPa at a node", PRESSURE_COLOURS),
-    ("slip_distance_um", "slip [µm]", "µm", SLIP_COLOURS),
+    ("pressure_MPa", "pressure [MPa]", "MPa at a node", style.PRESSURE_COLOURS),
+    ("slip_distance_um", "slip [µm]", "µm", style.SLIP_COLOURS),
 )
 
 
@@ -118,8 +105,8 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     held = result.bodies[1]
     scars = [result.scar(cycle, held) for cycle in cycles]
     half_x, half_y = (1.15 * half for half in touched_half_extent(scars))
-    panel_width_in = 0.80 * WIDTH_in / len(scars)
-    figure = new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.42) + 0.5)
+    panel_width_in = 0.80 * style.WIDTH_in / len(scars)
+    figure = style.new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.42) + 0.5)
     grid = figure.subplots(len(_ROWS), len(scars), sharex=True, sharey=True, squeeze=False)
     for row, (field, label, unit, colours) in zip(grid, _ROWS, strict=True):
         # By the root, as pressure falls by orders of magnitude while the scar grows.
@@ -136,11 +123,11 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
         ticks = root_ticks(float(norm.vmax or 1.0))
         bar.set_ticks(ticks, labels=[_short(tick) for tick in ticks], minor=False)
     for axes, scar in zip(grid[0], scars, strict=True):
-        axes.set_title(f"cycle {cycle_name(scar.cycle)}", pad=16)
+        axes.set_title(f"cycle {style.cycle_name(scar.cycle)}", pad=16)
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
-    sliding_arrow(grid[1, 0])
-    scale_bar(grid[0, 0], round_below(0.5 * half_x))
+    style.sliding_arrow(grid[1, 0])
+    style.scale_bar(grid[0, 0], style.round_below(0.5 * half_x))
     shown = "pressure at mid-stroke moving towards +x, and distance slid in the cycle"
     body = f"{result.label}, {called(held)}" if result.label else called(held)
     figure.suptitle(f"{body}: {shown}", x=0.01, ha="left", fontsize=9)
@@ -197,11 +184,11 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
             axes.set_title(f"{result.label}: {called(scar.body)}")
-            note = f"{cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
+            note = f"{style.cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
-            sliding_arrow(axes)
-            scale_bar(axes, round_below(0.4 * axes.get_xlim()[1]))
-    panel_letters(list(grid.flat))
+            style.sliding_arrow(axes)
+            style.scale_bar(axes, style.round_below(0.4 * axes.get_xlim()[1]))
+    style.panel_letters(list(grid.flat))
     return figure
 
 
@@ -211,12 +198,12 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
     worst = deepest(rows)
     figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), root_ticks(worst))
     for axes, scar in zip(grid[0], rows[0], strict=True):
-        axes.set_title(f"cycle {cycle_name(scar.cycle)}")
+        axes.set_title(f"cycle {style.cycle_name(scar.cycle)}")
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
     for axes, body in zip(grid[:, 0], result.bodies, strict=True):
         axes.set_ylabel(f"{called(body)}\ny [µm]")
-    scale_bar(grid[0, 0], round_below(0.5 * grid[0, 0].get_xlim()[1]))
+    style.scale_bar(grid[0, 0], style.round_below(0.5 * grid[0, 0].get_xlim()[1]))
     figure.suptitle(result.label, x=0.01, ha="left", fontweight="bold", fontsize=9)
     return figure
 
@@ -236,11 +223,11 @@ def deepest(rows: Sequence[Sequence[Scar]]) -> float:
 
 def root_ticks(worst: float) -> list[float]:
     """Zero and the round depths up to the worst that are far enough apart on a colour bar of the root of the depth."""
-    ticks, step = [worst], round_below(worst)
+    ticks, step = [worst], style.round_below(worst)
     while (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
         if (ticks[-1] / worst) ** 0.5 - (step / worst) ** 0.5 > LEAST_TICK_DISTANCE:
             ticks.append(step)
-        step = round_below(0.99 * step)
+        step = style.round_below(0.99 * step)
     return [0.0, *reversed(ticks)]
 
 
@@ -249,8 +236,8 @@ def _grid_of_maps(
 ) -> tuple[Figure, Any]:
     columns = len(rows[0])
     half_x, half_y = (1.25 * half for half in worn_half_extent([scar for row in rows for scar in row]))
-    panel_width_in = 0.80 * WIDTH_in / columns
-    figure = new_figure(len(rows) * (panel_width_in * half_y / half_x + 0.28) + 0.45)
+    panel_width_in = 0.80 * style.WIDTH_in / columns
+    figure = style.new_figure(len(rows) * (panel_width_in * half_y / half_x + 0.28) + 0.45)
     grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
     for row, scars in zip(grid, rows, strict=True):
         for axes, scar in zip(row, scars, strict=True):
@@ -259,7 +246,7 @@ def _grid_of_maps(
         axes.set_xlabel("x [µm]")
     for axes in grid[:, 0]:
         axes.set_ylabel("y [µm]")
-    colours = ScalarMappable(norm, DEPTH_COLOURS)
+    colours = ScalarMappable(norm, style.DEPTH_COLOURS)
     bar = figure.colorbar(colours, ax=grid, label="worn depth [µm]", shrink=0.9, aspect=30, pad=0.015)
     if ticks is not None:
         bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks], minor=False)
@@ -272,7 +259,7 @@ def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normali
     x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
     extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
     image = smooth_scar(scar).sampled(x, y).T
-    axes.imshow(image, cmap=DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
+    axes.imshow(image, cmap=style.DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
     axes.grid(visible=False)
     axes.spines[:].set_visible(True)
     axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
@@ -280,4 +267,6 @@ def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normali
         return
     angle = np.radians(scar.axis_angle_deg)
     # Dash-dotted, as engineers draw the axis of a cylinder.
-    axes.axline((0.0, 0.0), (np.cos(angle), np.sin(angle)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
+    axes.axline(
+        (0.0, 0.0), (np.cos(angle), np.sin(angle)), color=style.GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2))
+    )

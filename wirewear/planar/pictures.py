@@ -13,18 +13,9 @@ from matplotlib.figure import Figure
 from geometry import PlanarMesh, build_planar
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
+from wirewear.pictures import style
 from wirewear.pictures.loops import loops_by_run
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import (
-    VARIANT_COLOURS,
-    VARIANT_DASHES,
-    cycle_axis,
-    cycle_colours,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    save,
-)
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.planar.model import plan, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy
@@ -44,7 +35,7 @@ def write_planar_meshes(study: PlanarStudy, fidelity: str, folder: Path) -> list
         for name, body in bodies.items():
             with in_one_step(folder / f"{name}.vtu") as partial:
                 body.mesh.write(partial)
-    picture = save(
+    picture = style.save(
         lambda: planar_supports(study, bodies["pad"], bodies["specimen"]), folder / "boundary_conditions.png"
     )
     return [*(folder / f"{name}.vtu" for name in bodies), picture]
@@ -86,19 +77,19 @@ def planar_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figu
 
 def planar_variants(results: Sequence[RunResult]) -> Figure:
     """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
-    figure = new_figure(5.2)
+    figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
-    for colour, dashes, result in zip(endless(VARIANT_COLOURS), endless(VARIANT_DASHES), results):
+    for colour, dashes, result in zip(endless(style.VARIANT_COLOURS), endless(style.VARIANT_DASHES), results):
         last = max(loop.cycle for loop in result.loops)
-        style = {"color": colour, "linestyle": dashes}
+        look = {"color": colour, "linestyle": dashes}
         for axes, body in zip(panels[0], BODIES, strict=True):
             scar = result.scar(last, body)
-            axes.plot(scar.axial_um, scar.depth_um[:, 0], **style)
+            axes.plot(scar.axial_um, scar.depth_um[:, 0], **look)
         pad = result.scar(last, "pad")
-        panels[1][0].plot(pad.axial_um, pad.pressure_MPa[:, 0], **style)
+        panels[1][0].plot(pad.axial_um, pad.pressure_MPa[:, 0], **look)
         loop = next(one for one in read_loops(result) if one.cycle == last)
         x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
-        panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {cycle_name(last)} cycles", **style)
+        panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {style.cycle_name(last)} cycles", **look)
     reach = max(_reach(result) for result in results)
     deepest = max(axes.get_ylim()[1] for axes in panels[0])
     for axes, title in zip(
@@ -115,47 +106,47 @@ def planar_variants(results: Sequence[RunResult]) -> Figure:
     panels[1][0].set_ylabel("pressure (MPa)")
     panels[1][1].set(xlabel="displacement (µm)", ylabel="tangential force (N/mm)")
     figure.legend(*panels[1][1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
-    panel_letters(list(panels.ravel()))
+    style.panel_letters(list(panels.ravel()))
     return figure
 
 
 def planar_profiles(result: RunResult) -> Figure:
     """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
     cycles = chosen_cycles([loop.cycle for loop in result.loops])
-    figure = new_figure(5.2)
+    figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
     reach = _reach(result)
     for axes, body in zip(panels[0], BODIES, strict=True):
-        for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+        for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
             scar = result.scar(cycle, body)
-            axes.plot(scar.axial_um, -scar.depth_um[:, 0], color=colour, label=cycle_name(cycle))
+            axes.plot(scar.axial_um, -scar.depth_um[:, 0], color=colour, label=style.cycle_name(cycle))
         axes.set(title=f"worn depth, {body}", xlabel="x (µm)", ylabel="depth (µm)")
         axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
         axes.set_xlim(-reach, reach)
     lowest = min(axes.get_ylim()[0] for axes in panels[0])
     for axes in panels[0]:
         axes.set_ylim(lowest, -0.05 * lowest)
-    for colour, cycle in zip(cycle_colours(len(cycles)), cycles, strict=True):
+    for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
         scar = result.scar(cycle, "pad")
-        panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=cycle_name(cycle))
+        panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=style.cycle_name(cycle))
     panels[1][0].set(title="pressure at mid-stroke", xlabel="x (µm)", ylabel="pressure (MPa)", xlim=(-reach, reach))
     panels[1][0].set_ylim(bottom=0.0)
     _growth(panels[1][1], result)
     handles, labels = panels[1][0].get_legend_handles_labels()
     figure.legend(handles, labels, title="cycles", loc="outside right upper")
-    panel_letters(list(panels.ravel()))
+    style.panel_letters(list(panels.ravel()))
     return figure
 
 
 def _growth(axes: Axes, result: RunResult) -> None:
     cycles = result.evolution["cycle"]
-    for colour, dashes, body in zip(VARIANT_COLOURS, VARIANT_DASHES, BODIES, strict=False):
+    for colour, dashes, body in zip(style.VARIANT_COLOURS, style.VARIANT_DASHES, BODIES, strict=False):
         depth = result.evolution[f"max_depth_{body}_um"]
         worn = depth > 0.0
         if worn.any():
             axes.plot(cycles[worn], depth[worn], color=colour, linestyle=dashes, marker="o", markersize=3, label=body)
     axes.set(title="largest depth", ylabel="depth (µm)")
-    cycle_axis(axes)
+    style.cycle_axis(axes)
     if axes.lines:
         axes.set_yscale("log")
         axes.legend()

@@ -11,26 +11,14 @@ from matplotlib.figure import Figure
 
 from geometry.arrays import Array
 from wirewear.loops import LoopFigures, Measured
+from wirewear.pictures import style
 from wirewear.pictures.smooth import chosen_cycles
-from wirewear.pictures.style import (
-    DEPTH_COLOURS,
-    GREY,
-    INK,
-    VARIANT_COLOURS,
-    WIDTH_in,
-    cycle_axis,
-    cycle_name,
-    new_figure,
-    panel_letters,
-    round_below,
-    scale_bar,
-)
 from wirewear.records import AnyRecord
 from wirewear.results import RunResult
 from wirewear.views.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
 from wirewear.views.registration import ScarPair
 
-SIMULATED, MEASURED, BAND = VARIANT_COLOURS[0], INK, "#c9c9c9"
+SIMULATED, MEASURED, BAND = style.VARIANT_COLOURS[0], style.INK, "#c9c9c9"
 
 MOST_PANELS, COLUMNS = 6, 3
 
@@ -50,7 +38,7 @@ def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
     shown = [pair for pair in pairs if pair.cycle in chosen]
     columns = 2 if len(shown) == 4 else min(len(shown), COLUMNS)
     rows = -(-len(shown) // columns)
-    figure = new_figure((2.6 if columns == COLUMNS else 3.0) * rows + 0.5 if columns > 1 else 4.2)
+    figure = style.new_figure((2.6 if columns == COLUMNS else 3.0) * rows + 0.5 if columns > 1 else 4.2)
     panels = list(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False).flat)
     for unused in panels[len(shown) :]:
         unused.set_visible(False)
@@ -63,7 +51,7 @@ def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
     for place in range(0, len(shown), columns):
         panels[place].set_ylabel("tangential force Q [N]")
     if len(shown) > 1:
-        panel_letters(panels[: len(shown)])
+        style.panel_letters(panels[: len(shown)])
     handles, labels = panels[0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return figure
@@ -83,14 +71,14 @@ def _draw_pair(axes: Axes, pair: LoopPair) -> None:
     axes.plot(*closed, color=MEASURED, linewidth=0.8, label="measured, mean" if count > 1 else "measured")
     closed = [np.append(values, values[0]) for values in pair.simulated]
     axes.plot(*closed, color=SIMULATED, linewidth=1.4, label="simulated")
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.set_title(f"cycle {cycle_name(pair.cycle)}")
+    axes.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    axes.axvline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    axes.set_title(f"cycle {style.cycle_name(pair.cycle)}")
 
 
 def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[LoopPair]) -> Figure:
     """Amplitudes, energy, largest force and friction measures over the cycles."""
-    figure = new_figure(5.6)
+    figure = style.new_figure(5.6)
     grid = figure.subplots(2, 2)
     names = {name: quantity for quantity, _, name in EVOLUTION_FIGURES}
     for axes, columns, label in (
@@ -101,12 +89,12 @@ def evolution_picture(result: RunResult, record: AnyRecord, pairs: Sequence[Loop
         for column in columns:
             _draw_column(axes, result, record, column, pairs)
         axes.set(title="δa and δ0" if len(columns) > 1 else names[columns[0]], ylabel=label)
-        cycle_axis(axes)
+        style.cycle_axis(axes)
     _draw_friction(grid[1, 1], pairs)
     handles: dict[str, Artist] = {}
     for axes in (grid[0, 0], grid[0, 1]):
         handles |= dict(zip(*reversed(axes.get_legend_handles_labels()), strict=True))
-    panel_letters(list(grid.flat))
+    style.panel_letters(list(grid.flat))
     figure.legend(list(handles.values()), list(handles), loc="outside upper center", ncols=3)
     return figure
 
@@ -159,9 +147,9 @@ def _draw_friction(axes: Axes, pairs: Sequence[LoopPair]) -> None:
             cycles, means, reach, color=MEASURED, linestyle="none", marker=mark, markersize=4, capsize=2, linewidth=0.8,
             markerfacecolor="white",
         )  # fmt: skip
-        axes.plot([], [], color=GREY, linestyle="none", marker=mark, markersize=4, label=label)
+        axes.plot([], [], color=style.GREY, linestyle="none", marker=mark, markersize=4, label=label)
     axes.set(title="coefficients of friction", ylabel="coefficient of friction [–]")
-    cycle_axis(axes)
+    style.cycle_axis(axes)
     axes.legend(loc="best")
 
 
@@ -179,8 +167,8 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
     deepest = max(float(np.nanmax([pair.mean, pair.simulated])) for pair in pairs) or 1.0
     worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
     half_x, half_y = (max(float(np.abs(getattr(pair, n)).max()) for pair in pairs) for n in ("x_um", "y_um"))
-    panel_in = 0.80 * WIDTH_in / 3
-    figure = new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.3)
+    panel_in = 0.80 * style.WIDTH_in / 3
+    figure = style.new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.3)
     grid = figure.subplots(len(pairs), 3, sharex=True, sharey=True, squeeze=False)
     depth_norm, difference_norm = Normalize(0.0, deepest), Normalize(-worst, worst)
     for row, pair in zip(grid, pairs, strict=True):
@@ -189,29 +177,29 @@ def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
             strict=True,
         ):  # fmt: skip
             difference = title == "difference"
-            colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (DEPTH_COLOURS, depth_norm)
+            colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (style.DEPTH_COLOURS, depth_norm)
             axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
             axes.set(title=f"{pair.name}, {title}", aspect="equal")
             axes.grid(visible=False)
             axes.spines[:].set_visible(True)
             axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
         row[0].set_ylabel("y [µm]")
-        scale_bar(row[0], round_below(0.4 * half_x))
+        style.scale_bar(row[0], style.round_below(0.4 * half_x))
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
     for columns, colours, norm, label in (
-        (grid[:, :2], DEPTH_COLOURS, depth_norm, "worn depth [µm]"),
+        (grid[:, :2], style.DEPTH_COLOURS, depth_norm, "worn depth [µm]"),
         (grid[:, 2:], DIFFERENCE_COLOURS, difference_norm, "simulated − measured [µm]"),
     ):
         bar = ScalarMappable(norm, colours)
         figure.colorbar(bar, ax=columns, label=label, location="bottom", aspect=40 if columns.shape[1] > 1 else 20)
-    panel_letters(list(grid.flat))
+    style.panel_letters(list(grid.flat))
     return figure
 
 
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
     """Depth along the motion, and of maps across it, through the origin; one row for each body, all on one scale."""
-    figure = new_figure(2.1 * len(pairs) + 0.7)
+    figure = style.new_figure(2.1 * len(pairs) + 0.7)
     grid = figure.subplots(len(pairs), 2 if pairs[0].is_map else 1, sharex=True, sharey=True, squeeze=False)
     for row, pair in zip(grid, pairs, strict=True):
         cuts = [(pair.x_um, pair.section_along), (pair.y_um, pair.section_across)]
@@ -219,12 +207,13 @@ def sections_picture(pairs: Sequence[ScarPair]) -> Figure:
             _draw_section(axes, at, np.stack([cut(depth) for depth in pair.measured]), cut(pair.simulated))
             axes.set_title(f"{pair.name} across it")
         row[0].set(
-            title=f"{pair.name} along the motion, {cycle_name(pair.simulated_cycle)} cycles", ylabel="worn depth [µm]"
+            title=f"{pair.name} along the motion, {style.cycle_name(pair.simulated_cycle)} cycles",
+            ylabel="worn depth [µm]",
         )
     grid[0, 0].invert_yaxis()
     for axes, label in zip(grid[-1], ("x at y = 0 [µm]", "y at x = 0 [µm]"), strict=False):
         axes.set_xlabel(label)
-    panel_letters(list(grid.flat))
+    style.panel_letters(list(grid.flat))
     handles, labels = grid[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=len(labels))
     return figure
