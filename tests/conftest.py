@@ -15,7 +15,7 @@ settings.load_profile("wirewear")
 
 
 #: Files of tests that are the exam alone begin with one of these.
-EXAM = ("test_blind_", "test_frozen_blind", "test_early_seal")
+EXAM = ("test_blind_", "test_frozen_blind")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
