@@ -1,4 +1,4 @@
-"""What is kept to be used again: its owner's alone, healed where damaged, done without where there is no place."""
+"""What is kept to be used again: its owner's alone, within bounds, healed where damaged, done without otherwise."""
 
 import os
 import subprocess
@@ -14,7 +14,7 @@ from tests import synthetic_results
 from tests.test_simulate import coarse
 from wirewear import RunResult, Study, write_result
 from wirewear.base import cache, identity
-from wirewear.base.cache import cache_directory
+from wirewear.base.cache import cache_directory, keep_within, mark_used
 from wirewear.base.errors import KeptNothingWarning
 from wirewear.diagnosis.model import nominal
 from wirewear.diagnosis.model.nominal import limits_of, nominal_run
@@ -153,3 +153,34 @@ def test_of_runs_that_fail_the_one_that_comes_to_its_end_counts(
     assert found.status == "complete"
     assert limits_of(found) == ()
     assert len(runs) == 2
+
+
+@pytest.fixture
+def wires(tmp_path: Path) -> list[Path]:
+    """Four wires of 100 bytes, the first one unused for longest."""
+    paths = [tmp_path / f"wire-{name}.npz" for name in "dcba"]
+    for age, path in enumerate(paths):
+        path.write_bytes(bytes(100))
+        os.utime(path, (1e9 + age, 1e9 + age))
+    return paths
+
+
+def test_wires_unused_for_longest_go_first(wires: list[Path]) -> None:
+    keep_within(wires[0].parent, 250.0)
+    assert [path.exists() for path in wires] == [False, False, True, True]
+
+
+def test_a_wire_that_is_used_stays(wires: list[Path]) -> None:
+    mark_used(wires[0])
+    keep_within(wires[0].parent, 200.0)
+    assert [path.exists() for path in wires] == [True, False, False, True]
+
+
+def test_other_files_stay_and_abandoned_parts_of_wires_go(tmp_path: Path) -> None:
+    mine, left = tmp_path / "notes.txt", tmp_path / ".wire-a.npz.1.partial"
+    fresh = tmp_path / ".wire-b.npz.2.partial"
+    for path in (mine, left, fresh):
+        path.write_bytes(bytes(100))
+    os.utime(left, (1e9, 1e9))
+    keep_within(tmp_path, 0.0)
+    assert [path.exists() for path in (mine, left, fresh)] == [True, False, True]

@@ -11,12 +11,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from matplotlib.colors import to_rgb
 from matplotlib.image import imread
 from numpy.typing import NDArray
 
 from geometry import build_body
 from geometry.arrays import Array
-from tests.picture_pixels import PANELS, shows
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
@@ -236,3 +236,20 @@ def test_symmetric_scars_are_drawn_symmetrically() -> None:
     shown = pressure.filled(-1.0)
     assert shown == pytest.approx(shown[::-1], abs=1e-6)
     assert shown == pytest.approx(shown[:, ::-1], abs=1e-6)
+
+
+LEAST = 1e-4  #: A thin line of a few hundred pixels in a picture of a million.
+PANELS = 0.84  #: Colour bars stand to the right of this share of the width.
+
+
+def share_of(path: Path, colour: object, *, part: float = 1.0) -> float:
+    """Share of the pixels in the left `part` of a picture whose red, green and blue are within 0.03 of a colour's."""
+    pixels = imread(path)[..., :3]
+    pixels = pixels[:, : int(part * pixels.shape[1])]
+    near = np.abs(pixels - np.array(to_rgb(colour))).max(axis=-1) < 0.03  # type: ignore[arg-type]
+    return float(near.mean())
+
+
+def shows(path: Path, *colours: object, part: float = 1.0) -> bool:
+    """Whether something is drawn in each of these colours."""
+    return all(share_of(path, colour, part=part) > LEAST for colour in colours)

@@ -1,4 +1,4 @@
-"""Files of fifty kinds in two languages each, guessed or answered with a mapping to fill in; none is read wrongly."""
+"""Files of fifty kinds and lines of styluses, in two languages each, guessed or asked for; none is read wrongly."""
 
 import math
 import re
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from tests import strangers_files as strangers
+from tests import strangers_profiles
 from tests.strangers_files import CHINESE, ENGLISH, FRENCH, GERMAN, SPANISH, Language, Written, energy_mJ, write
 from tests.strangers_loggers import LOGGERS
 from tests.strangers_maps import MAPS, DEPTH_um, volume_mm3
@@ -18,6 +19,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import GuessedMapping, crossed_wires, guessed_mapping, mapping_text
+from wirewear.records.importing.line_guessing import line_contact
 from wirewear.records.importing.reader import open_lines
 from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops
@@ -238,3 +240,30 @@ def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_
     files = write(strangers.plain(head, (strangers.TIME, strangers.X, force), ENGLISH), tmp_path)
     guess = guessed(files, {"diameter_mm": 0.45, "normal_load_N": 2.0})
     assert guess.tables["loops"]["columns"]["tangential_force_N"].get("factor", 1.0) == sign
+
+
+OF_STEEL = {"material": "steel"}
+KNOWN = {
+    "length_mm": 10.0,
+    "radius_mm": 6.0,
+    "normal_load_N": 20.0,
+    "displacement_amplitude_um": 60.0,
+    "frequency_Hz": 3.0,
+    "cycles": 100,
+}
+
+
+@pytest.mark.parametrize("kind", strangers_profiles.PROFILES)
+@pytest.mark.parametrize("foreign", [False, True], ids=["English", "foreign"])
+def test_a_strangers_line_ends_in_the_right_profile(tmp_path: Path, kind: str, foreign: bool) -> None:
+    language = (SPANISH if "alone" in kind or kind == "depths" else GERMAN) if foreign else ENGLISH
+    written = strangers_profiles.PROFILES[kind](language)
+    (tmp_path / "specimen.csv").write_text(written.text, encoding="utf-8")
+    text = mapping_text(guessed_mapping([tmp_path / "specimen.csv"], KNOWN, line_contact(KNOWN, OF_STEEL, OF_STEEL)))
+    mapping = tmp_path / "mapping.toml"
+    assert {key for _, key in open_lines(text)} == written.answers.keys()
+    mapping.write_text(filled_in(text, written.answers), encoding="utf-8")
+    (profile,) = import_record(mapping).scars
+    assert profile.x_um.size == strangers_profiles.POINTS
+    assert profile.area_um2 == pytest.approx(strangers_profiles.AREA_um2, rel=0.01)
+    assert profile.smooth_um.max() == pytest.approx(strangers_profiles.DEPTH_um, rel=0.01)
