@@ -88,6 +88,32 @@ def test_cylinders_cross_at_any_angle_from_5_degrees(angle_deg: float) -> None:
     assert long.fixed.axial.half_extent_mm > 2.4 * long.expected.fresh.reach(np.radians(angle_deg)) * (1.0 - 1e-9)
 
 
+UNLIKE = ({"diameter_mm": 0.45, **STEEL}, {"diameter_mm": 0.6, "material": "Ti-6Al-4V"})
+
+
+def wires(*axes_deg: float, unlike: tuple[dict[str, Any], ...] = UNLIKE) -> dict[str, Any]:
+    turned = [{**own, "axis_angle_deg": axis} for own, axis in zip(unlike, axes_deg, strict=True)]
+    return {"kind": "crossed-wires", "bodies": dict(zip(("moving", "fixed"), turned, strict=True))}
+
+
+@pytest.mark.parametrize(("moving_deg", "fixed_deg"), [(0.0, 10.0), (20.0, 0.0), (-35.0, 50.0), (0.0, 175.0)])
+def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving_deg: float, fixed_deg: float) -> None:
+    """Stated as both wires with what one has different, by their bodies, or as shapes of a point contact."""
+    stated = {**UNLIKE[0], "fixed": UNLIKE[1], "crossing_angle_deg": (fixed_deg - moving_deg) % 180.0}
+    asked = TEST["conditions"] | {"normal_load_N": 2.0, "cycles": 1000}
+    told = [
+        study({"kind": "crossed-wires", "wires": stated}, conditions=asked | {"motion_angle_deg": -moving_deg}),
+        study(wires(moving_deg, fixed_deg), conditions=asked),
+    ]
+    own = [{"shape": "wire"} | one for one in wires(moving_deg, fixed_deg)["bodies"].values()]
+    point, *both = (discretise(each, "quick") for each in (study(bodies(*own), conditions=asked), *told))
+    for one in both:
+        assert one.hertz.peak_pressure_MPa == pytest.approx(point.hertz.peak_pressure_MPa)
+        for own_mesh, mesh in ((one.moving, point.moving), (one.fixed, point.fixed)):
+            assert own_mesh.axial.lines() == pytest.approx(mesh.axial.lines())
+            assert own_mesh.transverse.lines() == pytest.approx(mesh.transverse.lines())
+
+
 @pytest.mark.parametrize(
     ("contact", "tables", "says"),
     [
@@ -105,6 +131,11 @@ def test_cylinders_cross_at_any_angle_from_5_degrees(angle_deg: float) -> None:
         (BALL, {"scatter": {"crossing_angle_deg": 1.0}}, "crossing_angle_deg"),
         (BALL, {"effects": [{"name": "crossing_angle_error", "angle_deg": 2.0}]}, "crossing_angle_error"),
         (BALL, {"wires": {"diameter_mm": 0.45}}, "wires"),
+        (wires(0.0, 4.0), {}, "crossing_angle_deg"),
+        (wires(0.0, "20"), {}, "bodies in s.toml give an axis_angle_deg that"),
+        (wires(0.0, 90.0, unlike=({"shape": "tube"}, {})), {}, "give a 'tube'"),
+        (wires(0.0, 90.0, unlike=({**STEEL, "diameter_mm": 0.4}, {"diameter": 0.6})), {}, "in [bodies.fixed]"),
+        (wires(0.0, 5.0, unlike=({**STEEL, "diameter_mm": 0.1}, {"diameter_mm": 9.0})), {}, "touch along a line"),
         ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
     ],
 )

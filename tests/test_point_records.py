@@ -13,6 +13,7 @@ from click.testing import CliRunner
 from tests.synthetic_results import AMPLITUDE_um, bowl, result
 from tests.test_point_contacts import STEEL
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
+from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
@@ -250,16 +251,44 @@ def test_bodies_that_touch_along_a_line_are_no_record_of_a_point(tmp_path: Path)
         read_record(tmp_path)
 
 
+def run_of_wires(**wires: Any) -> RunResult:
+    scars = (bowl("moving", 6.0, 110.0, 60.0), bowl("fixed", 8.0, 60.0, 60.0, axis_angle_deg=90.0))
+    study = STUDY_OF_WIRES | {"wires": STUDY_OF_WIRES["wires"] | wires}
+    return dataclasses.replace(result("", 167.0), scars=scars, study=study)
+
+
 def test_a_record_without_a_kind_is_still_one_of_crossed_wires(tmp_path: Path) -> None:
-    wires = dataclasses.replace(result("", 167.0), scars=(bowl("moving", 6.0, 110.0, 60.0), bowl("fixed", 8.0, 60, 60)))
-    wires = dataclasses.replace(wires, study=STUDY_OF_WIRES)
-    assert isinstance(read_record(write_record(tmp_path, record_of_result(wires))).tables, RecordTables)
+    assert isinstance(read_record(write_record(tmp_path, record_of_result(run_of_wires()))).tables, RecordTables)
+
+
+def test_a_record_of_unlike_wires_at_a_small_angle_states_them_as_such_or_by_its_bodies(tmp_path: Path) -> None:
+    run = run_of_wires(crossing_angle_deg=10.0, motion_angle_deg=-5.0, fixed={"diameter_mm": 0.6, "material": "steel"})
+    read = read_record(write_record(tmp_path, record_of_result(run)))
+    assert [body.axis_angle_deg for body in read.tables.bodies_of_test] == [5.0, 15.0]
+    assert [body.diameter_mm for body in read.tables.wires.of_test()] == [0.45, 0.6]
+    assert nominal_study(read).bodies == read.tables.bodies_of_test
+    assert compare(run, read).unlike is None
+    steel = "youngs_modulus_MPa = 210000.0\npoissons_ratio = 0.3\n"
+    path, of_test = tmp_path / "experiment.toml", read.tables.bodies_of_test
+    text = path.read_text(encoding="utf-8")
+    by_bodies = (
+        f'[contact]\nkind = "crossed-wires"\n[bodies.moving]\nshape = "wire"\ndiameter_mm = 0.45\naxis_angle_deg = 5\n'
+        f"{steel}[bodies.fixed]\ndiameter_mm = 0.6\naxis_angle_deg = 15\n{steel}"
+    )
+    path.write_text(text[: text.index("[wires]")] + by_bodies + text[text.index("[conditions]") :], encoding="utf-8")
+    again = read_record(tmp_path)
+    assert again.tables.bodies_of_test == of_test
+    assert not [note for note in again.notes if "passed over" in note]
+    thick = again.tables.wires.model_copy(update={"diameter_mm": 0.5})
+    other = dataclasses.replace(again, tables=again.tables.model_copy(update={"wires": thick}))
+    assert "diameter_mm of the moving wire is 0.45 in the run and 0.5" in str(compare(run, other).unlike)
 
 
 STUDY_OF_WIRES: dict[str, Any] = {
     "wires": {"diameter_mm": 0.45, "crossing_angle_deg": 90.0, **STEEL},
     "conditions": {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000},
     "contact": {"friction": 0.62},
+    "wear": {"energy_wear_coefficient_mm3_per_J": 3.0e-5},
 }
 
 

@@ -9,22 +9,15 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.errors import RecordError
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.surfaces import SCARS
-from wirewear.records.tables import PointRecordTables, PointTest, RecordTables
-from wirewear.results.scar import called
+from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.study.bodies import Body
 from wirewear.study.keys import Table, one_of
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
+from wirewear.study.tables import Inconsistency
 
 Bodies = TypeVar("Bodies", BallAndFlat, LowerAndUpper)
-
-
-def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
-    """Diameters and angles in the tables of bodies, by keys that name these."""
-    keys = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
-    return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in keys if key in own}
 
 
 class ContactAtAPoint(Table):
@@ -53,12 +46,9 @@ class BodiesTest(PointTest, Generic[Bodies]):
         """As their study has them."""
         return self.bodies.of_test()
 
-    def require_whole(self, where: str) -> None:
-        """See that the bodies touch at a point. Raises RecordError if they do not, or a diameter is missing."""
-        if (wrong := self.bodies.contradiction()) is not None:
-            raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
-        if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):
-            raise RecordError(f"{where} is of a pad or a measured surface, of whose tests no records are read yet.")
+    def contradiction(self) -> Inconsistency | None:
+        """As of their study."""
+        return self.bodies.contradiction()
 
 
 class BallTest(BodiesTest[BallAndFlat]):

@@ -61,7 +61,10 @@ def tables_of_file(path: Path) -> type[AnyTables]:
     # A study has such tables, too, and says of which kind it is.
     if "kind" in found or not {"contact", "bodies"} & found.keys():
         return RecordTables
-    contact, other = found.get("contact"), BallRecordTables if "bodies" in found else LineRecordTables
+    contact, bodies = found.get("contact"), found.get("bodies")
+    named = {*bodies} if isinstance(bodies, dict) else set()
+    others = (own for own in TABLES.values() if named & {*own.body_names})
+    other = next(others, BallRecordTables if "bodies" in found else LineRecordTables)
     return TABLES.get(str(contact.get("kind")), other) if isinstance(contact, dict) else other
 
 

@@ -2,7 +2,6 @@
 
 from abc import abstractmethod
 from collections.abc import Mapping
-from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
@@ -12,10 +11,10 @@ from wirewear.base.quantity import Quantity, shown
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
-from wirewear.results.scar import WIRES
+from wirewear.results.scar import WIRES, called
 from wirewear.study import Study, keys, study_from_tables
-from wirewear.study.bodies import Body, Wire, unworn_stiffness_N_per_um
-from wirewear.study.tables import Wires
+from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
+from wirewear.study.tables import CROSSED_WIRES, BothWires, Inconsistency, Wires
 
 DRIVES = ("sensor", "stroke")
 
@@ -51,36 +50,6 @@ ForceNoise = Annotated[float, PlainValidator(Quantity("N", 0.0, 1e3))]
 Spread = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
 WearFactor = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
 RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
-
-
-class RecordWires(keys.Table):
-    """What the specimens are: two alike."""
-
-    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
-    crossing_angle_deg: keys.CrossingAngle = Field(90.0, description="angle between the wires' axes")
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    motion_angle_deg: keys.MotionAngle = Field(
-        0.0, description="direction of the motion against the moving wire's axis, about the upward normal"
-    )
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    length_mm: keys.Length | None = Field(None, description="length of a wire between its ends")
-    grip_angle_deg: keys.GripAngle | None = Field(
-        None, description="part of the circumference, about the back, that is held; without it 90°"
-    )
-    grip_length_mm: keys.Length | None = Field(
-        None, description="length that is held, about the middle; without it all"
-    )
-    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
-        None, description='stiffness of the grip per area, a number or "rigid"; without it rigid'
-    )
-
-    def of_test(self) -> tuple[Body, Body]:
-        """The moving and the fixed wire; every worn surface is turned between its wire's frame and the test's."""
-        held = self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3 or "rigid"
-        moving = Wire(
-            "moving", *held, -self.motion_angle_deg, self.diameter_mm, None, self.grip_angle_deg or 90.0, None
-        )
-        return moving, replace(moving, name="fixed", axis_angle_deg=self.crossing_angle_deg - self.motion_angle_deg)
 
 
 class RecordConditions(keys.Table):
@@ -225,6 +194,17 @@ def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, An
 ALL_BODIES = frozenset(key.removeprefix(f"{SCARS.name}_") for key in Frames.model_fields)
 
 
+def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
+    """Diameters and angles in the tables of bodies, by keys that name these."""
+    told = ("diameter_mm", "diameter_along_mm", "axis_angle_deg")
+    return {f"{key} of the {called(name)}": own[key] for name, own in bodies.items() for key in told if key in own}
+
+
+def each_wire(wires: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """A table of wires as one of each."""
+    return {name: {**wires, **(wires.get(name) or {})} for name in WIRES}
+
+
 class PointTest(OfTest):
     """What any file about a test of a contact at a point is asked."""
 
@@ -239,6 +219,21 @@ class PointTest(OfTest):
         """One of them."""
         return self.bodies_of_test[self.body_names.index(name)]
 
+    @abstractmethod
+    def contradiction(self) -> Inconsistency | None:
+        """What does not go together in what is stated of them, if anything."""
+
+    def require_whole(self, where: str) -> None:
+        """See that the bodies touch at a point, and that both are known.
+
+        Raises:
+            RecordError: they do not, or something is missing.
+        """
+        if (wrong := self.contradiction()) is not None:
+            raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
+        if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):
+            raise RecordError(f"{where} is of a pad or a measured surface, of whose tests no records are read yet.")
+
     def require_bodies(self, where: str, *given: keys.Table) -> None:
         """See that tables with a key for each body of any kind of contact give those of the test's own bodies alone.
         Raises RecordError if one is of another kind's.
@@ -251,17 +246,28 @@ class PointTest(OfTest):
                 )
 
 
+class OfWires(keys.Table):
+    """What touches: wires."""
+
+    kind: Annotated[str, PlainValidator(keys.one_of(CROSSED_WIRES))] = Field(description="kind of contact")
+
+
 class WiresTest(PointTest):
     """A test of crossed wires as its file states it."""
 
     contact_kind, body_names = "crossed-wires", WIRES
 
-    wires: RecordWires = Field(description="the two wires")
+    contact: OfWires | None = Field(None, description="what touches, where that is said")
+    wires: BothWires
 
     @property
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The moving and the fixed wire."""
+        """The moving and the fixed wire; every worn surface is turned between its wire's frame and the test's."""
         return self.wires.of_test()
+
+    def contradiction(self) -> Inconsistency | None:
+        """Wires that are none."""
+        return self.wires.contradiction()
 
 
 class PointRecordTables(OfRecord, PointTest):
@@ -276,7 +282,7 @@ class PointRecordTables(OfRecord, PointTest):
     files: Files = Field(description="names of the data files")
 
     def require_whole(self, where: str) -> None:
-        """See that all scars are of its own bodies."""
+        """See that the bodies touch at a point, and that all scars are of them."""
         super().require_whole(where)
         self.require_bodies(f"[files] of {where}", self.files, self.files.frames)
 
@@ -331,33 +337,28 @@ class RecordTables(PointRecordTables, WiresTest):
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
-        """The wires; RecordError where they differ."""
-        del length_mm
-        wires = study.get("wires") or {}
-        for wire in WIRES:
-            own = {key: value for key, value in (wires.get(wire) or {}).items() if value != wires.get(key)}
-            if own:
-                raise RecordError(
-                    f"the {wire} wire of the result {label!r} has its own {', '.join(own)}, but a record of format 1 "
-                    "knows two equal wires only."
-                )
-        described = {**wires, "motion_angle_deg": (study.get("conditions") or {}).get("motion_angle_deg")}
-        own = known_of(RecordWires, described)
-        return {"wires": {k: v for k, v in own.items() if k not in GRIPS or v != Wires.model_fields[k].default}}
+        """The wires."""
+        del label, length_mm
+        angle = (study.get("conditions") or {}).get("motion_angle_deg") or 0.0
+        own = {"motion_angle_deg": angle, **(study.get("wires") or {})}
+        left = {key: Wires.model_fields[key].default for key in GRIPS} | {wire: {} for wire in WIRES}
+        return {"wires": {key: value for key, value in own.items() if key not in left or value != left[key]}}
 
     @property
     def of_study(self) -> dict[str, float | None]:
         """And how the wires lie."""
-        own = {key: getattr(self.wires, key) for key in ("diameter_mm", "crossing_angle_deg", "motion_angle_deg")}
-        return {**super().of_study, **own}
+        own, wires = self.wires, self.wires.model_dump(exclude_none=True)
+        angles = {"crossing_angle_deg": own.crossing_angle_deg, "motion_angle_deg": own.motion_angle_deg or 0.0}
+        return {**super().of_study, **curved(each_wire(wires)), **angles}
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Two wires; the motion has an angle to the moving one."""
         wires = self.wires.model_dump(mode="json", exclude_none=True)
-        angle = {"motion_angle_deg": wires.pop("motion_angle_deg")}
+        angle = {"motion_angle_deg": wires.pop("motion_angle_deg", 0.0)}
         return data | {"wires": wires, "conditions": data["conditions"] | (angle if any(angle.values()) else {})}
 
     @property
     def assumed(self) -> str:
         """How wires are held where that is not stated."""
-        return "" if self.wires.grip_angle_deg else "; wires are held rigidly over 90° of their backs, all along"
+        told = {*self.wires.model_fields_set, *self.wires.moving.model_fields_set, *self.wires.fixed.model_fields_set}
+        return "" if "grip_angle_deg" in told else "; wires are held rigidly over 90° of their backs, all along"

@@ -22,6 +22,8 @@ _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as
 _FALL = 0.2
 _STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius, or its patch.
 
+_FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
+
 Found = TypeVar("Found")
 
 
@@ -237,6 +239,13 @@ class Gap:
     def lean(self) -> float:
         """What shears it."""
         return float(self.form[0, 1] / self.form[0, 0])
+
+
+def touch_along_line(driven: Body, held: Body) -> bool:
+    """Whether two bodies touch along a line or nearly so."""
+    crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
+    small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
+    return small <= _FLATTEST * large
 
 
 def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:

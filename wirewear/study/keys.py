@@ -16,6 +16,7 @@ from wirewear.study.materials import material_named
 FORMAT = 1
 
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
+AXIS = Quantity("deg", -180.0, 180.0)  #: Of the angle of a body's axis to the motion.
 
 
 def checked_format(value: object) -> int:
@@ -92,9 +93,10 @@ Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
 Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
 YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
 PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
-CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 30.0, 90.0))]
+CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 5.0, 175.0))]
 NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
 Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+AxisAngle = Annotated[float, PlainValidator(AXIS)]
 MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
 GripAngle = Annotated[float, PlainValidator(Quantity("deg", 12.0, 220.0))]
 GripStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm3", 1.0, 1e9, words=("rigid",)))]

@@ -120,11 +120,17 @@ def same_but_for_unit(key: str, name: str, unit: str) -> bool:
     return key == stem or key.startswith(f"{stem}_") or key.lower() == name.lower()
 
 
+def field_of(model: type[BaseModel], key: str) -> FieldInfo | None:
+    """The field of a key or of another name that it goes by."""
+    named = (field for field in model.model_fields.values() if key in getattr(field.validation_alias, "choices", ()))
+    return model.model_fields.get(key) or next(named, None)
+
+
 def known_fields(table: Keys, model: type[BaseModel]) -> Mapping[str, FieldInfo]:
     """Keys known in a table within tables of that model; none for something that is no table."""
     inner: type[BaseModel] | None = model
     # The place of a table in a list is no key.
     for key in (one for one in table if isinstance(one, str)):
-        field = inner.model_fields.get(key) if inner is not None else None
+        field = field_of(inner, key) if inner is not None else None
         inner = table_of(field) if field is not None else None
     return inner.model_fields if inner is not None else {}

@@ -1,7 +1,6 @@
 """Studies of contacts at a point of any two bodies, and of a ball on a flat, which is their short form."""
 
 from dataclasses import replace
-from math import radians
 from typing import Annotated, Any, Literal
 
 from pydantic import Field, PlainValidator
@@ -9,9 +8,8 @@ from pydantic import Field, PlainValidator
 from geometry import TabledProfile
 from wirewear.base.quantity import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
-from wirewear.reference import gap_curvatures
 from wirewear.study import keys
-from wirewear.study.bodies import BlockBody, Body, Wire
+from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
@@ -26,10 +24,8 @@ _ROUND = ("wire", "tube")  #: Those that are round bars.
 PAD = "pad"
 SHAPES = (*_CURVED, *_ROUND, PAD)
 _THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
-FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
-AxisAngle = Annotated[float, PlainValidator(Quantity("deg", -180.0, 180.0))]
 
 
 class GrippedBody(keys.OfMaterial):
@@ -97,7 +93,7 @@ class _Shape(keys.Table):
     )
     diameter_along_mm: Diameter | None = Field(None, description="diameter of a barrel's profile along its axis")
     bore_mm: Diameter | None = Field(None, description="inner diameter of a tube")
-    axis_angle_deg: AxisAngle = Field(
+    axis_angle_deg: keys.AxisAngle = Field(
         0.0, description="angle of its axis to the motion, about the normal that points upwards"
     )
 
@@ -198,9 +194,7 @@ class LowerAndUpper(keys.Table):
             if "flat" in shapes:
                 return None
             return Inconsistency(("bodies", "upper", "shape"), "is not a flat's, but a pad is pressed on a flat")
-        crossing = radians(self.upper.axis_angle_deg - self.lower.axis_angle_deg)
-        small, large, _ = gap_curvatures(self.lower.curvatures_per_mm, self.upper.curvatures_per_mm, crossing)
-        if small > FLATTEST * large:
+        if not touch_along_line(self.lower.body("lower", 1.0), self.upper.body("upper", 1.0)):
             return None
         return Inconsistency(
             ("bodies", "upper", "shape"),
@@ -232,7 +226,7 @@ class BallOnFlatTables(ContactTables, _OfBallAndFlat):
 
     def contradiction(self) -> Inconsistency | None:
         """A key of crossed wires, or a stroke longer than the ball is thick."""
-        return _of_wires(self) or _too_far(self)
+        return _of_wires(self) or self.too_far()
 
 
 class PointTables(ContactTables, _OfBodies):
@@ -246,7 +240,7 @@ class PointTables(ContactTables, _OfBodies):
 
     def contradiction(self) -> Inconsistency | None:
         """What `LowerAndUpper` or `BallOnFlatTables` refuses."""
-        return self.bodies.contradiction() or _of_wires(self) or _too_far(self)
+        return self.bodies.contradiction() or _of_wires(self) or self.too_far()
 
 
 def _of_wires(tables: ContactTables) -> Inconsistency | None:
@@ -263,17 +257,6 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
         return Inconsistency(("effects",), "hold crossing_angle_error, which is of crossed wires")
     if mounted.flattening_mm and any(body.face is not None for body in tables.bodies_of_test()):
         return Inconsistency(("effects",), "hold plasticity, which flattens round bodies and no pads")
-    return None
-
-
-def _too_far(tables: ContactTables) -> Inconsistency | None:
-    amplitude_um = tables.conditions.displacement_amplitude_um
-    thinnest_mm = min(min(body.diameters_mm) for body in tables.bodies_of_test())
-    if amplitude_um > 1e3 * thinnest_mm:
-        return Inconsistency(
-            ("conditions", "displacement_amplitude_um"),
-            f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
-        )
     return None
 
 

@@ -1,57 +1,18 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import asdict, fields
 from itertools import pairwise
 from typing import Annotated, Any, Literal, NamedTuple
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
+from pydantic import AliasChoices, BeforeValidator, Field, PlainSerializer, PlainValidator
 
 from solvers import Coulomb, FrictionLaw, SolverError, friction_law
 from wirewear.base.quantity import shown
-from wirewear.study.bodies import Body, Wire
-from wirewear.study.keys import (
-    Amplitude,
-    AngleScatter,
-    Approach,
-    ArchardCoefficient,
-    CheckedFlag,
-    ContactStates,
-    CrossingAngle,
-    CycleList,
-    Cycles,
-    Diameter,
-    Effects,
-    ElementSize,
-    ExplicitJump,
-    Frequency,
-    Friction,
-    GripAngle,
-    GripStiffness,
-    HolderStiffness,
-    IncrementsPerCycle,
-    Length,
-    MaterialName,
-    MotionAngle,
-    NamedTable,
-    NodeMotion,
-    NormalLoad,
-    OfMaterial,
-    PivotHeight,
-    PoissonsRatio,
-    PressureLength,
-    Refinement,
-    RelativeScatter,
-    RotationalStiffness,
-    Share,
-    SpringStiffness,
-    Table,
-    Tolerance,
-    WearCoefficient,
-    YoungsModulus,
-    one_of,
-)
+from wirewear.study import keys
+from wirewear.study.bodies import Body, Wire, touch_along_line
 from wirewear.study.surfaces import StatedSurface
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
@@ -123,96 +84,152 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     return tuple(points)
 
 
-class WireOverride(OfMaterial):
+def _wires_of_bodies(table: Any) -> Any:
+    """[bodies.moving] and [bodies.fixed], stated as those of a point contact are, as a table of both wires."""
+    stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
+    moving, fixed = (dict(own) if isinstance(own, Mapping) else {} for own in stated or (None, None))
+    if not moving or not fixed or "diameter_mm" in table:
+        return table
+    axes = []
+    for own, axis_deg in ((moving, 0.0), (fixed, 90.0)):
+        if (shape := own.pop("shape", "wire")) != "wire":
+            raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
+        try:
+            axes.append(float(keys.AXIS(own.pop("axis_angle_deg", axis_deg))))
+        except ValueError as problem:
+            raise ValueError(f"give an axis_angle_deg that {problem}") from None
+    both = {key: moving.pop(key) for key in Wires.model_fields if key in moving}
+    turned = {"crossing_angle_deg": (axes[1] - axes[0]) % 180.0, "motion_angle_deg": (90.0 - axes[0]) % 180.0 - 90.0}
+    return {**table, **both, **turned, "moving": moving, "fixed": fixed}
+
+
+class WireOverride(keys.OfMaterial):
     """What one wire has different from `[wires]`."""
 
-    diameter_mm: Diameter | None = Field(None, description="diameter of this wire")
-    length_mm: Length | None = Field(None, description="modelled length of this wire")
-    material: MaterialName | None = Field(None, description="name of this wire's material, in place of its constants")
-    youngs_modulus_MPa: YoungsModulus | None = Field(None, description="Young's modulus of this wire")
-    poissons_ratio: PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
-    grip_angle_deg: GripAngle | None = Field(None, description="part of this wire's circumference that is held")
-    grip_length_mm: Length | None = Field(None, description="length over which this wire is held")
-    grip_stiffness_N_per_mm3: GripStiffness | None = Field(None, description="stiffness of this wire's grip per area")
+    diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
+    length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
+    material: keys.MaterialName | None = Field(
+        None, description="name of this wire's material, in place of its constants"
+    )
+    youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus of this wire")
+    poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+    grip_angle_deg: keys.GripAngle | None = Field(None, description="part of this wire's circumference that is held")
+    grip_length_mm: keys.Length | None = Field(None, description="length over which this wire is held")
+    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
+        None, description="stiffness of this wire's grip per area"
+    )
     surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
 
 
-class Wires(OfMaterial):
+class Wires(keys.OfMaterial):
     """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
 
-    diameter_mm: Diameter = Field(description="diameter of the wires", examples=[0.45])
-    material: MaterialName | None = Field(
+    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
+    material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
     )
-    youngs_modulus_MPa: YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    poissons_ratio: PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    crossing_angle_deg: CrossingAngle = Field(90.0, description="angle between the wires' axes")
-    length_mm: Length | None = Field(None, description="modelled length; without it the program chooses")
-    grip_angle_deg: GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
-    grip_length_mm: Length | None = Field(
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    crossing_angle_deg: keys.CrossingAngle = Field(
+        90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
+    )
+    motion_angle_deg: keys.MotionAngle | None = Field(
+        None, description="that of the motion to the moving wire's axis, of a study in its conditions"
+    )
+    length_mm: keys.Length | None = Field(None, description="modelled length; without it the program chooses")
+    grip_angle_deg: keys.GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
+    grip_length_mm: keys.Length | None = Field(
         None, description="length over which a wire is held, about its middle; without it all of the modelled length"
     )
-    grip_stiffness_N_per_mm3: GripStiffness = Field(
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
         "rigid", description='stiffness of the grip per area, a number or "rigid"'
     )
     moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
     fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
 
+    def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
+        """The moving and the fixed wire, with such a motion where they do not tell of one."""
+        motion = self.motion_angle_deg or motion_angle_deg
+        return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
 
-class Conditions(Table):
+    def _wire(self, name: str, axis_angle_deg: float) -> Wire:
+        stated = dict(self) | {key: value for key, value in getattr(self, name) if value is not None}
+        names = {field.name for field in fields(Wire)} & WireOverride.model_fields.keys()
+        own: dict[str, Any] = {key: stated.get(key) for key in names}
+        return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
+
+    def contradiction(self) -> Inconsistency | None:
+        """Wires shorter than they are thick, or that touch along a line."""
+        moving, fixed = self.of_test()
+        for wire in (moving, fixed):
+            if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
+                own = (wire.name,) if getattr(self, wire.name).length_mm else ()
+                return Inconsistency(
+                    ("wires", *own, "length_mm"),
+                    f"is {wire.length_mm:g} mm, but must be at least the wire's diameter, {wire.diameter_mm:g} mm",
+                )
+        if touch_along_line(moving, fixed):
+            return Inconsistency(
+                ("wires", "crossing_angle_deg"),
+                f"is {self.crossing_angle_deg:g}°, at which wires so unlike touch along a line or nearly so",
+            )
+        return None
+
+
+class Conditions(keys.Table):
     """What is asked of the rig."""
 
-    normal_load_N: NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
-    approach_um: Approach | None = Field(
+    normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
+    approach_um: keys.Approach | None = Field(
         None, description="press the bodies together by this much and hold them; normal_load_N is then only expected"
     )
-    displacement_amplitude_um: Amplitude = Field(
+    displacement_amplitude_um: keys.Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
-    motion_angle_deg: MotionAngle = Field(
+    motion_angle_deg: keys.MotionAngle = Field(
         0.0,
         description="of crossed wires: direction of the motion against the moving wire's axis, about the normal that "
         "points upwards",
     )
-    frequency_Hz: Frequency = Field(description="cycles per second", examples=[3.0])
-    cycles: Cycles = Field(description="length of the test", examples=[100000])
+    frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
+    cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
 
 
-class Contact(Table):
+class Contact(keys.Table):
     """The friction law, and how the contact conditions are imposed."""
 
-    friction: Friction = Field(description="coefficient of friction", examples=[0.62])
+    friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
     friction_law: FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
-    formulation: Annotated[Formulation, PlainValidator(one_of("augmented-lagrangian", "penalty"))] = Field(
+    formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
-    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(one_of("fixed", "moving"))] = Field(
+    primary_wire: Annotated[Literal["fixed", "moving"], PlainValidator(keys.one_of("fixed", "moving"))] = Field(
         "fixed", description="the wire whose surface carries the contact tractions"
     )
 
 
-class Wear(Table):
+class Wear(keys.Table):
     """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
 
-    energy_wear_coefficient_mm3_per_J: WearCoefficient | None = Field(
+    energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
         None, description="energy law: worn volume of both bodies together per dissipated energy"
     )
-    archard_wear_coefficient_mm3_per_N_m: ArchardCoefficient | None = Field(
+    archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
         None, description="Archard's law: worn volume of both bodies together per load and sliding distance"
     )
-    moving_share: Share = Field(0.5, description="part of the worn volume that the driven body loses")
-    variation: Annotated[Variation, PlainValidator(one_of("none", "cycles", "energy_J"))] = Field(
+    moving_share: keys.Share = Field(0.5, description="part of the worn volume that the driven body loses")
+    variation: Annotated[Variation, PlainValidator(keys.one_of("none", "cycles", "energy_J"))] = Field(
         "none", description='what the coefficient varies with: "none", "cycles" or "energy_J", the accumulated energy'
     )
     variation_points: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)] = Field(
         (), description="pairs [cycles or energy_J, factor on the coefficient], joined by straight lines"
     )
-    update: Annotated[WearUpdate, PlainValidator(one_of("implicit", "explicit"))] = Field(
+    update: Annotated[WearUpdate, PlainValidator(keys.one_of("implicit", "explicit"))] = Field(
         "implicit", description='"implicit", or "explicit" for comparison: surfaces recede after each increment'
     )
-    explicit_jump_cycles: ExplicitJump | None = Field(
+    explicit_jump_cycles: keys.ExplicitJump | None = Field(
         None, description="cycles that one simulated cycle stands for with the explicit update"
     )
 
@@ -235,34 +252,34 @@ class Wear(Table):
         return float(np.interp(cycles if self.variation == "cycles" else energy_J, at, factors))
 
 
-class HolderTable(Table):
+class HolderTable(keys.Table):
     """The rig: springs between the held body's holder and ground, and the spring of the loading train."""
 
-    tangential_stiffness_N_per_mm: HolderStiffness = Field(
+    tangential_stiffness_N_per_mm: keys.HolderStiffness = Field(
         "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
     )
-    rotational_stiffness_N_mm_per_rad: RotationalStiffness = Field(
+    rotational_stiffness_N_mm_per_rad: keys.RotationalStiffness = Field(
         "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
     )
-    pivot_height_mm: PivotHeight | None = Field(None, description="height of that pivot above the contact")
-    normal_spring_stiffness_N_per_mm: SpringStiffness = Field(
+    pivot_height_mm: keys.PivotHeight | None = Field(None, description="height of that pivot above the contact")
+    normal_spring_stiffness_N_per_mm: keys.SpringStiffness = Field(
         0.0, description="stiffness of the loading spring; 0 is a dead weight"
     )
 
 
-class Log(Table):
+class Log(keys.Table):
     """At which cycles loops and scars are recorded, and over what length their pressures are averaged."""
 
-    loop_cycles: CycleList = Field(
+    loop_cycles: keys.CycleList = Field(
         (),
         description="cycles whose loop is recorded, the last for later ones; without it 1, 2, 5, 10, ... and the last",
     )
-    contact_states: ContactStates = Field(
+    contact_states: keys.ContactStates = Field(
         24,
         description="positions of each recorded cycle whose contact forces are kept, from which the stresses inside "
         "follow; 0 for none",
     )
-    pressure_length_um: PressureLength | None = Field(
+    pressure_length_um: keys.PressureLength | None = Field(
         None,
         description="mean pressures are those over discs of this diameter, of a line contact over segments of this "
         "length; without it the diameter of the fresh contact, of a line contact half its width",
@@ -273,51 +290,51 @@ class Log(Table):
         return self.model_copy(update={"loop_cycles": cycles})
 
 
-class Scatter(Table):
+class Scatter(keys.Table):
     """What is known of the scatter of a study's values from test to test: standard deviations."""
 
-    friction: RelativeScatter | None = Field(None, description="of the coefficient of friction, relative")
-    normal_load: RelativeScatter | None = Field(None, description="of the normal load, relative")
-    wear: RelativeScatter | None = Field(None, description="of the wear coefficient, relative")
-    tangential_stiffness: RelativeScatter | None = Field(None, description="of the rig's stiffness, relative")
-    crossing_angle_deg: AngleScatter | None = Field(None, description="of the crossing angle")
+    friction: keys.RelativeScatter | None = Field(None, description="of the coefficient of friction, relative")
+    normal_load: keys.RelativeScatter | None = Field(None, description="of the normal load, relative")
+    wear: keys.RelativeScatter | None = Field(None, description="of the wear coefficient, relative")
+    tangential_stiffness: keys.RelativeScatter | None = Field(None, description="of the rig's stiffness, relative")
+    crossing_angle_deg: keys.AngleScatter | None = Field(None, description="of the crossing angle")
 
 
-class Mesh(Table):
+class Mesh(keys.Table):
     """Where the mesh is fine."""
 
-    scar_half_width_um: ElementSize | None = Field(
+    scar_half_width_um: keys.ElementSize | None = Field(
         None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
     )
-    follow_scar: CheckedFlag = Field(
+    follow_scar: keys.CheckedFlag = Field(
         True, description="new meshes as the scar grows, where their sizes are left to the program; else one for all"
     )
-    move_nodes_at_stages: CheckedFlag = Field(
+    move_nodes_at_stages: keys.CheckedFlag = Field(
         False,
         description="nodes are moved into the worn surface whenever a mesh for a larger scar begins; at fine fidelity "
         "they always are",
     )
-    move_nodes_every_um: NodeMotion | None = Field(
+    move_nodes_every_um: keys.NodeMotion | None = Field(
         None,
         description="nodes are moved into the worn surface and the bodies condensed again whenever the surface is this "
         "much deeper than the nodes, 0 at every cycle jump; without it worn depth stays an offset from the fresh nodes",
     )
 
 
-class FidelitySettings(Table):
+class FidelitySettings(keys.Table):
     """How finely a run resolves space and time; None leaves the choice to the program."""
 
-    contact_mesh_um: ElementSize | None = Field(None, description="element size where the fresh contact sits")
-    outer_mesh_um: ElementSize | None = Field(None, description="largest element of the fine patch")
-    increments_per_cycle: IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
-    increments_per_wear_cycle: IncrementsPerCycle | None = Field(
+    contact_mesh_um: keys.ElementSize | None = Field(None, description="element size where the fresh contact sits")
+    outer_mesh_um: keys.ElementSize | None = Field(None, description="largest element of the fine patch")
+    increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+    increments_per_wear_cycle: keys.IncrementsPerCycle | None = Field(
         None, description="time steps of a cycle that only wears, where no loop is recorded; without it, fewer"
     )
-    mesh_refinement: Refinement = Field(1.0, description="elements are smaller than the level's by this factor")
-    jump_tolerance: Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
+    mesh_refinement: keys.Refinement = Field(1.0, description="elements are smaller than the level's by this factor")
+    jump_tolerance: keys.Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
 
 
-class Fidelities(Table):
+class Fidelities(keys.Table):
     """Settings of the three levels of fidelity."""
 
     quick: FidelitySettings = Field(FidelitySettings(), description="seconds")
@@ -325,7 +342,7 @@ class Fidelities(Table):
     fine: FidelitySettings = Field(FidelitySettings(), description="for convergence checks")
 
 
-class StatesItsKind(NamedTable):
+class StatesItsKind(keys.NamedTable):
     """What states its kind of contact."""
 
     kind: str = Field(description="kind of contact")
@@ -338,7 +355,7 @@ class ContactTables(StatesItsKind, ABC):
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
     holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
-    effects: Effects = Field((), description="effects that the nominal model lacks")
+    effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
@@ -352,11 +369,30 @@ class ContactTables(StatesItsKind, ABC):
     def contradiction(self) -> Inconsistency | None:
         """What does not go together in the tables of the bodies, if anything."""
 
+    def too_far(self) -> Inconsistency | None:
+        """A stroke longer than a body is thick."""
+        amplitude_um = self.conditions.displacement_amplitude_um
+        thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
+        if amplitude_um > 1e3 * thinnest_mm:
+            return Inconsistency(
+                ("conditions", "displacement_amplitude_um"),
+                f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
+            )
+        return None
+
+
+#: A key that takes both wires, or two bodies by their names.
+BothWires = Annotated[
+    Wires,
+    BeforeValidator(_wires_of_bodies),
+    Field(description="the two wires", validation_alias=AliasChoices("wires", "bodies")),
+]
+
 
 class _OfWires(StatesItsKind):
     """What a study of crossed wires states first."""
 
-    wires: Wires = Field(description="the two wires")
+    wires: BothWires
 
 
 class StudyTables(ContactTables, _OfWires):
@@ -368,39 +404,12 @@ class StudyTables(ContactTables, _OfWires):
 
     def bodies_of_test(self) -> tuple[Wire, Wire]:
         """The moving and the fixed wire."""
-        wires, motion = self.wires, self.conditions.motion_angle_deg
-        return _wire("moving", wires, wires.moving, -motion), _wire(
-            "fixed", wires, wires.fixed, wires.crossing_angle_deg - motion
-        )
+        return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> Inconsistency | None:
-        """Wires shorter than they are thick, or a stroke longer than that."""
-        wires = self.wires
-        for keys, override in (
-            (("wires", "length_mm"), WireOverride()),
-            (("wires", "moving", "length_mm"), wires.moving),
-            (("wires", "fixed", "length_mm"), wires.fixed),
-        ):
-            length = override.length_mm or wires.length_mm
-            diameter = override.diameter_mm or wires.diameter_mm
-            if length is not None and length < diameter:
-                return Inconsistency(
-                    keys, f"is {length:g} mm, but must be at least the wire's diameter, {diameter:g} mm"
-                )
-        thinnest_mm = min(wires.diameter_mm, *(w.diameter_mm or wires.diameter_mm for w in (wires.moving, wires.fixed)))
-        amplitude_um = self.conditions.displacement_amplitude_um
-        if amplitude_um > 1e3 * thinnest_mm:
-            return Inconsistency(
-                ("conditions", "displacement_amplitude_um"),
-                f"is {amplitude_um:g} µm, but must not exceed the thinner wire's diameter, {1e3 * thinnest_mm:g} µm",
-            )
-        return None
-
-
-def _wire(name: str, wires: Wires, own: WireOverride, axis_angle_deg: float) -> Wire:
-    def value(key: str) -> Any:
-        override = getattr(own, key)
-        return getattr(wires, key, None) if override is None else override
-
-    stated = {field.name: value(field.name) for field in fields(Wire) if field.name in WireOverride.model_fields}
-    return Wire(name=name, axis_angle_deg=axis_angle_deg, **stated)
+        """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
+        if (wrong := self.wires.contradiction()) is not None:
+            return wrong
+        if self.wires.motion_angle_deg and self.conditions.motion_angle_deg:
+            return Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
+        return self.too_far()

@@ -18,8 +18,8 @@ from wirewear.base.quantity import counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.records import AnyRecord
 from wirewear.records.checking import problems_told
-from wirewear.records.point_tables import curved
 from wirewear.records.remarks import unlike_conditions
+from wirewear.records.tables import curved, each_wire
 from wirewear.results import RunResult
 from wirewear.views.differences import (
     EVOLUTION_FIGURES,
@@ -116,8 +116,8 @@ def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
 
 
 def _unlike(result: RunResult, record: AnyRecord) -> str | None:
-    own = {key: value for name in ("wires", "pad", "conditions") for key, value in result.study.get(name, {}).items()}
-    own |= curved(result.study.get("bodies", {}))
+    own = {key: value for name in ("conditions", "pad", "wires") for key, value in result.study.get(name, {}).items()}
+    own |= curved(result.study.get("bodies") or each_wire(result.study.get("wires", {})))
     asked = record.tables.conditions.cycles
     pairs = {key: (own.get(key), value) for key, value in record.tables.of_study.items()}
     return unlike_conditions(pairs, (float(own.get("cycles", asked)), float(asked)))

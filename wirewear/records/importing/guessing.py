@@ -17,9 +17,9 @@ from wirewear.records.importing.line_guessing import asked_of, profiles_of
 from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.importing.sources import name_pattern
 from wirewear.records.point_tables import BallTest
-from wirewear.records.tables import RecordWires
 from wirewear.results.scar import WIRES
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
+from wirewear.study.tables import Wires
 
 SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
 
@@ -181,7 +181,7 @@ def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float]) -> Tou
         remarks.append("the wires are taken to cross at 90°; --crossing-angle says otherwise")
     angle = known.get("crossing_angle_deg", 90.0)
     wires = {"diameter_mm": known.get("diameter_mm", OPEN), "crossing_angle_deg": angle, **elastic}
-    bodies = RecordWires.model_validate(wires).of_test() if "diameter_mm" in known else ()
+    bodies = Wires.model_validate(wires).of_test() if "diameter_mm" in known else ()
     return Touching({"wires": wires}, WIRES, tuple(remarks), {body.name: body for body in bodies})
 
 
