@@ -1,11 +1,22 @@
-"""Records of spent blind batches guard the diagnosis' score; test_frozen_blind_t*.py diagnose them again."""
+"""Records of spent blind batches guard the diagnosis' score; test_frozen_blind_t*.py diagnose them again.
+
+A tier has a file of its own, so that tiers are diagnosed side by side; `python -m studies.blind.frozen` takes all.
+"""
 
 from pathlib import Path
 
 import pytest
 
 from studies.blind import TIERS
-from studies.blind.frozen import FrozenRecord, complaints, frozen_records, unpack
+from studies.blind.frozen import (
+    FrozenRecord,
+    complaints,
+    diagnosed,
+    frozen_records,
+    is_wrongly_named,
+    points_of,
+    unpack,
+)
 from studies.blind.frozen_anew import cases_of
 from studies.blind.generators.finite_element.model import FiniteElementModel
 from studies.blind.generators.generator import Generator
@@ -14,6 +25,18 @@ from studies.blind.scoring.answers import Answer
 from studies.blind.scoring.judging import judged
 from tests.blind_answers import answer, perfect
 from wirewear import read_record
+
+
+def require_no_lower_score(tier: str, folder: Path) -> None:
+    """The diagnosis scores no lower than when the records were frozen, all of the article's nominal test."""
+    records = frozen_records((tier,), article_only=True)
+    assert len(records) >= 15
+    judgements = diagnosed(records, folder)
+    assert complaints(records, judgements) == []
+    # What the guard compares with was right, so it can fall. Gaps of about what is tolerated, one in twenty, are none.
+    assert sum(one.points for one in records) >= 0.75 * len(records)
+    assert sum(map(points_of, judgements)) >= 0.75 * len(records)
+    assert sum(map(is_wrongly_named, judgements)) <= 2
 
 
 def complained(records: tuple[FrozenRecord, ...], answers: list[Answer]) -> list[str]:
