@@ -18,7 +18,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.views.diagnosis_values import Cause, Estimate
-from wirewear.views.diagnosis_wording import sentence_of
+from wirewear.views.diagnosis_wording import explanations, sentence_of
 
 RUNNING_IN = {"initial": 0.45, "final": 0.62, "cycles": 3000.0}
 
@@ -127,3 +127,14 @@ def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float,
     said = sentence_of("ambiguous", causes, (), shrink, ())
     assert said.startswith(begins)
     assert "plasticity, flattening 0.45 µm" in said
+
+
+def test_effects_that_cannot_be_told_apart_are_one_explanation_and_so_are_the_halves_of_a_pair() -> None:
+    weights = {"third_body": (0.2, True), "free_play": (0.2, True), "tangential_compliance": (0.18, False),
+               "none": (0.12, False), "rotational_compliance": (0.1, False)}  # fmt: skip
+    causes = [Cause(name, probability, {}, joint) for name, (probability, joint) in weights.items()]
+    found = explanations(causes, [("rotational_compliance", "tangential_compliance")])
+    assert [(one.words, round(one.probability, 9)) for one in found] == [
+        ("third body together with free play", 0.4), ("tangential compliance or its like", 0.28), ("no gap", 0.12),
+    ]  # fmt: skip
+    assert [one.is_effect for one in found] == [True, True, False]

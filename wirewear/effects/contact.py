@@ -27,6 +27,7 @@ class FrictionOffset(Effect[ContactLaw]):
     seam = Seam.CONTACT
     ages = Ageing.NEVER
     signature = "height and knee of the loop move together, at all cycles"
+    remedy = "calibrate normal load and force; if both are right, state this friction"
     confused_with = ("normal_load_drift", "friction_evolution")
     answers = (
         measurements.NORMAL_FORCE.shows("as modelled, under friction that is off throughout"),
@@ -63,6 +64,7 @@ class FrictionEvolution(Effect[ContactLaw]):
     seam = Seam.CONTACT
     ages = Ageing.BY_CYCLES
     signature = "the loop's height drifts over the cycles, not tied to the worn depth"
+    remedy = "clean specimens alike; if friction runs in, state it"
     confused_with = ("normal_load_drift", "friction_offset")
     answers = (
         measurements.NORMAL_FORCE.shows("as modelled, under friction that changes"),
@@ -135,6 +137,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
     seam = Seam.CONTACT
     ages = Ageing.BY_CYCLES
     signature = "a soft stick branch early on that vanishes as it wears in and stiffens with the load"
+    remedy = "measure the roughness of fresh specimens, or run them in before you measure"
     confused_with = ("tangential_compliance", "third_body")
     answers = (
         measurements.SECOND_HEIGHT.shows("both points move alike"),
@@ -217,6 +220,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
     name = "third_body"
     seam = Seam.CONTACT
     signature = "a soft stick branch that grows with the cycles; hooks smaller than the worn depth would give"
+    remedy = "look at the debris in and around the scars before they are cleaned"
     confused_with = ("roughness_compliance", "wear_rate_offset", "tangential_compliance")
     answers = (
         measurements.SECOND_HEIGHT.shows("both points move alike"),

@@ -189,6 +189,8 @@ class Effect(ABC, Generic[T]):
     confused_with: ClassVar[tuple[str, ...]]
     #: What further measurements would show if it were at work.
     answers: ClassVar[tuple[Answer, ...]] = ()
+    #: What to check on the rig, or to state in a record, where it is the cause.
+    remedy: ClassVar[str] = ""
     #: Belief before looking beside that in other effects which a record cannot tell from it.
     prior_weight: ClassVar[float] = 1.0
     #: How far the fast model is off the full simulation with it, relative to the change that it makes.

@@ -23,6 +23,7 @@ class TangentialCompliance(Effect[Holder]):
     seam = Seam.HOLDER
     ages = Ageing.NEVER
     signature = "stick branches lean, height unchanged, displacement error ∝ Q; slip and energy fall"
+    remedy = "stiffen clamps and arm, measure displacement nearer the contact, or state the rig's stiffness"
     confused_with = ("rotational_compliance", "displacement_load_coupling")
     answers = (
         SECOND_HEIGHT.shows("both points move alike"),
@@ -62,6 +63,7 @@ class RotationalCompliance(Effect[Holder]):
     seam = Seam.HOLDER
     ages = Ageing.NEVER
     signature = "as tangential_compliance of K_θ/H²; pressure skew on flats"
+    remedy = "stiffen the arm above the contact, or measure displacement at the contact's height"
     confused_with = ("tangential_compliance", "displacement_load_coupling")
     answers = (
         SECOND_HEIGHT.shows("the points move differently"),
@@ -119,6 +121,7 @@ class FreePlay(Effect[Holder]):
     seam = Seam.HOLDER
     ages = Ageing.NEVER
     signature = "a shelf of the gap's width at Q = 0 after each reversal; energy falls by twice gap times force"
+    remedy = "tighten clamps, joints and guides until the shelf at zero force is gone"
     confused_with = ("tangential_compliance",)
     answers = (
         SECOND_HEIGHT.shows("both points move alike"),

@@ -25,6 +25,7 @@ class Misalignment(Effect[Loading]):
     ages = Ageing.NEVER
     needs_load = True
     signature = "a mean force P·tan β (1 + µ²); with a loading spring, load ripple in phase with the motion"
+    remedy = "set the load at a right angle to the motion, and zero the force without contact"
     confused_with = ("force_crosstalk",)
     answers = (
         NORMAL_FORCE.shows("it ripples with the motion"),
@@ -59,6 +60,7 @@ class NormalLoadDrift(Effect[Loading]):
     ages = Ageing.BY_CYCLES
     needs_load = True
     signature = "the loop's height drifts; the scar becomes shallower or deeper with it"
+    remedy = "log the normal force; check weights, spring and hinge of the load"
     confused_with = ("friction_evolution", "friction_offset")
     answers = (NORMAL_FORCE.shows("it drifts"), OTHER_STROKE.shows("the same course over the cycles"))
 
@@ -91,6 +93,7 @@ class CrossingAngleError(Effect[Specimens]):
     contacts = ("crossed-wires",)
     ages = Ageing.NEVER
     signature = "nothing in loops to first order; a skewed scar"
+    remedy = "measure the angle between the specimens and align the clamps"
     confused_with = ()
     answers = (INTERRUPTED_SCARS.shows("skewed outlines"), SCAR_MAPS.shows("skewed outlines"))
 
@@ -124,6 +127,7 @@ class Plasticity(Effect[Specimens]):
     ages = Ageing.NEVER
     needs_load = True
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
+    remedy = "press specimens together without motion and map the imprint"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
     answers = (INTERRUPTED_SCARS.shows("scars before any wear"),)
     model_error = 0.2

@@ -22,6 +22,7 @@ class DisplacementGain(Effect[Sensor]):
     seam = Seam.SENSOR
     ages = Ageing.NEVER
     signature = "the whole loop is stretched, slip and displacement amplitude alike; scar lengths contradict the stroke"
+    remedy = "calibrate the displacement sensor, and check its angle to the motion"
     confused_with = ("tangential_compliance",)
     answers = (
         measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
@@ -58,6 +59,7 @@ class DisplacementLoadCoupling(Effect[Sensor]):
     seam = Seam.SENSOR
     ages = Ageing.NEVER
     signature = "false compliance, stick slopes unequal on both branches; energy unchanged"
+    remedy = "push on the rig without sliding and watch the displacement sensor; mount it off what bears the force"
     confused_with = ("tangential_compliance", "rotational_compliance")
     answers = (
         measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),
@@ -106,6 +108,7 @@ class ForceCrosstalk(Effect[Sensor]):
     seam = Seam.SENSOR
     ages = Ageing.NEVER
     signature = "force offset ∝ normal load, normal force ripples with the tangential one; energy unchanged"
+    remedy = "press without moving and read the tangential force; align the force cell"
     confused_with = ("misalignment",)
     answers = (
         measurements.NORMAL_FORCE.shows("it ripples with the motion"),
@@ -139,6 +142,7 @@ class SensorLag(Effect[Sensor]):
     seam = Seam.SENSOR
     ages = Ageing.NEVER
     signature = "branches split at the reversals, elastic loops gain area, in proportion to the frequency"
+    remedy = "record both channels through like filters, and check their time stamps"
     confused_with = ()
     answers = (
         measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),

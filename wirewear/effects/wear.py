@@ -25,6 +25,7 @@ class WearRateOffset(Effect[WearRates]):
     seam = Seam.WEAR
     ages = Ageing.NEVER
     signature = "nothing in fresh loops; end hooks and scar volume grow faster or slower"
+    remedy = "map the scars again, and fit the wear coefficient to these materials"
     confused_with = ("wear_rate_evolution", "plasticity")
     answers = (
         INTERRUPTED_SCARS.shows("volumes in another proportion to the energy"),
@@ -61,6 +62,7 @@ class WearRateEvolution(Effect[WearRates]):
     seam = Seam.WEAR
     ages = Ageing.BY_CYCLES
     signature = "the path of end hooks and volumes over the cycles, not only their end"
+    remedy = "stop tests early and map their scars; if wear runs in, state it"
     confused_with = ("wear_rate_offset", "plasticity")
     answers = (
         INTERRUPTED_SCARS.shows("volumes in no constant proportion to the energy"),
@@ -121,6 +123,7 @@ class ContactOxygenation(Effect[WearRates]):
     seam = Seam.WEAR
     ages = Ageing.NEVER
     signature = "the middle of the scar wears too little: a W in place of a U, the more the faster the test"
+    remedy = "see whether air reaches the middle of the contact"
     confused_with = ("wear_rate_offset", "third_body")
     answers = (
         LOWER_FREQUENCY.shows("larger volumes at the same energy, and a U-shaped scar"),

@@ -11,7 +11,7 @@ from wirewear.base.quantity import counted, unit_of, words_of
 from wirewear.base.reading import with_checksum
 from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.views.diagnosis_values import program
-from wirewear.views.diagnosis_wording import first_sentence, plain, told, with_unit
+from wirewear.views.diagnosis_wording import next_measurement, parameters_told, plain, share, steps, told, worth_telling
 
 if TYPE_CHECKING:
     from wirewear.views.diagnosis_values import Diagnosis
@@ -20,15 +20,13 @@ if TYPE_CHECKING:
 TEMPLATE = Path(__file__).with_name("diagnosis.html")
 JSON_FILE_NAME, REPORT_FILE_NAME = "diagnosis.json", "report.html"
 
+#: Of each verdict the heading, and whether the summary is coloured as good, open or bad.
 VERDICTS = {
-    "no_gap": "No gap",
-    "explained": "Gap explained",
-    "ambiguous": "Gap with several possible causes",
-    "unexplained": "Gap without a known cause",
+    "no_gap": ("No gap", "good"),
+    "explained": ("Gap explained", ""),
+    "ambiguous": ("Gap with several possible causes", "open"),
+    "unexplained": ("Gap without a known cause", "bad"),
 }
-
-#: Verdicts whose summary is coloured as good, open or bad.
-MOODS = {"no_gap": "good", "explained": "", "ambiguous": "open", "unexplained": "bad"}
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
@@ -50,85 +48,52 @@ def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
     from wirewear.views import diagnosis_shown as shown
 
-    weighed, found = diagnosed.weighed, diagnosed.search
-    best = max((one.log_evidence for one in (found.none, *found.singles, *found.pairs)), default=0.0)
-    first, rest = first_sentence(diagnosed.diagnosis.sentence)
+    diagnosis, found = diagnosed.diagnosis, diagnosed.search
     loops = shown.loops(diagnosed)
-    fits = sorted((found.none, *found.singles, *found.pairs), key=lambda one: -one.log_evidence)
-    return frame.rendered(
-        TEMPLATE,
-        {
-            "d": diagnosed.diagnosis,
-            "heading": VERDICTS[diagnosed.diagnosis.verdict],
-            "mood": MOODS.get(diagnosed.diagnosis.verdict, "open"),
-            "map": shown.gap_map(diagnosed),
-            "causes": shown.cause_bars(diagnosed),
-            "gaps": shown.gap_bars(diagnosed),
-            "loops_are": bool(loops["cycles"]),
-            "contact": diagnosed.setup.contact_kind,
-            "first": first,
-            "rest": rest,
-            "next": shown.next_measurement(diagnosed.diagnosis),
-            "sections": loops["sections"],
-            "data": frame.embedded(loops),
-            "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("diagnosis.js")),
-            "fits": [
-                (
-                    " and ".join(one.names) or "none",
-                    one.distance2,
-                    one.log_evidence - best,
-                    weighed.probabilities.get(one.names, 0.0),
-                )
-                for one in fits
-            ],
-            "observables": len(found.problem.layout),
-            "scatter": found.covariance.scatter,
-            "repeats": diagnosed.observed.repeats,
-            "program": program(),
-        },
-        {
-            "plain": plain,
-            "told": told,
-            "with_unit": lambda pair: with_unit(*pair),
-            "share": _share,
-            "plain_with_unit": _plain_with_unit,
-        },
-    )
+    filters = {"plain": plain, "told": told, "parameters": parameters_told, "share": share, "with_unit": _with_unit}
+    values = {
+        "d": diagnosis,
+        "diagnosed": diagnosed,
+        "said": VERDICTS[diagnosis.verdict],
+        "map": shown.gap_map(diagnosed),
+        "zones": shown.zone_bars(diagnosed),
+        "likely": worth_telling(diagnosis)[:5],
+        "gaps": shown.gap_bars(diagnosed),
+        "steps": steps(diagnosis),
+        "loops_are": bool(loops["cycles"]),
+        "of_scar": bool(loops["sections"]) and shown.shows_in_scar(diagnosed),
+        "next": next_measurement(diagnosis),
+        "sections": loops["sections"],
+        "data": frame.embedded(loops),
+        "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("diagnosis.js")),
+        "fits": sorted((found.none, *found.singles, *found.pairs), key=lambda one: -one.log_evidence)[:15],
+        "program": program(),
+    }
+    return frame.rendered(TEMPLATE, values, filters)
 
 
-def _plain_with_unit(name: str) -> str:
+def _with_unit(name: str) -> str:
     """For example: slip amplitude [µm]."""
     if name.endswith("_percent"):
         return f"{name.removesuffix('_percent').replace('_', ' ')} [%]"
     return f"{words_of(name)} [{unit_of(name)}]"
 
 
-def _share(value: float) -> str:
-    return "less than 1 %" if value < 0.01 else f"{100.0 * value:.0f} %"
-
-
 def ten_lines(diagnosis: Diagnosis) -> str:
-    """The answer for a terminal."""
+    """The answer for a terminal: the sentence of the page, and what stands under it there."""
     shrink = diagnosis.shrink
-    lines = [f"{diagnosis.record}: {VERDICTS[diagnosis.verdict].lower()}", diagnosis.sentence]
-    lines += [f"  where: {finding.text} ({_share(finding.share)} of the gap)" for finding in diagnosis.where[:2]] or [
-        "  where: nowhere beyond scatter"
-    ]
-    lines += [f"  behaves like ({one.probability:.0%}): {one.family}" for one in diagnosis.resembles[:2]]
-    for cause in diagnosis.causes[:3]:
-        values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
-        joint = " (acting together with another)" if cause.joint else ""
-        lines.append(f"  {cause.probability:4.0%}  {told(cause)}{joint}{': ' if values else ''}{values}")
+    lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
+    lines += [f"  where: {finding.text} ({share(finding.share)} of the gap)" for finding in diagnosis.where[:2]]
+    for one in worth_telling(diagnosis)[:3]:
+        values = "; ".join(filter(None, map(parameters_told, one.causes)))
+        lines.append(f"  {share(one.probability)}: {one.words}{f': {values}' if values else ''}")
     if diagnosis.verdict != "no_gap":
         low, high = shrink.interval95
         lines.append(
             f"  gap {shrink.before:.2f} → {shrink.after:.2f} scatters (floor {shrink.floor:.2f}); shrink "
             f"{shrink.shrink:.0%} ({low:.0%} to {high:.0%}) on {', '.join(map(counted, shrink.held_out)) or 'all'}"
         )
-        for members in diagnosis.equivalent[:1]:
-            lines.append(f"  cannot be told apart here: {', '.join(plain(name) for name in members)}")
-        if diagnosis.next_measurement is not None:
-            lines.append(f"  measure next: {diagnosis.next_measurement['what']}")
+    lines += [f"  {what}: {text}" for what, text in steps(diagnosis)]
     if diagnosis.undetectable:
         lines.append(f"  could not be seen here: {', '.join(plain(name) for name in diagnosis.undetectable)}")
     return "\n".join(lines[:10])

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.frame import numbers
-from wirewear.diagnosis.infer.where import places
+from wirewear.diagnosis.infer.where import Place, places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
@@ -19,14 +19,12 @@ from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
-from wirewear.effects import all_measurements, effect_named
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
 from wirewear.results.scar import called
 from wirewear.views.diagnosis_wording import plain
 
 if TYPE_CHECKING:
-    from wirewear.views.diagnosis_values import Cause, Diagnosis
     from wirewear.views.diagnosis_wording import Diagnosed
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
@@ -36,21 +34,16 @@ DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
 STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
+CURVES = ("model", MODEL), ("explained", WITH)
 
 MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
+MOST_ZONES = 5  #: Zones whose size is shown at most.
 
-#: From so many scatters on, a cell of the map has the next colour; pale to dark red.
+#: From so many scatters on, a cell of the map has the next colour, pale to dark red, and the next ink.
 SHADES = (
-    (0, "#fff7e3"),
-    (1, "#fee9b4"),
-    (2, "#fed173"),
-    (3, "#feab49"),
-    (5, "#f97a36"),
-    (8, "#e4401f"),
-    (12, "#b10026"),
-)
-
-DARK = 8  #: From here on a shade is so dark that it takes white letters.
+    (0, "#fff7e3", "#1a1a1a"), (1, "#fee9b4", "#1a1a1a"), (2, "#fed173", "#1a1a1a"), (3, "#feab49", "#1a1a1a"),
+    (5, "#f97a36", "#1a1a1a"), (8, "#e4401f", "#fff"), (12, "#b10026", "#fff"),
+)  # fmt: skip
 
 
 def residuals(
@@ -132,46 +125,8 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True)
-class Cell:
-    """One zone at one cycle: how many scatters it is off, its colour, and whether that is beyond chance."""
-
-    in_scatter: float
-    colour: str
-    ink: str
-    flagged: bool
-
-
-@dataclass(frozen=True)
-class GapMap:
-    """Where the gap lies: cycles, and a row of cells for each zone, None where nothing was measured."""
-
-    cycles: tuple[int, ...]
-    rows: tuple[tuple[str, tuple[Cell | None, ...]], ...]
-
-
-@dataclass(frozen=True)
-class CauseBar:
-    """A cause with what it cannot be told apart from."""
-
-    cause: Cause
-    percent: float
-    colour: str
-    like: tuple[str, ...]
-
-
-@dataclass(frozen=True)
-class NextMeasurement:
-    """What to measure next, its cost in words, and what it would show under each effect that it splits."""
-
-    what: str
-    why: str
-    cost: str
-    tells: tuple[tuple[str, float, str], ...]
-
-
-@dataclass(frozen=True)
-class GapBar:
-    """A root mean square difference, and its length of the longest."""
+class Bar:
+    """A value and its length of the longest."""
 
     name: str
     value: float
@@ -185,12 +140,12 @@ def loops(diagnosed: Diagnosed) -> dict[str, Any]:
     kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
     cycles = [known[place] for place in kept]
     at = np.array(cycles or [diagnosed.setup.cycles], dtype=float)
-    found, best = diagnosed.search, diagnosed.search.best
+    best = diagnosed.search.best
     curves = [("model", MODEL, simulate(diagnosed.states, diagnosed.setup, at))]
-    if best.candidates and diagnosed.diagnosis.verdict != "no_gap":
-        alike = any(name in members for members in diagnosed.diagnosis.equivalent for name in best.names)
-        label = "model with " + " and ".join(plain(name) for name in best.names) + (" or its like" if alike else "")
-        curves.append((label, WITH, simulate(diagnosed.states, found.best.setup, at)))
+    if _explains(diagnosed):
+        alike = any(effect_of(name) in members for members in diagnosed.diagnosis.equivalent for name in best.names)
+        label = "with " + " and ".join(plain(name) for name in best.names) + (" or its like" if alike else "")
+        curves.append((label, WITH, simulate(diagnosed.states, best.setup, at)))
     return {
         "cycles": cycles,
         "measured": [_measured(diagnosed, cycle) for cycle in cycles],
@@ -246,67 +201,61 @@ def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]
     return found
 
 
-def gap_map(diagnosed: Diagnosed) -> GapMap:
-    """Every zone and cycle that was measured."""
+def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple[Place, str, str] | None]]]]:
+    """Cycles, and of every zone its label and a cell at each cycle: what differs, its colour and ink, or nothing."""
     found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
-    cycles = tuple(sorted({place.cycle for place in found}))
-    cells = {(place.zone, place.cycle): _cell(place.in_scatter, flagged=place.flagged) for place in found}
-    zones = [(zone, label) for zone, label in row_labels().items() if any(place.zone == zone for place in found)]
-    return GapMap(cycles, tuple((label, tuple(cells.get((zone, cycle)) for cycle in cycles)) for zone, label in zones))
+    shades = [next(shade[1:] for shade in reversed(SHADES) if place.in_scatter >= shade[0]) for place in found]
+    cells = {(place.zone, place.cycle): (place, *shade) for place, shade in zip(found, shades, strict=True)}
+    cycles, measured = sorted({cycle for _, cycle in cells}), {zone for zone, _ in cells}
+    zones = [(zone, label) for zone, label in row_labels().items() if zone in measured]
+    return cycles, [(label, [cells.get((zone, cycle)) for cycle in cycles]) for zone, label in zones]
 
 
-def cause_bars(diagnosed: Diagnosed, most: int = 8) -> list[CauseBar]:
-    """The likeliest causes, those that cannot be told apart next to one another."""
-    diagnosis, weighed = diagnosed.diagnosis, diagnosed.weighed
-    listed = diagnosis.causes[:most]
+def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
+    """Zones that differ most: label, whether beyond chance, root mean square [scatters], nominal and explained."""
+    found = diagnosed.search
+    setups = [diagnosed.setup, *([found.best.setup] if _explains(diagnosed) else [])]
+    rows = [places(found.problem, found.covariance, setup) for setup in setups]
+    beyond = {place.zone for place in rows[0] if place.flagged}
+    sizes = {
+        zone: [float(np.sqrt(np.mean([one.in_scatter**2 for one in row if one.zone == zone]))) for row in rows]
+        for zone in {place.zone for place in rows[0]}
+    }
+    most = sorted(sizes, key=lambda zone: (zone not in beyond, -sizes[zone][0]))[:MOST_ZONES]
+    longest = max(max(sizes[zone]) for zone in most)
+    bars = {
+        zone: _bars([(*one, size) for one, size in zip(CURVES, sizes[zone], strict=False)], longest) for zone in most
+    }
+    return [(row_labels()[zone], zone in beyond, bars[zone]) for zone in most]
 
-    def rank(cause: Cause) -> tuple[float, str, float]:
-        members = weighed.class_of(cause.effect)
-        return -max(one.probability for one in listed if one.effect in members), members[0], -cause.probability
 
-    def like(name: str) -> tuple[str, ...]:
-        return tuple(other for members in diagnosis.equivalent if name in members for other in members if other != name)
-
-    neutral = ("none", "outside_library")
-    return [
-        CauseBar(one, 100.0 * one.probability, MEASURED if one.effect in neutral else WITH, like(one.effect))
-        for one in sorted(listed, key=rank)
-    ]
+def shows_in_scar(diagnosed: Diagnosed) -> bool:
+    """Whether the gap is largest in scars, or there are no loops that could show it."""
+    words = {part.observable.words for part in diagnosed.search.problem.layout if part.observable.of_scars}
+    largest = [finding.observable for finding in diagnosed.diagnosis.where[:1]]
+    return not diagnosed.observed.loops or not words.isdisjoint(largest)
 
 
-def gap_bars(diagnosed: Diagnosed) -> list[GapBar]:
+def _explains(diagnosed: Diagnosed) -> bool:
+    """Whether the best explanation is said to be one, of all or of a part."""
+    said = diagnosed.diagnosis.verdict in ("explained", "ambiguous") or diagnosed.diagnosis.partial is not None
+    return said and bool(diagnosed.search.best.candidates)
+
+
+def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
     """The gap before, after, after a full simulation if there was one, and what tests scatter."""
     shrink, confirmed = diagnosed.diagnosis.shrink, diagnosed.diagnosis.confirmed
-    values: Mapping[str, tuple[float, str]] = {
-        "before": (shrink.before, MODEL),
-        "after": (shrink.after, WITH),
-        **({} if confirmed is None else {"after, full simulation": (confirmed.after, CONFIRMED)}),
-        "floor: scatter and solver": (shrink.floor, MEASURED),
-    }
-    longest = max((value for value, _ in values.values() if np.isfinite(value)), default=0.0) or 1.0
-    return [GapBar(name, value, 100.0 * value / longest, colour) for name, (value, colour) in values.items()]
+    values = [
+        (*CURVES[0], shrink.before),
+        *([(*CURVES[1], shrink.after)] if _explains(diagnosed) else []),
+        *([("full simulation", CONFIRMED, confirmed.after)] if confirmed else []),
+        ("perfect model", MEASURED, shrink.floor),
+    ]
+    return _bars(values, max((value for _, _, value in values if np.isfinite(value)), default=0.0) or 1.0)
 
 
-def next_measurement(diagnosis: Diagnosis) -> NextMeasurement | None:
-    """The next measurement for people, its effects the likeliest first with their probabilities."""
-    asked = diagnosis.next_measurement
-    if asked is None:
-        return None
-    known = next(one for one in all_measurements() if one.what == asked["what"])
-    probabilities = {cause.effect: cause.probability for cause in diagnosis.causes}
-    names = sorted(asked["splits"], key=lambda name: -probabilities.get(effect_of(name), 0.0))
-    tells = []
-    for name in names:
-        effect = effect_of(name)
-        text = known.without_gap if effect == "none" else effect_named(effect).answer_to(known)
-        tells.append((name, probabilities.get(effect, 0.0), text or "nothing of its own"))
-    return NextMeasurement(known.what, known.why, _days(known.cost_days), tuple(tells))
-
-
-def _days(days: float) -> str:
-    """A cost in words: half a day."""
-    words = {0.5: "half a day", 1.0: "a day"}
-    return words.get(days, f"{8.0 * days:.2g} hours" if days < 1.0 else f"{days:.2g} days")
+def _bars(rows: Iterable[tuple[str, str, float]], longest: float) -> list[Bar]:
+    return [Bar(name, value, 100.0 * value / longest, colour) for name, colour, value in rows]
 
 
 def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]]:
@@ -317,8 +266,3 @@ def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]
             q = np.concatenate([branch.sign * branch.force_N for branch in loop.branches])
             found.append([numbers(x), numbers(q)])
     return found
-
-
-def _cell(in_scatter: float, *, flagged: bool) -> Cell:
-    start, colour = next((shade for shade in reversed(SHADES) if in_scatter >= shade[0]), SHADES[0])
-    return Cell(in_scatter, colour, "#fff" if start >= DARK else "#1a1a1a", flagged)

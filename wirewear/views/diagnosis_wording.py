@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, replace
+from itertools import combinations
 
 from wirewear.base import notebook
 from wirewear.base.frame import figure
-from wirewear.base.quantity import UNIT_SYMBOLS
+from wirewear.base.quantity import unit_of, words_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
@@ -22,17 +22,21 @@ from wirewear.diagnosis.model.candidates import effect_of, unforeseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
-from wirewear.effects import all_effects
+from wirewear.effects import all_effects, all_measurements, effect_named
 from wirewear.planar.tables import PlanarStudy
 from wirewear.records import AnyRecord
 from wirewear.study import Study
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
 
-if TYPE_CHECKING:
-    pass
-
-#: Parameters whose names end so carry these units.
-_ENDINGS = {f"_{unit}": symbol for unit, symbol in UNIT_SYMBOLS.items()}
+#: What to look at where a gap behaves like something at a seam.
+SEAMS = {
+    "sensor": "sensors, amplifiers, filters and logger",
+    "holder": "clamps, joints and springs that hold the specimens",
+    "contact": "surfaces, debris and humidity",
+    "loading": "weights, springs and hinges of the load",
+    "wear": "how the surfaces wear",
+    "specimens": "shape and mounting of the specimens",
+}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -53,10 +57,7 @@ class Diagnosed:
 
     def _repr_html_(self) -> str:
         rows = {
-            f"{plain(cause.effect)}, {cause.probability:.0%}": "; ".join(
-                with_unit(name, estimate) for name, estimate in cause.parameters.items()
-            )
-            for cause in self.diagnosis.causes[:5]
+            f"{told(cause)}, {cause.probability:.0%}": parameters_told(cause) for cause in self.diagnosis.causes[:5]
         }
         note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
         return notebook.table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
@@ -75,16 +76,108 @@ def told(cause: Cause) -> str:
     return f"{plain(cause.effect)} ({chosen})" if chosen else plain(cause.effect)
 
 
-def with_unit(name: str, estimate: Estimate) -> str:
+def parameters_told(cause: Cause) -> str:
     """For example: stiffness 165 N/mm (158 to 173)."""
-    for ending in sorted(_ENDINGS, key=len, reverse=True):
-        if name.endswith(ending):
-            words, unit = name.removesuffix(ending), _ENDINGS[ending]
-            break
-    else:
-        words, unit = name, ""
-    low, high = estimate.interval95
-    return f"{words.replace('_', ' ')} {figure(estimate.value)}{unit} ({figure(low)} to {figure(high)})"
+    return ", ".join(_with_unit(name, estimate) for name, estimate in cause.parameters.items())
+
+
+def _with_unit(name: str, estimate: Estimate) -> str:
+    unit, (low, high) = unit_of(name), estimate.interval95
+    symbol = {"1": "", "°": "°"}.get(unit, f" {unit}")
+    # What spans a decade is no measured value, whatever lies in its middle.
+    if 0.0 < low < 0.11 * high:
+        return f"{words_of(name)} not determined ({figure(low)} to {figure(high)}{symbol})"
+    return f"{words_of(name)} {figure(estimate.value)}{symbol} ({figure(low)} to {figure(high)})"
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """Causes that act alone or together, the likeliest of those that cannot be told from them; their probability."""
+
+    words: str
+    causes: tuple[Cause, ...]
+    probability: float
+
+    @property
+    def is_effect(self) -> bool:
+        """Whether it is an effect of the library, or a pair of them."""
+        return self.causes[0].effect not in ("none", "outside_library")
+
+
+def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
+    """What may account for a gap, the likeliest first: effects that a record cannot tell apart count as one."""
+
+    def members(cause: Cause) -> tuple[str, ...]:
+        return next((tuple(group) for group in equivalent if cause.effect in group), (told(cause),))
+
+    joint = [cause for cause in causes if cause.joint]
+    found: dict[tuple[tuple[str, ...], ...], Explanation] = {}
+    # Both halves of a pair stand side by side.
+    for own in (*((cause,) for cause in causes if not cause.joint), *zip(joint[::2], joint[1::2], strict=True)):
+        key = tuple(sorted(map(members, own)))
+        words = " together with ".join(f"{told(one)}{' or its like' if len(members(one)) > 1 else ''}" for one in own)
+        known = found.get(key, Explanation(words, own, 0.0))
+        found[key] = replace(known, probability=known.probability + sum(cause.probability for cause in own))
+    return sorted(found.values(), key=lambda one: -round(one.probability, 9))
+
+
+def worth_telling(diagnosis: Diagnosis, least: float = 0.01) -> list[Explanation]:
+    """The likeliest explanation, and others that are not beyond belief."""
+    first, *others = explanations(diagnosis.causes, diagnosis.equivalent)
+    return [first, *(one for one in others if one.probability >= least)]
+
+
+def share(value: float) -> str:
+    """A share or probability in words that claim no more than is known."""
+    return "< 1 %" if value < 0.01 else "> 99 %" if value > 0.99 else f"{100.0 * value:.0f} %"
+
+
+def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
+    """What to do next: what to measure, and what to check on the rig."""
+    leading = next((one for one in explanations(diagnosis.causes, diagnosis.equivalent) if one.is_effect), None)
+    probabilities = {cause.effect: cause.probability for cause in diagnosis.causes}
+    asked = next_measurement(diagnosis)
+    found = [("measure next", asked[0])] if asked else []
+    if diagnosis.verdict == "no_gap":
+        found.append(("on the rig", "nothing needs to be mended"))
+    elif leading and (diagnosis.verdict != "unexplained" or diagnosis.partial):
+        for cause in leading.causes:
+            group = next((own for own in diagnosis.equivalent if cause.effect in own), (cause.effect,))
+            alike = sorted(group, key=lambda name: -probabilities.get(name, 0.0))[:3]
+            whether = "if it is " if len(alike) > 1 else ""
+            found += [(f"{whether}{plain(name)}", effect_named(name).remedy or "check it") for name in alike]
+    found += [
+        ("check on the rig", f"{SEAMS[one.seam]}: there the gap seems to arise") for one in diagnosis.resembles[:1]
+    ]
+    return found
+
+
+def next_measurement(diagnosis: Diagnosis, least: float = 0.02) -> tuple[str, list[tuple[str, float, str]]] | None:
+    """The next measurement for people, and what it would show under each effect with its probability, likeliest first.
+
+    None where no two rivals have `least` probability each: effects that act together are none.
+    """
+    asked, causes = diagnosis.next_measurement, diagnosis.causes
+    known = {cause.effect: cause.probability for cause in causes}
+    shares = known | {
+        name: sum(known.get(other, 0.0) for other in group) / len(group)
+        for group in diagnosis.equivalent
+        for name in group
+    }
+    together = {cause.effect for cause in causes[:2] if cause.joint}
+    if asked is None or not any(
+        {*pair} != together and min(shares.get(name, 0.0) for name in pair) >= least
+        for pair in combinations(asked["splits"], 2)
+    ):
+        return None
+    chosen = next(one for one in all_measurements() if one.what == asked["what"])
+    tells = []
+    for name in sorted(asked["splits"], key=lambda name: -known.get(name, 0.0)):
+        text = chosen.without_gap if name == "none" else effect_named(name).answer_to(chosen)
+        tells.append((name, known.get(name, 0.0), text or "nothing of its own"))
+    days = chosen.cost_days
+    cost = {0.5: "half a day", 1.0: "a day"}.get(days, f"{8.0 * days:.2g} hours" if days < 1.0 else f"{days:.2g} days")
+    return f"{chosen.what}; {chosen.why} ({cost})", tells
 
 
 def sentence_of(
@@ -101,27 +194,27 @@ def sentence_of(
     """What a reader in a hurry needs to know; `behind` are causes of a difference that does not matter."""
     if verdict == "no_gap":
         return _agreement(relevance, behind[0] if behind else None)
-    named = [cause for cause in causes if cause.effect not in ("none", "outside_library")]
+    weighed = explanations(causes, equivalent)
+    named = [one for one in weighed if one.is_effect]
     place = f" It lies mostly in the {where[0].place}." if where else ""
     like = f" {resembles[0].text}" if resembles else ""
     if partial is not None:
         return f"{_partly(partial, equivalent)}{like}"
     if verdict == "unexplained" or not named:
         return f"There is a gap that no known effect, and no pair of them, explains.{like or place}"
-    leading = [cause for cause in named if cause.joint] if named[0].joint else named[:1]
-    parts = [_one(cause, equivalent) for cause in leading[:2]]
-    words = " together with ".join(parts)
+    words = " together with ".join(_one(cause, equivalent) for cause in named[0].causes)
     if verdict == "ambiguous":
-        others = " or ".join(told(cause) for cause in named[1:3] if cause not in leading) or "other effects"
+        rivals = [one.words for one in weighed if one != named[0] and one.causes[0].effect != "none"]
+        others = " or ".join(rivals[:2]) or "other effects"
         return f"{_may_explain(causes[0], words, others)}{place}"
+    explains = f"{words[0].upper()}{words[1:]}, explain{'s' if len(named[0].causes) == 1 else ''} the gap"
     if not shrink.shows_gap:
-        unseen = "The cycles left out of the fit show no gap by which to check it."
-        seen = f" It shows in the {where[0].place}." if where else ""
-        return f"The gap is explained by {words}.{seen} {unseen}"
+        seen = f" in the {where[0].place}" if where else ""
+        return f"{explains}{seen}; what was left out of the fit shows no gap by which to check it."
     left_out = "a scar" if shrink.scar_held_out else "cycles"
     return (
-        f"The gap is explained by {words}: on {left_out} left out of the fit it shrinks from {shrink.before:.2g} to "
-        f"{shrink.after:.2g} (floor {shrink.floor:.2g}, in scatters)."
+        f"{explains}: on {left_out} left out of the fit the difference from the model falls from {shrink.before:.2g} "
+        f"to {shrink.after:.2g} times the scatter of tests."
     )
 
 
@@ -133,12 +226,6 @@ def _agreement(relevance: Relevance | None, like: Cause | None) -> str:
         f"A difference of {100.0 * relevance.largest.relative:.2g} % is detected, within the record's tolerance: "
         f"{relevance.largest.text}.{behaves}"
     )
-
-
-def first_sentence(text: str) -> tuple[str, str]:
-    """The first sentence of a text, and the others."""
-    first, dot, rest = text.partition(". ")
-    return (f"{first}.", rest) if dot else (text, "")
 
 
 def _may_explain(likeliest: Cause, words: str, others: str) -> str:
@@ -158,7 +245,7 @@ def _partly(partial: Partial, equivalent: Sequence[Sequence[str]]) -> str:
 
 
 def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
-    values = ", ".join(with_unit(name, estimate) for name, estimate in cause.parameters.items())
+    values = parameters_told(cause)
     members = next((list(group) for group in equivalent if cause.effect in group), [])
     if members:
         names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
