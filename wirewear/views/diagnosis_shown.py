@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -36,6 +35,7 @@ STRIP = 0.1  #: Share of the scar's width about its middle over which a section 
 MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
 CURVES = ("model", MODEL), ("explained", WITH)
 
+Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, colour.
 MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
 MOST_ZONES = 5  #: Zones whose size is shown at most.
 
@@ -122,16 +122,6 @@ def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
     half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
     x = np.linspace(-half, half, places)
     return x, depth * (1.0 - (x / max(half, 1e-9)) ** 2)
-
-
-@dataclass(frozen=True)
-class Bar:
-    """A value and its length of the longest."""
-
-    name: str
-    value: float
-    percent: float
-    colour: str
 
 
 def loops(diagnosed: Diagnosed) -> dict[str, Any]:
@@ -255,7 +245,7 @@ def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
 
 
 def _bars(rows: Iterable[tuple[str, str, float]], longest: float) -> list[Bar]:
-    return [Bar(name, value, 100.0 * value / longest, colour) for name, colour, value in rows]
+    return [(name, value, 100.0 * value / longest, colour) for name, colour, value in rows]
 
 
 def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]]:

@@ -97,11 +97,7 @@ class Explanation:
     words: str
     causes: tuple[Cause, ...]
     probability: float
-
-    @property
-    def is_effect(self) -> bool:
-        """Whether it is an effect of the library, or a pair of them."""
-        return self.causes[0].effect not in ("none", "outside_library")
+    is_effect: bool
 
 
 def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -> list[Explanation]:
@@ -116,7 +112,7 @@ def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -
     for own in (*((cause,) for cause in causes if not cause.joint), *zip(joint[::2], joint[1::2], strict=True)):
         key = tuple(sorted(map(members, own)))
         words = " together with ".join(f"{told(one)}{' or its like' if len(members(one)) > 1 else ''}" for one in own)
-        known = found.get(key, Explanation(words, own, 0.0))
+        known = found.get(key, Explanation(words, own, 0.0, own[0].effect not in ("none", "outside_library")))
         found[key] = replace(known, probability=known.probability + sum(cause.probability for cause in own))
     return sorted(found.values(), key=lambda one: -round(one.probability, 9))
 
@@ -146,9 +142,7 @@ def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
             alike = sorted(group, key=lambda name: -probabilities.get(name, 0.0))[:3]
             whether = "if it is " if len(alike) > 1 else ""
             found += [(f"{whether}{plain(name)}", effect_named(name).remedy or "check it") for name in alike]
-    found += [
-        ("check on the rig", f"{SEAMS[one.seam]}: there the gap seems to arise") for one in diagnosis.resembles[:1]
-    ]
+    found += [("check on the rig", f"{SEAMS[one.seam]}, where it seems to arise") for one in diagnosis.resembles[:1]]
     return found
 
 
