@@ -248,6 +248,7 @@ BUDGETS = {
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     "lines of geometry, solvers and wirewear": 62_937,
     "lines of wirewear": 51_139,
+    # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
     "lines of studies": 19_834,

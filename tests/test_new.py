@@ -14,6 +14,7 @@ from wirewear.kinds import KINDS, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.study import load_study
 from wirewear.study.keys import Table, table_of
+from wirewear.study.template import study_text
 
 EXAMPLE = Path("studies/steel_wires/example_records/rigid_stated_compliant_rig")
 
@@ -168,6 +169,12 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
     refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE)
     assert refused.exit_code == 2
     assert f"gives no study of --kind {kind}" in refused.stderr
+
+
+@pytest.mark.parametrize(("kind", "times"), [("ball-on-flat", 0), ("point-contact", 0), ("crossed-wires", 1)])
+def test_the_motions_angle_to_a_wire_is_a_key_of_wires_alone(kind: str, times: int) -> None:
+    text = study_text("mine", template=KINDS[kind].template)
+    assert text.count("motion_angle_deg") == times
 
 
 def _keys_of(tables: type[Table], name: str) -> list[str]:

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from geometry import WireGeometry, build_body
-from wirewear import reference
+from studies.benchmarks.random_draws import LARGEST_PRESSURE_MPa, draw_shapes
+from wirewear import parse_study, reference
 from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import discretise, run_study
@@ -205,3 +206,11 @@ def test_crossed_cylinders_wear_as_a_ball_of_their_radius_does(ball: RunResult, 
     for name in ("dissipated_energy_mJ", "slip_amplitude_um", "max_tangential_force_N", "max_mean_pressure_MPa"):
         assert crossed.evolution[name][-1] == pytest.approx(ball.evolution[name][-1], rel=0.02), name
     assert crossed.worn_volume_mm3[-1] == pytest.approx(ball.worn_volume_mm3[-1], rel=0.02)
+
+
+@pytest.mark.parametrize("index", range(6))
+def test_random_shapes_are_drawn_so_that_they_touch_at_a_point_and_can_be_meshed(index: int) -> None:
+    drawn = draw_shapes(1, index)
+    assert drawn == draw_shapes(1, index)
+    hertz = discretise(parse_study(drawn, "s.toml"), "quick").hertz
+    assert hertz.peak_pressure_MPa < 1.001 * LARGEST_PRESSURE_MPa

@@ -1,11 +1,16 @@
-"""Random studies of wires within stated physical ranges, each from a seed of its own."""
+"""Random studies of wires and of other contacts at a point within stated physical ranges, each from its own seed."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from wirewear import reference
+from wirewear.base.reading import toml_text
+from wirewear.study.bodies import hertz_of
+from wirewear.study.points import LowerAndUpper
 
 #: Ranges the studies are drawn from; lengths and stiffnesses on a logarithmic scale.
 DIAMETER_mm = (0.2, 2.0)
@@ -21,6 +26,11 @@ MODULUS_MPa = (70e3, 210e3)
 RIG_N_per_mm = (10.0, 3e4)
 RIGID_SHARE = 0.25
 CYCLES = 10_000
+#: Of other contacts at a point: shapes, and what they have of wires' ranges at another scale.
+SHAPES = ("wire", "tube", "cylinder", "ball", "barrel", "flat")
+DIAMETER_OF_SHAPE_mm, LOAD_ON_SHAPES_N = (0.4, 40.0), (0.5, 500.0)
+BORE_PER_DIAMETER = (0.2, 0.8)
+LARGEST_PRESSURE_MPa = 8e3  #: Of their fresh contact.
 #: Volume that gross slip would wear over the test, in areas of the fresh contact times its approach; steel wires of
 #: 0.45 mm wear some 60 of them.
 VOLUME_PER_CONTACT = (1.0, 100.0)
@@ -45,6 +55,9 @@ class _Draw:
     def happens(self, share: float) -> bool:
         return bool(self._random.random() < share)
 
+    def shape(self) -> str:
+        return SHAPES[int(self._random.integers(len(SHAPES)))]
+
 
 @dataclass(frozen=True)
 class _Pair:
@@ -55,6 +68,22 @@ class _Pair:
     load_N: float
     steel: reference.Elastic
     fixed: reference.Elastic
+
+    kind = "crossed-wires"
+
+    @property
+    def lines(self) -> list[str]:
+        """As a study states them."""
+        return [
+            "[wires]",
+            f"diameter_mm = {self.diameters_mm[0]!r}",
+            f"youngs_modulus_MPa = {self.steel.youngs_modulus_MPa!r}",
+            "poissons_ratio = 0.3",
+            f"crossing_angle_deg = {self.angle_deg!r}",
+            "[wires.fixed]",
+            f"diameter_mm = {self.diameters_mm[1]!r}",
+            f"youngs_modulus_MPa = {self.fixed.youngs_modulus_MPa!r}",
+        ]
 
     @property
     def hertz(self) -> reference.PointContact:
@@ -71,19 +100,86 @@ class _Pair:
         return 1.5 * friction * self.load_N / tangential + friction * self.load_N / stiffness_N_per_mm
 
 
+@dataclass(frozen=True)
+class _Shapes(_Pair):
+    """Two bodies of any shapes, given by their tables."""
+
+    tables: dict[str, dict[str, Any]]
+
+    kind = "point-contact"
+
+    @property
+    def lines(self) -> list[str]:
+        """As a study states them."""
+        return [toml_text({"bodies": self.tables})]
+
+    @property
+    def hertz(self) -> reference.PointContact:
+        """Their fresh contact."""
+        return hertz_of(self.load_N, *LowerAndUpper.model_validate(self.tables).of_test())
+
+
 def draw(seed: int, index: int) -> str:
-    """The TOML of one random study."""
+    """The TOML of one random study of wires."""
     random = _Draw(seed, index)
     diameters = _diameters(random)
     load, friction = random.log_uniform(*LOAD_N), random.uniform(*FRICTION)
     angle = 90.0 if random.happens(0.4) else random.uniform(*ANGLE_deg)
     motion = 0.0 if random.happens(0.6) else random.uniform(-90.0, 90.0)
+    return _drawn(
+        random,
+        f"random study {index} of seed {seed}",
+        friction,
+        motion,
+        lambda steel, fixed: _Pair(diameters, angle, load, steel, fixed),
+    )
+
+
+def draw_shapes(seed: int, index: int) -> str:
+    """The TOML of one random study of bodies of any shapes that touch at a point."""
+    random = _Draw(seed, index)
+    load, friction = random.log_uniform(*LOAD_ON_SHAPES_N), random.uniform(*FRICTION)
+
+    def touching(lower: reference.Elastic, upper: reference.Elastic) -> _Shapes:
+        while True:
+            tables = {name: _shape(random, own) for name, own in (("lower", lower), ("upper", upper))}
+            diameters = [own[key] for own in tables.values() for key in own if key.startswith("diameter")]
+            alike = max(diameters, default=1.0) < 20.0 * min(diameters, default=0.0)
+            if alike and LowerAndUpper.model_validate(tables).contradiction() is None:
+                found = _Shapes((min(diameters), max(diameters)), 90.0, load, lower, upper, tables)
+                room = LARGEST_PRESSURE_MPa / found.hertz.peak_pressure_MPa
+                return replace(found, load_N=load * min(room, 1.0) ** 3)
+
+    return _drawn(random, f"random point contact {index} of seed {seed}", friction, 0.0, touching)
+
+
+def _shape(random: _Draw, material: reference.Elastic) -> dict[str, Any]:
+    shape = random.shape()
+    own: dict[str, Any] = {"shape": shape, "youngs_modulus_MPa": material.youngs_modulus_MPa, "poissons_ratio": 0.3}
+    if shape != "flat":
+        own["diameter_mm"] = random.log_uniform(*DIAMETER_OF_SHAPE_mm)
+    if shape == "barrel":
+        own["diameter_along_mm"] = own["diameter_mm"] * random.log_uniform(0.2, 5.0)
+    if shape == "tube":
+        own["bore_mm"] = own["diameter_mm"] * random.uniform(*BORE_PER_DIAMETER)
+    if shape in ("wire", "tube") and random.happens(0.3):
+        own["held_at"] = "ends"
+    return own | {"axis_angle_deg": random.uniform(-90.0, 90.0)}
+
+
+def _drawn(
+    random: _Draw,
+    name: str,
+    friction: float,
+    motion: float,
+    pair_of: Callable[[reference.Elastic, reference.Elastic], _Pair],
+) -> str:
     rigid = random.happens(RIGID_SHARE)
     stiffness = random.log_uniform(*RIG_N_per_mm)
     steel = reference.Elastic(MODULUS_MPa[1], 0.3)
     fixed = reference.Elastic(random.uniform(*MODULUS_MPa), 0.3) if random.happens(0.3) else steel
-    pair = _sensible(_Pair(diameters, angle, load, steel, fixed))
-    load, hertz = pair.load_N, pair.hertz
+    pair = _sensible(pair_of(steel, fixed))
+    load, hertz, diameters = pair.load_N, pair.hertz, pair.diameters_mm
     threshold = pair.sliding_threshold_mm(friction, math.inf if rigid else stiffness)
     longest = max(MOST_STROKE_PER_RADIUS * hertz.contact_radius_mm, 1.2 * threshold)
     amplitude = min(random.log_uniform(STROKE_PER_THRESHOLD * threshold, longest), 0.9 * min(diameters))
@@ -96,9 +192,9 @@ def draw(seed: int, index: int) -> str:
     return "\n".join(
         [
             "format = 1",
-            f'name = "random study {index} of seed {seed}"',
-            'kind = "crossed-wires"',
-            *_wires(pair),
+            f'name = "{name}"',
+            f'kind = "{pair.kind}"',
+            *pair.lines,
             "[conditions]",
             f"normal_load_N = {load!r}",
             f"displacement_amplitude_um = {1e3 * amplitude!r}",
@@ -114,7 +210,7 @@ def draw(seed: int, index: int) -> str:
             *([] if held or random.happens(0.8) else [f"normal_spring_stiffness_N_per_mm = {_spring(random, load)!r}"]),
             "[log]",
             f"loop_cycles = [1, 10, 30, 100, 300, 1000, 3000, {CYCLES}]",
-            *_effects(random, held, friction, amplitude, hertz.approach_mm, angle),
+            *_effects(random, held, friction, amplitude, pair),
         ]
     )
 
@@ -131,19 +227,6 @@ def _sensible(pair: _Pair) -> _Pair:
     """The pair under a load at which Hertz's contact is small against the wires."""
     room = LARGEST_CONTACT * min(pair.diameters_mm) / pair.hertz.major_semi_axis_mm
     return replace(pair, load_N=pair.load_N * room**3) if room < 1.0 else pair
-
-
-def _wires(pair: _Pair) -> list[str]:
-    return [
-        "[wires]",
-        f"diameter_mm = {pair.diameters_mm[0]!r}",
-        f"youngs_modulus_MPa = {pair.steel.youngs_modulus_MPa!r}",
-        "poissons_ratio = 0.3",
-        f"crossing_angle_deg = {pair.angle_deg!r}",
-        "[wires.fixed]",
-        f"diameter_mm = {pair.diameters_mm[1]!r}",
-        f"youngs_modulus_MPa = {pair.fixed.youngs_modulus_MPa!r}",
-    ]
 
 
 def _contact(random: _Draw, friction: float) -> list[str]:
@@ -188,12 +271,10 @@ def _spring(random: _Draw, load: float) -> float:
     return load / random.log_uniform(0.1, 3.0)
 
 
-def _effects(
-    random: _Draw, held: bool, friction: float, amplitude_mm: float, approach_mm: float, angle: float
-) -> list[str]:
+def _effects(random: _Draw, held: bool, friction: float, amplitude_mm: float, pair: _Pair) -> list[str]:
     if not random.happens(WITH_EFFECTS):
         return []
-    amplitude, approach = 1e3 * amplitude_mm, 1e3 * approach_mm
+    amplitude, approach, angle = 1e3 * amplitude_mm, 1e3 * pair.hertz.approach_mm, pair.angle_deg
     ends = random.uniform(0.5, 1.5), random.uniform(0.5, 1.5)
     wears = random.log_uniform(0.3, 3.0), random.log_uniform(0.3, 3.0)
     # The crossing angle as it truly is must stay within its range too.
@@ -214,5 +295,7 @@ def _effects(
         "normal_load_drift": f"fraction_per_100k_cycles = {random.uniform(-0.9, 2.0)!r}",
     }
     needs_load = {"misalignment", "normal_load_drift", "plasticity"}
-    chosen = [name for name in every if random.happens(EACH_EFFECT) and not (held and name in needs_load)]
+    of_wires = {"crossing_angle_error"} if pair.kind != _Pair.kind else set()
+    left = of_wires | (needs_load if held else set())
+    chosen = [name for name in every if random.happens(EACH_EFFECT) and name not in left]
     return [f'[[effects]]\nname = "{name}"\n{every[name]}' for name in chosen]

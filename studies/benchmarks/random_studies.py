@@ -1,6 +1,7 @@
 """Random studies of long wear within stated physical ranges: how many run to their end, and how the others fail.
 
-Usage: random_studies.py [--count 120] [--seed 1] [--processes 1 | --scheduler ADDRESS] [--output runs/random_studies]
+Usage: random_studies.py [--count 120] [--seed 1] [--shapes] [--processes 1 | --scheduler ADDRESS]
+[--output runs/random_studies]. With --shapes bodies of any shapes touch at a point, without it they are wires.
 
 Every study is drawn from the seed, so that a failing one can be repeated: `--only 17` runs the 17th alone, `--show 17`
 prints it. Studies that are done already (their line stands in results.jsonl) are not run again.
@@ -27,14 +28,14 @@ from wirewear.base.engine import LocalProcesses
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, understanding
 
-from .random_draws import draw
+from .random_draws import draw, draw_shapes
 
 
 class OutOfTimeError(Exception):
     """A study took more CPU time than it was given."""
 
 
-def run_one(seed: int, index: int, folder: Path, cpu_limit_s: float) -> dict[str, object]:
+def run_one(drawn: str, seed: int, index: int, folder: Path, cpu_limit_s: float) -> dict[str, object]:
     """Run one study and say how it ended."""
     begun = time.process_time()
     row: dict[str, object] = {"seed": seed, "index": index}
@@ -46,7 +47,7 @@ def run_one(seed: int, index: int, folder: Path, cpu_limit_s: float) -> dict[str
         signal.signal(signal.SIGPROF, _stop)
         signal.setitimer(signal.ITIMER_PROF, cpu_limit_s)
     try:
-        study = parse_study(draw(seed, index), f"random study {index}")
+        study = parse_study(drawn, f"random study {index}")
         (result,) = run_study(study, fidelity="quick", output=home)
         row |= {"ended": "complete", "message": "", **result.quality}
         row["simulated_cycles"] = result.settings["simulated_cycles"]
@@ -82,6 +83,7 @@ def done_before(path: Path) -> Iterator[dict[str, object]]:
 @click.option("--seed", type=click.IntRange(0), default=1, show_default=True)
 @click.option("--only", type=click.IntRange(0), multiple=True, help="A study by its number; may be repeated.")
 @click.option("--show", type=click.IntRange(0), help="Print the study of this number and run nothing.")
+@click.option("--shapes", is_flag=True, help="Bodies of any shapes in place of wires.")
 @click.option("--processes", type=click.IntRange(1), default=1, show_default=True)
 @click.option("--scheduler", help="Dask cluster whose workers see the output, instead of --processes.")
 @click.option(
@@ -93,14 +95,16 @@ def main(
     seed: int,
     only: tuple[int, ...],
     show: int | None,
+    shapes: bool,
     processes: int,
     scheduler: str | None,
     cpu_limit: float,
     output: Path,
 ) -> None:
     """Run random studies within stated physical ranges, and print how they ended."""
+    study_of = draw_shapes if shapes else draw
     if show is not None:
-        click.echo(draw(seed, show))
+        click.echo(study_of(seed, show))
         return
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     table = prepared_folder(output) / "results.jsonl"
@@ -109,7 +113,9 @@ def main(
     # A process for each study tells what that one takes of memory.
     engine = engine_of(scheduler=scheduler) if scheduler else LocalProcesses(processes, 1)
     folder = output.resolve()
-    for one in engine.done([partial(run_one, seed, index, folder, cpu_limit) for index in wanted]):
+    for one in engine.done(
+        [partial(run_one, study_of(seed, index), seed, index, folder, cpu_limit) for index in wanted]
+    ):
         row = one.value()
         with table.open("a", encoding="utf-8") as file:
             file.write(json.dumps(row) + "\n")

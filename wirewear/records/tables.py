@@ -224,11 +224,7 @@ class PointTest(OfTest):
         """What does not go together in what is stated of them, if anything."""
 
     def require_whole(self, where: str) -> None:
-        """See that the bodies touch at a point, and that both are known.
-
-        Raises:
-            RecordError: they do not, or something is missing.
-        """
+        """See that the bodies touch at a point; RecordError if they do not, or something is missing."""
         if (wrong := self.contradiction()) is not None:
             raise RecordError(f"{wrong.keys[-1]} in [{'.'.join(wrong.keys[:-1])}] of {where} {wrong.problem}.")
         if any(body.face is not None or body.surface is not None for body in self.bodies_of_test):

@@ -21,7 +21,6 @@ _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as
 #: soundly.
 _FALL = 0.2
 _STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius, or its patch.
-
 _FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
 
 Found = TypeVar("Found")

@@ -267,6 +267,7 @@ _TEST: dict[str, Any] = {
     "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5},
 }
 _SHOWN = ("bodies", *COMMON)
+_OF_WIRES = ("conditions.motion_angle_deg",)
 
 #: A steel ball of half an inch on a steel flat.
 BALL = Template(
@@ -275,6 +276,7 @@ BALL = Template(
     _SHOWN,
     _TEST | {"bodies": {"ball": {"diameter_mm": 12.7, **_STEEL}, "flat": _STEEL}},
     "A steel ball on a steel flat, to be changed into your test; the flat is driven, the ball held above it.",
+    _OF_WIRES,
 )
 
 #: Two cylinders of half an inch, crossed at right angles.
@@ -290,4 +292,5 @@ ANY_BODIES = Template(
         }
     },
     "Two cylinders crossed at right angles, to be changed into your bodies; the lower one is driven.",
+    _OF_WIRES,
 )

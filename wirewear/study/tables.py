@@ -187,9 +187,7 @@ class Conditions(keys.Table):
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
     motion_angle_deg: keys.MotionAngle = Field(
-        0.0,
-        description="of crossed wires: direction of the motion against the moving wire's axis, about the normal that "
-        "points upwards",
+        0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
     )
     frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
     cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
@@ -408,8 +406,6 @@ class StudyTables(ContactTables, _OfWires):
 
     def contradiction(self) -> Inconsistency | None:
         """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
-        if (wrong := self.wires.contradiction()) is not None:
-            return wrong
-        if self.wires.motion_angle_deg and self.conditions.motion_angle_deg:
-            return Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
-        return self.too_far()
+        twice = self.wires.motion_angle_deg and self.conditions.motion_angle_deg
+        told = Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
+        return self.wires.contradiction() or (told if twice else None) or self.too_far()

@@ -37,6 +37,7 @@ class Template:
         shown: names of tables.
         example: keys that have values.
         above: what is said of the example.
+        left_out: keys by table that others of its kind of tables have.
     """
 
     kind: str
@@ -44,6 +45,7 @@ class Template:
     shown: tuple[str, ...]
     example: Mapping[str, Any] = field(repr=False)
     above: str
+    left_out: tuple[str, ...] = ()
 
 
 COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that every contact at a point has, spelled out.
@@ -55,6 +57,7 @@ CROSSED_WIRES = Template(
     ("wires", *COMMON),
     EXAMPLE,
     "The article's test of steel wires, to be changed into yours.",
+    ("wires.motion_angle_deg",),
 )
 
 
@@ -73,27 +76,29 @@ def study_text(
         # A study without the table of wear does not wear.
         if inner is None or (own is None and table == "wear"):
             continue
-        lines += _section(table, described, inner, own or {})
+        lines += _section(table, described, inner, own or {}, template.left_out)
     for effect in data.get("effects", ()):
         lines += ["", "[[effects]]", *(f"{key} = {_spelled(value)}" for key, value in effect.items())]
     return "\n".join(lines) + "\n"
 
 
-def _section(name: str, described: FieldInfo, table: type[Table], own: Mapping[str, Any]) -> list[str]:
+def _section(
+    name: str, described: FieldInfo, table: type[Table], own: Mapping[str, Any], left_out: tuple[str, ...]
+) -> list[str]:
     """A table with its keys, then the tables in it, each with a heading of its own."""
-    keys = _keys(table, own)
+    keys = _keys(table, own, [*HIDDEN, *(place.removeprefix(f"{name}.") for place in left_out)])
     lines = ["", f"[{name}]  # {described.description}", *keys] if keys else []
     for key, inside in table.model_fields.items():
         inner = table_of(inside)
         if inner is not None and (key in own or key not in HIDDEN):
-            lines += _section(f"{name}.{key}", inside, inner, own.get(key, {}))
+            lines += _section(f"{name}.{key}", inside, inner, own.get(key, {}), left_out)
     return lines
 
 
-def _keys(table: type[Table], own: Mapping[str, Any]) -> list[str]:
+def _keys(table: type[Table], own: Mapping[str, Any], hidden: list[str]) -> list[str]:
     lines = []
     for key, described in table.model_fields.items():
-        if (key in HIDDEN and key not in own) or table_of(described) is not None:
+        if (key in hidden and key not in own) or table_of(described) is not None:
             continue
         quantity = quantity_of(described)
         unit = UNIT_SYMBOLS[quantity.unit].strip() if quantity is not None else ""
