@@ -1,7 +1,13 @@
-"""Texts of studies for tests to add to and to change: the article's steel wires, and the smallest study there is."""
+"""Studies to add to and to change: the article's steel wires, the smallest that there is, and one for effects."""
 
 import tomllib
+from functools import cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
+
+from wirewear import RunResult, Study, parse_study, run_study
+from wirewear.effects import Effect
 
 _STEEL_WIRES = """
 format = 1
@@ -31,3 +37,28 @@ MINIMAL = steel_wires("test", amplitude_um=60.0, cycles=700)
 
 def minimal() -> dict[str, Any]:
     return tomllib.loads(MINIMAL)
+
+
+COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=1)}[fidelity.quick]
+contact_mesh_um = 9.0
+outer_mesh_um = 18.0
+increments_per_cycle = 40
+jump_tolerance = 0.3
+"""
+
+WEARING = """
+[wear]
+energy_wear_coefficient_mm3_per_J = 3.0e-5
+"""
+
+
+def coarse(text: str = COARSE) -> Study:
+    return parse_study(text, "coarse.toml")
+
+
+@cache
+def result_with(*effects: Effect[Any], text: str = COARSE) -> RunResult:
+    """The complete run of a study with these effects."""
+    with TemporaryDirectory() as folder:
+        (result,) = run_study(coarse(text).with_effects(*effects), fidelity="quick", output=Path(folder))
+    return result

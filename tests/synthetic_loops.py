@@ -1,11 +1,14 @@
-"""Fretting loops of known parameters: Mindlin contact, rig spring, scar slope, noise and outliers."""
+"""Fretting loops of known figures: Mindlin contact and scar slope; sliders with play and chatter; Masing branches."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.loops import LoopFigures, Measured, analyse_loop
 from wirewear.reference import PartialSlipPoint, branch_force, displacement_after_reversal
 
 
@@ -111,3 +114,284 @@ def partial_slip_loop(ratio: float, samples: int, rig_stiffness: float = 167.0) 
     sign = np.where(np.cos(2.0 * np.pi * time) >= 0.0, 1.0, -1.0)
     own = sign * displacement_after_reversal(contact, sign * force, -peak)
     return time, 1e3 * (own + force / rig_stiffness), force
+
+
+def recipe_of(
+    friction: float,
+    normal_load_N: float,
+    amplitude_um: float,
+    micro_slip: float,
+    contact_share: float,
+    end_slope_rad: float,
+    hook_power: float,
+) -> Recipe:
+    """Micro-slip takes that part of the amplitude, and the contact that share of it, the rig the rest."""
+    travel_mm_per_N = 1e-3 * micro_slip * amplitude_um / (friction * normal_load_N)
+    return Recipe(
+        friction=friction,
+        normal_load_N=normal_load_N,
+        amplitude_um=amplitude_um,
+        contact_stiffness=1.5 / (travel_mm_per_N * contact_share),
+        rig_stiffness=1.0 / (travel_mm_per_N * (1.0 - contact_share)),
+        end_slope_rad=end_slope_rad,
+        hook_power=hook_power,
+    )
+
+
+def hook_ratio(recipe: Recipe) -> float:
+    return math.tan(math.atan(recipe.friction) + recipe.end_slope_rad) / recipe.friction
+
+
+def drawn(count: int, least_micro_slip: float, seed: int) -> Iterator[tuple[Recipe, float, int]]:
+    """Gross slip with hooks up to half as high again as the plateau; micro-slip up to 30 % of the amplitude.
+
+    Each with a phase and a seed of its noise; the same ones in every session, as one in thousands is beyond the limits.
+    """
+    random = np.random.default_rng(seed)
+    while count:
+        recipe = recipe_of(
+            friction=random.uniform(0.2, 1.1),
+            normal_load_N=random.uniform(0.5, 20.0),
+            amplitude_um=random.uniform(10.0, 200.0),
+            micro_slip=random.uniform(least_micro_slip, 0.3),
+            contact_share=random.uniform(0.01, 0.9),
+            end_slope_rad=random.uniform(0.0, 0.2),
+            hook_power=random.uniform(1.0, 6.0),
+        )
+        if hook_ratio(recipe) < 1.5:
+            count -= 1
+            yield recipe, random.random(), int(random.integers(10**6))
+
+
+def share_off(figure: Measured | None, truth: float) -> float:
+    assert figure is not None
+    return abs(figure.value / truth - 1.0)
+
+
+def analysed_with_noise(recipe: Recipe, phase: float, seed: int) -> tuple[SyntheticLoop, LoopFigures]:
+    loop = SyntheticLoop(recipe)
+    time, displacement, force = loop.sampled(256, phase)
+    sliding_force = recipe.friction * recipe.normal_load_N
+    displacement, force = disturbed(displacement, force, seed, force_scale=sliding_force)
+    return loop, analyse_loop(displacement, force, recipe.normal_load_N, time_s=time)
+
+
+HOOKED = SyntheticLoop(Recipe(end_slope_rad=0.15, hook_power=3.0))
+
+
+def hooked(samples: int = 256, phase: float = 0.37, seed: int = 3) -> tuple[np.ndarray, np.ndarray]:
+    _, displacement, force = HOOKED.sampled(samples, phase)
+    return disturbed(displacement, force, seed, force_scale=1.24)
+
+
+def assert_known(figures: LoopFigures, stiffness_within: float = 0.05) -> None:
+    assert share_off(figures.slip_amplitude_um, HOOKED.slip_amplitude_um) < 0.01
+    assert share_off(figures.dissipated_energy_mJ, HOOKED.energy_mJ) < 0.01
+    assert share_off(figures.measured_stiffness_N_per_um, HOOKED.stiffness_N_per_um) < stiffness_within
+    assert share_off(figures.friction_geometry_independent, 0.62) < 0.01
+
+
+@dataclass(frozen=True)
+class RealLoop:
+    """A slider dragged through a spring with a dead band; forces in N, displacements in µm, K in N/µm.
+
+    Sliding starts at the static force and, where it chatters, sticks and slips between `friction` and
+    (1 − chatter_drop) of it.
+    """
+
+    friction_forward_N: float = 1.24
+    friction_backward_N: float = 1.24
+    stiffness_N_per_um: float = 0.157
+    amplitude_um: float = 60.0
+    play_um: float = 0.0
+    force_offset_N: float = 0.0
+    chatter_drop: float = 0.0
+    static_overshoot: float = 0.0
+    noise_share: float = 0.005
+
+    def scaled(self, length: float, force: float) -> "RealLoop":
+        """The same loop of a larger or smaller rig."""
+        return RealLoop(
+            self.friction_forward_N * force,
+            self.friction_backward_N * force,
+            self.stiffness_N_per_um * force / length,
+            self.amplitude_um * length,
+            self.play_um * length,
+            self.force_offset_N * force,
+            self.chatter_drop,
+            self.static_overshoot,
+            self.noise_share,
+        )
+
+    def _spring(self, elongation: float) -> float:
+        beyond = max(abs(elongation) - 0.5 * self.play_um, 0.0)
+        return self.stiffness_N_per_um * beyond * (1.0 if elongation > 0.0 else -1.0)
+
+    def _elongation(self, force: float) -> float:
+        return force / self.stiffness_N_per_um + 0.5 * self.play_um * (1.0 if force > 0.0 else -1.0)
+
+    def sampled(self, samples: int = 512, seed: int = 0) -> tuple[Array, Array, Array]:
+        """Time in cycles, displacement and force of one closed cycle under a sinusoidal drive, with noise."""
+        fine, warm = 20 * samples, 10 * samples
+        time = np.arange(-warm, fine) / fine
+        drive = self.amplitude_um * np.sin(2.0 * np.pi * time)
+        force = np.empty_like(drive)
+        at, moving, started = drive[0], 1, False
+        for i, x in enumerate(drive):
+            direction = 1 if i and x > drive[i - 1] else -1
+            if direction != moving:
+                moving, started = direction, False
+            limit = self.friction_forward_N if direction > 0 else self.friction_backward_N
+            static = limit if started else limit * (1.0 + self.static_overshoot)
+            if direction * self._spring(x - at) >= static:
+                started = True
+                at = x - self._elongation(direction * limit * (1.0 - self.chatter_drop))
+            force[i] = self._spring(x - at)
+        kept = slice(warm, None, 20)
+        random = np.random.default_rng(seed)
+        size = max(self.friction_forward_N, self.friction_backward_N)
+        noise = self.noise_share * random.standard_normal((2, samples))
+        noisy = drive[kept] + self.amplitude_um * noise[0]
+        return time[kept], noisy, force[kept] + self.force_offset_N + size * noise[1]
+
+    @property
+    def chatter_events(self) -> float:
+        """Slips in one cycle, about: what is slid over what the spring stretches between two of them."""
+        forces = self.friction_forward_N + self.friction_backward_N
+        lost = 2.0 * self.play_um + 2.0 * forces / self.stiffness_N_per_um
+        each = self.chatter_drop * 0.5 * forces / self.stiffness_N_per_um
+        return (4.0 * self.amplitude_um - lost) / each
+
+
+@dataclass(frozen=True)
+class MasingLoop:
+    """A contact that yields by L(1 − (1 − y/u)ⁿ), in series with a spring and a play; lengths in µm, forces in N.
+
+    n = 1 is Coulomb friction behind a spring, 1.5 a Mindlin contact of spheres, 2 Iwan's of evenly spread limits. The
+    scar's walls add wall·L(y/ya)³, whichever way the contact moves. It slides where ya > u.
+    Source: Masing, Proc. 2nd Int. Congress of Applied Mechanics (1926) 332: branches are the first loading, twice as
+    large.
+    """
+
+    friction: float
+    normal_force_N: float
+    contact_um: float  # ya
+    yield_um: float  # u
+    power: float  # n
+    rig_N_per_um: float
+    play_um: float = 0.0
+    wall: float = 0.0
+
+    @property
+    def limit_N(self) -> float:
+        return self.friction * self.normal_force_N
+
+    @property
+    def slides(self) -> bool:
+        return self.contact_um > self.yield_um
+
+    def _first_loading(self, share: Array) -> Array:
+        return np.asarray(self.limit_N * (1.0 - (1.0 - np.minimum(share, 1.0)) ** self.power))
+
+    @property
+    def _turning_N(self) -> float:
+        return float(self._first_loading(np.array(self.contact_um / self.yield_um)))
+
+    @cached_property
+    def branch(self) -> tuple[Array, Array]:
+        """Displacement and force of the forward branch (n,)."""
+        y = np.concatenate([self.contact_um * np.linspace(-1.0, 1.0, 4001), self._knees()])
+        y = np.sort(y)
+        force = 2.0 * self._first_loading(0.5 * (y + self.contact_um) / self.yield_um) - self._turning_N
+        force = force + self.wall * self.limit_N * (y / self.contact_um) ** 3
+        zero = float(np.interp(0.0, force, y))
+        at = np.searchsorted(y, zero)
+        y, force = np.insert(y, at, [zero, zero]), np.insert(force, at, [0.0, 0.0])
+        side = np.where(np.arange(y.size) <= at, -0.5, 0.5)
+        return y + force / self.rig_N_per_um + side * self.play_um, force
+
+    def _knees(self) -> Array:
+        """Contact displacements about the onset of sliding."""
+        onset = 2.0 * self.yield_um - self.contact_um
+        return np.array([onset]) if onset < self.contact_um else np.empty(0)
+
+    @property
+    def amplitude_um(self) -> float:
+        return float(self.branch[0][-1])
+
+    @property
+    def largest_N(self) -> float:
+        return float(self.branch[1].max())
+
+    @property
+    def energy_mJ(self) -> float:
+        """∮Q dy: neither spring nor play nor walls take any of it."""
+        y, u, n = self.contact_um, self.yield_um, self.power
+        if y >= u:
+            return 4e-3 * self.limit_N * (y - 2.0 * u / (n + 1.0))
+        # Twice ∫ of the branch: its rise 2L(1 − (1 − t)ⁿ) over t = (y + ya)/2u, less the turning force.
+        t = y / u
+        rise = 2.0 * self.limit_N * 2.0 * u * (t - (1.0 - (1.0 - t) ** (n + 1.0)) / (n + 1.0))
+        return float(2e-3 * (rise - 2.0 * y * self._turning_N))
+
+    @property
+    def slip_um(self) -> float:
+        """Half the width at zero force of the loop without play."""
+        displacement, force = self.branch
+        return -float(np.mean(displacement[force == 0.0]))
+
+    @property
+    def stiffness_N_per_um(self) -> float:
+        """Slope of the line over half of the travel from the reversal to sliding, of the loop without play."""
+        displacement, force = self.branch
+        travel = displacement - np.where(np.arange(force.size) > np.argmax(force >= 0.0), self.play_um, 0.0)
+        travel = travel - travel[0]
+        end = 2.0 * self.yield_um + (force[-1] - force[0]) / self.rig_N_per_um
+        even = np.linspace(0.0, 0.5 * min(end, float(travel[-1])), 2001)
+        return float(np.polyfit(even, np.interp(even, travel, force), 1)[0])
+
+    def sampled(self, cycles: Array) -> tuple[Array, Array]:
+        """Displacement and force at times (n,) in cycles of a sinusoidal drive."""
+        displacement = self.amplitude_um * np.sin(2.0 * np.pi * cycles)
+        way = np.where(np.cos(2.0 * np.pi * cycles) >= 0.0, 1.0, -1.0)
+        return displacement, way * np.interp(way * displacement, *self.branch)
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """What a measurement does to a loop; shares are of the stroke's half and of the sliding force."""
+
+    samples: int = 200
+    cycles: float = 1.0
+    phase: float = 0.0
+    noise: float = 0.0
+    lag_samples: float = 0.0
+    drift: float = 0.0
+    ringing: float = 0.0
+    ring_period_samples: float = 2.0
+    clip: float | None = None
+    clip_one_side: bool = False
+    sign: float = 1.0
+    force_offset: float = 0.0
+    displacement_offset: float = 0.0
+    seed: int = 0
+
+    def of(self, loop: MasingLoop) -> tuple[Array, Array, Array]:
+        """Times in cycles, displacement and force (n,)."""
+        random = np.random.default_rng(self.seed)
+        time = np.arange(round(self.samples * self.cycles)) / self.samples
+        at = time + self.phase
+        displacement = loop.sampled(at)[0]
+        force = loop.sampled(at - self.lag_samples / self.samples)[1]
+        since = (at - 0.25) % 0.5
+        ring = np.cos(2.0 * np.pi * since * self.samples / self.ring_period_samples) * np.exp(-since / 0.06)
+        way = np.where(np.cos(2.0 * np.pi * at) >= 0.0, 1.0, -1.0)
+        force = force + self.ringing * loop.limit_N * ring * way
+        displacement = displacement + self.drift * loop.amplitude_um * time
+        displacement = displacement + self.noise * loop.amplitude_um * random.standard_normal(time.size)
+        force = force + self.noise * loop.limit_N * random.standard_normal(time.size)
+        force = self.sign * force + self.force_offset * loop.limit_N
+        if self.clip is not None:
+            high = self.clip * loop.largest_N
+            force = np.clip(force, -np.inf if self.clip_one_side else -high, high)
+        return time, displacement + self.displacement_offset * loop.amplitude_um, force

@@ -18,7 +18,7 @@ from studies.blind.generators.independent.worlds import believed_world
 from studies.blind.generators.nominal import Nominal
 from studies.blind.scoring.answers import OUTSIDE as UNKNOWN
 from studies.blind.scoring.judging import Truth, judged
-from tests.blind_answers import answer
+from tests.blind_batches import answer
 
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
 PHASE = 2.0 * np.pi * np.arange(1440) / 1440

@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from tests.diagnosis_cases import diagnosed, record
-from tests.effect_studies import COARSE, WEARING, coarse, result_with
+from tests.studies import COARSE, WEARING, coarse, result_with
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects.holder import TangentialCompliance

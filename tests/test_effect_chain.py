@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solvers import RoughLayer, ThirdBody
-from tests.effect_studies import coarse
+from tests.studies import coarse
 from wirewear.base.course import Course
 from wirewear.effects import Ageing, Chain, Effect, all_effects, effect_named
 

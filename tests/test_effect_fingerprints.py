@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from tests.effect_studies import COARSE, result_with
+from tests.studies import COARSE, result_with
 from wirewear import Loop
 from wirewear.effects import all_effects, effect_named
 from wirewear.results import read_loops

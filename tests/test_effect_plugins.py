@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis_cases import nominal
-from tests.effect_studies import COARSE, coarse
+from tests.studies import COARSE, coarse
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example

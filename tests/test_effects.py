@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from solvers import Holder, WearRates
-from tests.effect_studies import COARSE, coarse
+from tests.studies import COARSE, coarse
 from wirewear import StudyError, effects, parse_study
 from wirewear.effects.holder import RotationalCompliance
 from wirewear.loops.sensor import Sensor

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from solvers import press
-from tests.effect_studies import COARSE, WEARING, coarse, result_with
+from tests.studies import COARSE, WEARING, coarse, result_with
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.planar import planar_study_from_tables, run_planar_study

@@ -23,7 +23,7 @@ from studies.blind.generators.generator import Generator
 from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.scoring.answers import Answer
 from studies.blind.scoring.judging import judged
-from tests.blind_answers import answer, perfect
+from tests.blind_batches import answer, perfect
 from wirewear import read_record
 
 

@@ -89,7 +89,7 @@ def test_play_is_told_from_the_rigs_stiffness() -> None:
 
 
 def record_of_nothing() -> LineRecord:
-    from tests.line_logger_files import CYLINDER, line_record
+    from tests.logger_files import CYLINDER, line_record
 
     return line_record(CYLINDER)
 

@@ -7,7 +7,7 @@ import pytest
 from click.testing import CliRunner, Result
 
 from geometry import Cylinder, Flat, RoundedFlat
-from tests.line_logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_german
+from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.records import check_record, read_record
@@ -31,7 +31,7 @@ OPTIONS = {
 def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(tmp_path: Path, face: str) -> None:
     keys, options = OPTIONS[face]
     truth = line_record(keys)
-    guessed = wirewear("new", "--mapping", *write_german(truth, tmp_path), "--length", LENGTH_mm, *options)
+    guessed = wirewear("new", "--mapping", *write_line_german(truth, tmp_path), "--length", LENGTH_mm, *options)
     assert guessed.exit_code == 0, guessed.output
     imported = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
     assert imported.exit_code == 0, imported.output

@@ -5,8 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.closed_form_loops import Disturbance, MasingLoop
-from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
+from tests.synthetic_loops import Disturbance, MasingLoop, Recipe, SyntheticLoop, disturbed
 from wirewear.loops import LoopFigures, analyse_loop, position_resolved_friction
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import clean_loop

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from tests.closed_form_loops import Disturbance, MasingLoop
+from tests.synthetic_loops import Disturbance, MasingLoop
 from tests.test_loops_bounds import assert_bounded
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 

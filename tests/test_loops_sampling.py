@@ -10,8 +10,7 @@ from hypothesis import strategies as st
 
 from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive
-from tests.known_loops import HOOKED, assert_known, hooked, share_off
-from tests.synthetic_loops import Recipe, SyntheticLoop, disturbed
+from tests.synthetic_loops import HOOKED, Recipe, SyntheticLoop, assert_known, disturbed, hooked, share_off
 from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop

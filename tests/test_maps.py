@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.line_logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
+from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result

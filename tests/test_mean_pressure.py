@@ -11,7 +11,7 @@ from scipy.integrate import quad
 from scipy.sparse import csr_matrix, vstack
 
 from geometry.arrays import Array
-from tests.effect_studies import COARSE, WEARING, coarse
+from tests.studies import COARSE, WEARING, coarse
 from tests.test_sweeps import InPlace
 from wirewear import largest_mean_pressure_MPa
 from wirewear.results.contact_forces import averaging

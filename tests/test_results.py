@@ -1,21 +1,38 @@
-"""Values of results: what they accept, and what scars and runs answer."""
+"""Results: what they accept and answer; their files are read as written, also by earlier versions, or refused."""
 
+import dataclasses
+import io
 import math
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree as ET
 
+import h5py
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
 
 from tests import synthetic_results
 from tests.studies import MINIMAL
-from tests.synthetic_results import bowl, result
+from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear.base.errors import ResultError
+from wirewear.base.hdf5 import hdf5_image, sealed
 from wirewear.faces import cli
-from wirewear.results import LATER_COLUMNS, Evolution, Scar
-from wirewear.results.flat import write_time_series
+from wirewear.results import (
+    EVOLUTION_COLUMNS,
+    LATER_COLUMNS,
+    Evolution,
+    Loop,
+    RunResult,
+    Scar,
+    read_result,
+    write_result,
+)
+from wirewear.results.flat import evolution_table, loops_table, profiles_table, write_time_series
 
 EXAMPLE = Path("studies/steel_wires/example_records/no_gap")
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
@@ -124,3 +141,224 @@ def test_columns_that_older_results_lack_are_unknown() -> None:
     for name in LATER_COLUMNS:
         assert np.isnan(evolution[name]).all()
         assert evolution[name].shape == evolution["cycle"].shape
+
+
+in_one_folder = settings(
+    deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+)
+
+finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
+texts = st.text(max_size=12)
+numbers = st.dictionaries(texts, finite, max_size=3)
+json_values: st.SearchStrategy[Any] = st.recursive(
+    st.none() | st.booleans() | finite | texts,
+    lambda v: st.lists(v, max_size=2) | st.dictionaries(texts, v, max_size=2),
+    max_leaves=6,
+)
+
+
+def arrays(shape: int | tuple[int, ...], elements: st.SearchStrategy[float] = finite) -> st.SearchStrategy[Any]:
+    return hnp.arrays(np.float64, shape, elements=elements)
+
+
+@st.composite
+def loops(draw: st.DrawFn) -> Loop:
+    n = draw(st.integers(1, 5))
+    return Loop(draw(st.integers(1, 10**6)), *(draw(arrays(n)) for _ in range(6)))
+
+
+@st.composite
+def scars(draw: st.DrawFn) -> Scar:
+    n_a, n_t = draw(st.integers(2, 4)), draw(st.integers(2, 4))
+    lines = [np.sort(draw(hnp.arrays(np.float64, n, elements=finite, unique=True))) for n in (n_a, n_t)]
+    depth = draw(arrays((n_a, n_t), st.floats(0.0, 1e3)))
+    angle, diameter = draw(st.floats(-180.0, 180.0)), draw(st.floats(0.01, 10.0))
+    wire = draw(st.sampled_from(["moving", "fixed"]))
+    fields = (depth, *(draw(arrays((n_a, n_t))) for _ in range(3)))
+    return Scar(draw(st.integers(1, 10**6)), wire, diameter, angle, lines[0], lines[1], *fields)
+
+
+@st.composite
+def results(draw: st.DrawFn) -> RunResult:
+    n = draw(st.integers(0, 3))
+    nan_or_finite = st.floats(allow_infinity=False)
+    columns = {name: draw(arrays(n, nan_or_finite)) for name in (*EVOLUTION_COLUMNS, "further_mm")}
+    return RunResult(
+        name=draw(texts),
+        variant=draw(texts),
+        fidelity=draw(texts),
+        status=draw(st.sampled_from(["complete", "running", "failed"])),
+        message=draw(texts),
+        study=draw(st.dictionaries(texts, json_values, max_size=3)),
+        loops=tuple(draw(st.lists(loops(), max_size=3))),
+        evolution=Evolution({**columns, "cycle": np.arange(1.0, n + 1.0)}),
+        scars=tuple(draw(st.lists(scars(), max_size=3))),
+        settings=draw(st.dictionaries(texts, json_values, max_size=3)),
+        quality=draw(numbers),
+        versions=draw(st.dictionaries(texts, texts, max_size=2)),
+        timings_s=draw(numbers),
+    )
+
+
+def assert_same(one: object, other: object) -> None:
+    """Equal to the last bit, field by field; the path read from is no part of a result's value."""
+    assert type(one) is type(other)
+    if isinstance(one, np.ndarray):
+        np.testing.assert_array_equal(one, other)
+    elif isinstance(one, tuple) and isinstance(other, tuple):
+        assert len(one) == len(other)
+        for a, b in zip(one, other, strict=True):
+            assert_same(a, b)
+    elif isinstance(one, Evolution) and isinstance(other, Evolution):
+        assert set(one) == set(other)
+        for name in one:
+            assert_same(one[name], other[name])
+    elif dataclasses.is_dataclass(one):
+        for field in dataclasses.fields(one):
+            if field.name != "path":
+                assert_same(getattr(one, field.name), getattr(other, field.name))
+    else:
+        assert one == other
+
+
+@pytest.mark.seconds
+@in_one_folder
+@given(run=results())
+def test_what_is_written_is_read_back_to_the_last_bit(run: RunResult, tmp_path: Path) -> None:
+    """Any valid result survives the file, whatever its texts and numbers."""
+    path = tmp_path / "result.h5"
+    write_result(path, run)
+    read = read_result(path)
+    assert_same(run, read)
+    assert read.path == path
+    assert [p.name for p in tmp_path.iterdir()] == ["result.h5"]
+
+
+def test_a_failed_write_leaves_the_old_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """If the last step of writing fails, the previous result is still there."""
+    path = tmp_path / "r.h5"
+    write_result(path, result("old"))
+
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Path, "write_bytes", full)
+    with pytest.raises(ResultError, match=r"cannot write the result file .*no space left on device"):
+        write_result(path, result("new"))
+    assert read_result(path).variant == "old"
+
+
+@in_one_folder
+@given(junk=st.binary(max_size=300))
+def test_a_file_of_junk_is_refused_in_one_sentence(junk: bytes, tmp_path: Path) -> None:
+    """Whatever bytes it holds."""
+    path = tmp_path / "junk.h5"
+    path.write_bytes(junk)
+    with pytest.raises(ResultError, match=r"is (no wirewear result file|damaged|cut off)") as caught:
+        read_result(path)
+    assert "\n" not in str(caught.value)
+
+
+@in_one_folder
+@given(share=st.floats(0.0, 1.0, exclude_max=True))
+def test_a_file_cut_short_is_refused(share: float, tmp_path: Path) -> None:
+    """Wherever it ends."""
+    path = tmp_path / "r.h5"
+    if not path.exists():
+        write_result(path, result(milestones=(1, 10), samples=8))
+    whole = path.read_bytes()
+    (tmp_path / "cut.h5").write_bytes(whole[: int(share * len(whole))])
+    with pytest.raises(
+        ResultError, match=r"cut\.h5 is (no wirewear result file|cut off: [\d\u2009]+ of|damaged: its checksum)"
+    ):
+        read_result(tmp_path / "cut.h5")
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (lambda f: f.attrs.__setitem__("kind", "other"), "is no wirewear result file"),
+        (lambda f: f.attrs.__setitem__("format", 7), "has result format 7; this program reads format 3"),
+        (lambda f: f.__delitem__("evolution/cycle"), r"is damaged: evolution: column\(s\) missing: cycle"),
+        (lambda f: f.__delitem__("scars/0000/depth_um"), "is damaged: .*depth_um"),
+        (lambda f: f.__delitem__("study"), "is damaged: .*study"),
+        (
+            lambda f: f["loops/0001/time_s"].__setitem__(3, np.nan),
+            "is damaged: loop of cycle 100: time_s must be finite",
+        ),
+    ],
+)
+def test_a_file_with_wrong_contents_is_refused_with_the_reason(change: Any, sentence: str, tmp_path: Path) -> None:
+    """The sentence names the file and what is wrong in it."""
+    path = tmp_path / "r.h5"
+    write_result(path, result())
+    with h5py.File(path, "r+") as file:
+        change(file)
+    path.write_bytes(sealed(path.read_bytes()))
+    with pytest.raises(ResultError, match=f"r.h5 {sentence}"):
+        read_result(path)
+
+
+@pytest.fixture
+def earlier(tmp_path: Path) -> RunResult:
+    """200 cycles of a cylinder on a flat: 100 N/mm, friction 0.6, wear 2 and 4 times 10⁻⁵ mm³/J, a tilting holder."""
+    (tmp_path / "earlier.h5").write_bytes(earlier_line_result())
+    return read_result(tmp_path / "earlier.h5")
+
+
+def test_a_line_contact_of_the_earlier_format_obeys_coulomb_and_its_wear_law(earlier: RunResult) -> None:
+    evolution, energy_J = earlier.evolution, earlier.evolution["accumulated_energy_J"]
+    assert (earlier.contact_kind, earlier.status, earlier.length_mm) == ("line-contact", "complete", 1.0)
+    assert evolution["max_tangential_force_N"] == pytest.approx(60.0, rel=1e-3)
+    for body, coefficient in (("pad", 2e-5), ("specimen", 4e-5)):
+        assert evolution[f"worn_volume_{body}_mm3"] == pytest.approx(coefficient * energy_J, rel=1e-6)
+        assert earlier.scar(200, body).volume_mm3 == pytest.approx(evolution[f"worn_volume_{body}_mm3"][-1], rel=1e-9)
+        assert earlier.scar(200, body).pressure_MPa.max() == pytest.approx(
+            evolution["mid_stroke_pressure_MPa"][-1], rel=0.02
+        )
+
+
+def test_tables_of_a_line_contact_are_per_mm_whatever_its_length(earlier: RunResult) -> None:
+    """The names are those that its earlier file has."""
+    with h5py.File(io.BytesIO(earlier_line_result())) as file:
+        written = {name: column[()] for name, column in file["evolution"].items()}
+    for one in (earlier, earlier.of_length(7.0)):
+        table = evolution_table(one)
+        for name, column in written.items():
+            assert table[name].to_numpy() == pytest.approx(column, rel=1e-12), name
+        assert loops_table(one)["tangential_force_N_per_mm"].max() == pytest.approx(60.0, rel=1e-3)
+    assert profiles_table(earlier).columns[:4] == ["cycle", "body", "x_um", "depth_um"]
+    longer = earlier.of_length(7.0)
+    assert longer.loop(200).tangential_force_N == pytest.approx(7.0 * earlier.loop(200).tangential_force_N)
+    assert longer.worn_volume_mm3 == pytest.approx(7.0 * earlier.worn_volume_mm3)
+    assert longer.scar(200, "pad").volume_mm3 == pytest.approx(7.0 * earlier.scar(200, "pad").volume_mm3)
+
+
+def test_what_the_first_format_of_line_contacts_lacks_is_unknown(tmp_path: Path) -> None:
+    """It has neither normal force, tilt nor slip, and none of the columns that came later."""
+    later = ("loops/{}/tilt_deg", "loops/{}/normal_force_N_per_mm", "profiles/{}/slip_amplitude_um")
+
+    def fill(file: h5py.File) -> None:
+        with h5py.File(io.BytesIO(earlier_line_result())) as before:
+            for name in before:
+                before.copy(name, file)
+            file.attrs.update(before.attrs)
+        file.attrs["format"] = 1
+        for index, pattern in [(index, pattern) for pattern in later for index in ("0000", "0001")]:
+            del file[pattern.format(index)]
+        for name in ("normal_force_N_per_mm", "displacement_amplitude_um", "mirror_error"):
+            del file["evolution"][name]
+
+    (tmp_path / "first.h5").write_bytes(hdf5_image(fill))
+    one = read_result(tmp_path / "first.h5")
+    assert all(np.isnan(loop.normal_force_N).all() and np.isnan(loop.tilt_deg).all() for loop in one.loops)
+    assert np.isnan(one.evolution["normal_force_N"]).all()
+    assert one.evolution["max_tangential_force_N"] == pytest.approx(60.0, rel=1e-3)
+
+
+def test_columns_of_an_evolution_keep_their_order_in_a_file(earlier: RunResult, tmp_path: Path) -> None:
+    """A run that goes on from its file writes the same tables as one that nothing stopped."""
+    turned = Evolution({name: earlier.evolution[name] for name in reversed(list(earlier.evolution))})
+    assert list(turned) != list(earlier.evolution)
+    write_result(tmp_path / "result.h5", replace(earlier, evolution=turned))
+    assert list(read_result(tmp_path / "result.h5").evolution) == list(turned)

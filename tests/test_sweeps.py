@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.effect_studies import COARSE, WEARING
+from tests.studies import COARSE, WEARING
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
