@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 
 from solvers.contact import ContactProblem
+from solvers.contact.problem import misaligned
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
 from solvers.fretting import first_quarter, run_cycle
 from solvers.holder import Holder
 from solvers.holder_measurement import measured_holder
-from solvers.misalignment import misaligned
 from solvers.wear import WearRates
 from studies.diagnosis.oddities import FURTHER, ODDITIES, RIGS
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed

@@ -15,8 +15,15 @@ from wirewear.faces import cli
 from wirewear.faces.maps_reading import fretting_tests
 from wirewear.records import write_record
 from wirewear.results import write_result
-from wirewear.views.regression import line_through_origin, line_with_threshold
-from wirewear.views.run_maps import FreshContact, edge_tension, fresh_contact, tension_at, transition
+from wirewear.views.run_maps import (
+    FreshContact,
+    edge_tension,
+    fresh_contact,
+    line_through_origin,
+    line_with_threshold,
+    tension_at,
+    transition,
+)
 
 pytestmark = pytest.mark.seconds
 

@@ -17,8 +17,8 @@ from tests import bodies
 from tests.bodies import STEEL
 from wirewear import reference
 from wirewear.verification import FULL, QUICK, Level
-from wirewear.verification.line_surface import line_surface_rows
-from wirewear.verification.surface import surface_rows
+from wirewear.verification.interior import surface_rows
+from wirewear.verification.line_contact import line_surface_rows
 
 FINE_mm = 0.004
 

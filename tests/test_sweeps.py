@@ -13,9 +13,8 @@ from tests.studies import COARSE, WEARING
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
-from wirewear.sweeps.page import _lines, front, write_table
+from wirewear.sweeps.page import _lines, front, indices, write_table
 from wirewear.sweeps.running import JOURNAL
-from wirewear.sweeps.sensitivity import indices
 from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'

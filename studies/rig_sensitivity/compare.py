@@ -22,7 +22,7 @@ from wirewear.reference.cattaneo_mindlin import partial_slip_point
 from wirewear.reference.rig_loop import dissipated_energy, force_amplitude, slip_amplitude
 from wirewear.study import Study
 from wirewear.sweeps import Sweep, load_sweep
-from wirewear.sweeps.sensitivity import Index, indices
+from wirewear.sweeps.page import Index, indices
 from wirewear.sweeps.sweep import FIRST, SweepRow
 
 SWEEP = Path(__file__).with_name("sweep.toml")

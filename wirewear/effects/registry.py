@@ -10,8 +10,15 @@ from wirewear.base.errors import StudyError
 from wirewear.base.quantity import shown
 from wirewear.effects.contact import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
 from wirewear.effects.effect import Effect
-from wirewear.effects.holder import FreePlay, RotationalCompliance, TangentialCompliance
-from wirewear.effects.mounting import CrossingAngleError, Misalignment, NormalLoadDrift, Plasticity
+from wirewear.effects.holder import (
+    CrossingAngleError,
+    FreePlay,
+    Misalignment,
+    NormalLoadDrift,
+    Plasticity,
+    RotationalCompliance,
+    TangentialCompliance,
+)
 from wirewear.effects.sensors import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
 from wirewear.effects.wear import ContactOxygenation, WearRateEvolution, WearRateOffset
 

@@ -19,8 +19,13 @@ from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
 from wirewear.results import RunResult, read_loops, read_results
-from wirewear.views.regression import RegressionLine, line_through_origin, line_with_threshold
-from wirewear.views.run_maps import FreshContact, fresh_contact
+from wirewear.views.run_maps import (
+    FreshContact,
+    RegressionLine,
+    fresh_contact,
+    line_through_origin,
+    line_with_threshold,
+)
 
 if TYPE_CHECKING:
     from wirewear.loops import LoopFigures

@@ -1,5 +1,7 @@
 """Cattaneo–Mindlin line contact in plane strain: a cylinder on a flat, by the same contact code with planar bodies.
 
+The tension behind it, at its very edge: McEwen's sliding cylinder, at the resolutions of standard and fine runs.
+
 The bodies are some forty contact half-widths wide and high, so that their finite size changes pressure and width by
 little; displacements, which diverge logarithmically on a half-plane, are not compared. The holder is rigid and the
 flat's displacement prescribed: it grows until the tangential force passes Q*, then falls until the force passes
@@ -10,8 +12,12 @@ evaluated at the force that was computed.
 import numpy as np
 
 import solvers
-from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, build_planar
+from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, build_planar
 from geometry.arrays import Array
+from solvers import advance, press, unloaded_state
+from solvers.interior import Interior, forces_on_bodies
+from solvers.line_surface_stress import LineSurfaceStress
+from solvers.strain import integration_points
 from wirewear import reference
 from wirewear.simulation import mean_pressures
 from wirewear.verification.rows import Level, Row, compared
@@ -135,3 +141,65 @@ def half_width(problem: solvers.ContactProblem, elliptic: Array) -> float:
 
 def _shear(state: solvers.ContactState) -> Array:
     return state.traction[:, 0]
+
+
+_SURFACE_SHARE = 0.64
+_SLIDE_mm, _INCREMENTS = 1e-2, 5
+
+
+def line_surface_rows(level: Level) -> tuple[Row, ...]:
+    """Tension at the trailing edge in partial slip and sliding, of the cylinder and of the flat."""
+    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+    element = exact.half_width_mm / level.line_surface_resolution
+    problem = cylinder_on_flat(element)
+    state, _ = press(problem, unloaded_state(problem))
+    state = to_force(problem, state, _SURFACE_SHARE * FRICTION * LOAD_N_per_mm)
+    states = [state]
+    for _ in range(_INCREMENTS):
+        state, _report = advance(problem, state, state.drive + _SLIDE_mm / _INCREMENTS, 0.0)
+    states.append(state)
+    pad = pad_geometry(element)
+    bodies = {"cylinder": build_planar(pad), "flat": build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.along))}
+    rows = []
+    for state in states:
+        share = min(abs(tangential_force(state)) / (FRICTION * LOAD_N_per_mm), 1.0)
+        kind = "McEwen, sliding" if share > 1.0 - 1e-3 else f"Cattaneo–Mindlin, line, Q = {share:.2f} µP"
+        for (name, body), force in zip(bodies.items(), forces_on_bodies(problem, state), strict=True):
+            rows.append(
+                compared(
+                    f"{kind}, mesh a/{level.line_surface_resolution:g}",
+                    f"tension at the edge, {name} [MPa]",
+                    largest_tension(body, force),
+                    _exact_tension(exact, share),
+                    level.line_surface_tolerance,
+                )
+            )
+    return tuple(rows)
+
+
+def largest_tension(body: PlanarMesh, force_N_per_mm: Array) -> float:
+    """Largest stress along the surface of a body where its contact ends, by forces (n, 3) on its patch's nodes."""
+    nodes = body.patch.nodes.ravel()
+    interior = Interior(body.mesh, MATERIAL, body.mesh.surface_nodes("grip"))
+    points = integration_points(body.mesh)
+    moved = interior.displacements(nodes, force_N_per_mm[None])[0]
+    stress = points.at_nodes(points.stresses(MATERIAL, moved))[nodes]
+    surface = LineSurfaceStress.of(body, MATERIAL).under(force_N_per_mm)
+    edge = surface.edge()
+    near, weights, _ = body.patch.locate(edge)
+    found = np.einsum("kc,kcs->ks", weights, stress[near]) + surface.correction(edge)
+    return float(found[:, 0].max())
+
+
+def _exact_tension(contact: reference.LineContact, share: float) -> float:
+    """At first loading to that share of the force of sliding: 2 µ p0 √share."""
+    stress = reference.line_partial_slip_stress(
+        -contact.half_width_mm,
+        0.0,
+        half_width_mm=contact.half_width_mm,
+        stick_half_width_mm=contact.half_width_mm * max(1.0 - share, 1e-12) ** 0.5,
+        peak_pressure_MPa=contact.peak_pressure_MPa,
+        friction=FRICTION,
+        poissons_ratio=MATERIAL.poissons_ratio,
+    )
+    return float(stress[0])

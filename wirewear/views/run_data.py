@@ -14,8 +14,14 @@ from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.results import PRESSURE_LENGTH, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
 from wirewear.results.scar import called
-from wirewear.views.regression import line_through_origin
-from wirewear.views.run_maps import LOADS, energy_ratio, fresh_contact, running_conditions, tension_lines
+from wirewear.views.run_maps import (
+    LOADS,
+    energy_ratio,
+    fresh_contact,
+    line_through_origin,
+    running_conditions,
+    tension_lines,
+)
 
 Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 
