@@ -1,17 +1,16 @@
 """Are gap-free records as likely as the diagnosis believes? Chi square per number, and whether p-values are uniform.
 
     python -m studies.diagnosis.gap_free RECORDS --tests 10 --rigs 10 --reference T2:iwan
-    python -m studies.diagnosis.gap_free_chances RECORDS [--write COMMIT]
+    python -m studies.diagnosis.gap_free_chances RECORDS
     python -m studies.diagnosis.gap_free_chances BATCH/records --scored DIAGNOSES/score.json
 
 Every record of RECORDS is gap-free, or is said to be by the score of its batch. Its residuals against the nominal
 model, whitened by the covariance that a diagnosis of it takes, have a chi square; a covariance that is right makes that
-of the size of their number. Three chances of a larger one are tested for being uniform (Kolmogorov and Smirnov): that
-of records without a gap (`without_gap.py`), which a diagnosis states; that of a variance known within a factor
-(`SCALE`); and that of a variance that is known. `--write` puts what these records leave into calibration.toml.
+of the size of their number. Two chances of a larger one are tested for being uniform (Kolmogorov and Smirnov): that of
+a variance known within a factor (`SCALE`), as a diagnosis takes it, and that of a variance that is known.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,10 +23,9 @@ from scipy.stats import chi2, kstest
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
 from wirewear.diagnosis.beginning import reduced_record
-from wirewear.diagnosis.calibration import FILE, Constant, with_entry
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.recognised import chance, share_beyond
+from wirewear.diagnosis.infer.recognised import chance
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
@@ -47,11 +45,6 @@ class Chance:
     def left(self) -> float:
         """Chi square per number."""
         return self.squares / self.numbers
-
-    @property
-    def share_beyond(self) -> float:
-        """Of records without a gap those that leave more."""
-        return share_beyond(self.left)
 
     @property
     def p_value(self) -> float:
@@ -82,12 +75,6 @@ def gap_free_cases(score: Path) -> set[str]:
     return {line["case"] for line in lines if line["kind"] == "none"}
 
 
-def written(text: str, found: Sequence[Chance], commit: str) -> str:
-    """calibration.toml with what these records leave."""
-    left = tuple(sorted(round(one.left, 3) for one in found))
-    return with_entry(text, Constant("infer.without_gap.left", left, "1", "gap_free_left", commit))
-
-
 def _chance(path: Path) -> Chance:
     nominal, observed = reduced_record(read_record(path))
     covariance = estimate(nominal.states, nominal.setup, observed)
@@ -105,8 +92,7 @@ def _chance(path: Path) -> Chance:
 @click.command(cls=StudyScript)
 @click.argument("folders", nargs=-1, required=True, type=click.Path(exists=True, path_type=Path))
 @click.option("--scored", type=click.Path(exists=True, path_type=Path), help="Score of the one batch in FOLDERS.")
-@click.option("--write", metavar="COMMIT", help="Put what they leave into calibration.toml, first in this commit.")
-def main(folders: tuple[Path, ...], scored: Path | None, write: str | None) -> None:
+def main(folders: tuple[Path, ...], scored: Path | None) -> None:
     """Chi squares and p-values of the gap-free records in FOLDERS."""
     console = wide_console(130)
     found = [one for folder in folders for one in chances(folder, scored)]
@@ -115,12 +101,11 @@ def main(folders: tuple[Path, ...], scored: Path | None, write: str | None) -> N
     table = Table("record", "numbers", "χ²/n", "p", "observables beyond 1.5", box=box.SIMPLE_HEAD)
     for one in found:
         beyond = ", ".join(f"{name} {size:.1f}" for name, size in one.by_observable.items() if size > 1.5)
-        table.add_row(one.name, str(one.numbers), f"{one.left:.2f}", f"{one.share_beyond:.3f}", beyond)
+        table.add_row(one.name, str(one.numbers), f"{one.left:.2f}", f"{one.p_value:.3f}", beyond)
     console.print(table)
     sizes = [one.left for one in found]
     console.print(f"{len(found)} records: χ²/n {np.mean(sizes):.3f} on average, median {np.median(sizes):.2f}")
     for words, values in (
-        ("shares of records without a gap that leave more", [one.share_beyond for one in found]),
         ("p-values, the variance being known within a factor", [one.p_value for one in found]),
         ("p-values, the variance being known", [one.plain_p_value for one in found]),
     ):
@@ -129,8 +114,6 @@ def main(folders: tuple[Path, ...], scored: Path | None, write: str | None) -> N
     for name in dict.fromkeys(name for one in found for name in one.by_observable):
         own = [one.by_observable[name] for one in found if name in one.by_observable]
         console.print(f"{name}: χ²/n {np.mean(own):.2f}, median {np.median(own):.2f}", highlight=False)
-    if write:
-        FILE.write_text(written(FILE.read_text(encoding="utf-8"), found, write), encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.physical import physical_gap
-from wirewear.diagnosis.infer.recognised import force_zero, left_by, remainder_of, share_beyond, unrecognised, without
+from wirewear.diagnosis.infer.recognised import force_zero, unrecognised, without
 from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
@@ -34,7 +34,6 @@ from wirewear.records.checking import remarks_told
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
 from wirewear.views.diagnosis_wording import (
     Diagnosed,
-    of_chance,
     of_hum,
     of_laws,
     of_scatter,
@@ -50,16 +49,8 @@ if TYPE_CHECKING:
 
 _KNOWN = constants("diagnose")
 
-#: A gap is called one once "none" has less than this probability; where no zone by itself stands out of its scatter,
-#: once it has less than the second one or than a class of effects. A class accounts for a gap alone from the last one
-#: on.
-LEAST_NONE, LEAST_NONE_UNSEEN, SURE = _KNOWN.each("least_none", "least_none_unseen", "sure")
-
-#: With more than this probability of a cause outside the library, none of it is named.
-MOST_OUTSIDE = _KNOWN.number("most_outside")
-
-#: Whatever the probabilities, there is a gap where a block of observables is this improbable without one.
-LEAST_BLOCK_WITHOUT_GAP = _KNOWN.number("least_block_without_gap")
+#: A class of effects accounts for a gap alone from this probability on.
+SURE = _KNOWN.number("sure")
 
 #: An explanation that fails, but takes this share of χ², is told as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
@@ -167,43 +158,35 @@ def judged(
     setup = found.problem.setup
     near = relevant(found.singles)
     classes = classes_of(near, found.apart(near))
-    left = found.remainder.misfit
-    dispersion = max(left, 1.0)
     wave = ripple(states, found.best.setup, observed.loops)
     tolerance = record.tables.tolerance.model_dump()
     least_N = tolerance["force"] * setup.plateau_force_N
     stays = wave if wave and wave.along == "stroke" and wave.amplitude_N > least_N else None
-    # What an explanation of most of a gap leaves is judged as a gap is: what does not matter hints at no other cause.
+    # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
     left_over = places(found.problem, found.covariance, found.best.setup)
-    leaves = found.removed < LEAST_REMOVED or relevance_of(left_over, tolerance, detected=True).relevant
+    leaves = relevance_of(left_over, tolerance, detected=True).relevant
     surprise = max(found.remainder.log_surprise if leaves else 0.0, stays.log_surprise if stays else 0.0)
-    weighed = weigh(
-        found.none,
-        found.singles,
-        found.pairs,
-        found.free,
-        classes,
-        max(left, LEAST_DISPERSION),
-        surprise,
-        gains_of(found.distortions) if leaves else {},
-        found.rival,
-    )
+    gains = gains_of(found.distortions) if leaves else {}
+    misfit = max(found.remainder.misfit, LEAST_DISPERSION)
+    weighed = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains, found.rival)
     failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
     weighed = without(weighed, failing)
     where = places(found.problem, found.covariance, setup)
     finding = tuple(findings(where))
-    verdict = _verdict(found, weighed, seen=bool(finding), leaves=leaves)
+    verdict = _verdict(weighed)
     relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
-    behind = causes = _causes(found, weighed, dispersion)
+    dispersion = max(found.remainder.misfit, 1.0)
+    behind = _causes(found, weighed, dispersion)
     if relevance.detected and not relevance.relevant:
-        verdict, weighed = "no_gap", weighed.without_gap()
-        causes = _causes(found, weighed, dispersion)
-    best = found.none if verdict == "no_gap" else found.best
+        weighed = weighed.without_gap()
+    best = _leading(found, weighed) if relevance.relevant else found.none
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
-    if verdict in ("explained", "ambiguous") and not shrink.supports:
-        verdict = "unexplained"
+    if best.names and not shrink.supports:
+        weighed = weighed.refuted(best.names)
+    verdict = _verdict(weighed)
+    causes = _causes(found, weighed, dispersion)
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     partial = _partial(found, weighed, dispersion, left_over) if verdict == "unexplained" else None
@@ -213,7 +196,6 @@ def judged(
     if stays is not None and verdict == "unexplained":
         resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     unnamed = verdict == "unexplained" and best.names in failing
-    said_of_wires = verdict == "no_gap" and not setup.length_mm
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
@@ -232,7 +214,6 @@ def judged(
             *(f"the further record {other.name!r} is taken in" for other in further),
             *of_hum(wave),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
-            *(of_chance(share_beyond(left_by(found.problem, found.none))) if said_of_wires else ()),
             *of_scatter(found.covariance.contradicted),
             *(of_unrecognised(failing[best.names]) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),
             *of_the_record(record, setup, observed, shrink, wrong),
@@ -253,29 +234,20 @@ def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
     return tuple(name for name in dict.fromkeys(map(effect_of, unseen)) if name not in seen)
 
 
-def none_is_likely(none: float, leading: float, *, seen: bool) -> bool:
-    """Whether no gap is likely enough to be said, beside the probability of the leading class, pair or unknown cause.
-
-    seen: whether a zone stands out of its scatter.
-    """
-    return none >= LEAST_NONE or (not seen and none >= max(LEAST_NONE_UNSEEN, leading))
-
-
-def _verdict(found: Search, weighed: Weighed, *, seen: bool, leaves: bool) -> Verdict:
-    """What probabilities and gate come to; seen: a zone stands out, leaves: what the best leaves is relevant."""
-    likely = none_is_likely(weighed.probabilities[()], max(weighed.leading, weighed.outside), seen=seen)
-    if likely and remainder_of(found.problem, found.none).block_p_value >= LEAST_BLOCK_WITHOUT_GAP:
+def _verdict(weighed: Weighed) -> Verdict:
+    """What is likeliest: no gap, a cause of no library, or a class of effects, which explains it from `SURE` on."""
+    likeliest = max(weighed.probabilities[()], weighed.outside, weighed.leading)
+    if weighed.probabilities[()] == likeliest:
         return "no_gap"
-    fails = leaves and not found.remainder.passes
-    if not found.best.candidates or fails or weighed.outside > MOST_OUTSIDE:
+    if weighed.outside == likeliest:
         return "unexplained"
-    mass = sum(
-        p
-        for names, p in weighed.probabilities.items()
-        if len(names) == len(found.best.names)
-        and all(any(member in weighed.class_of(own) for member in names) for own in found.best.names)
-    )
-    return "explained" if mass >= SURE else "ambiguous"
+    return "explained" if likeliest >= SURE else "ambiguous"
+
+
+def _leading(found: Search, weighed: Weighed) -> Fit:
+    """The fit of the likeliest class of effects, or pair, that explains most."""
+    fits = [one for one in (*found.singles, *found.pairs) if weighed.mass(one.names) == weighed.leading]
+    return max(fits, key=lambda one: one.merit, default=found.none)
 
 
 def _causes(found: Search, weighed: Weighed, dispersion: float) -> tuple[Cause, ...]:

@@ -269,11 +269,6 @@ def of_zero(zero: ForceZero) -> tuple[str, ...]:
     return (f"the zero of the force lies at {size}: an unloaded stroke would tell it from what leans on the wires",)
 
 
-def of_chance(beyond: float) -> tuple[str, ...]:
-    """Where a record lies that has no gap."""
-    return (f"of a hundred records without any gap, of other tests, {100.0 * beyond:.0f} leave more than this one",)
-
-
 def of_scatter(contradicted: Sequence[str]) -> tuple[str, ...]:
     """Scatters that repeats contradict."""
     return tuple(

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
@@ -33,9 +33,6 @@ ITERATIONS, _SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("s
 
 #: A search begins at the best of its starts, and at others whose cost is within this factor.
 _COMPARABLE = _KNOWN.number("comparable")
-
-#: Sizes of a free smooth difference: shares of the plateau force (and of the slip that it bends a rig by).
-FREE_SIZES = _KNOWN.numbers("free_sizes")
 
 #: Log evidence that solver differences were seen to add to an effect on gap-free records, by its name.
 ADDED: Mapping[str, float] = constants("infer.inference.added").all()
@@ -251,19 +248,6 @@ def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
     """Covariance (n, n) with a smooth difference of any shape, of that share of the plateau force."""
     setup = problem.setup
     return covariance + free_covariance(problem.layout, setup, problem.predicted(setup), size)
-
-
-def free_log_evidence(problem: Problem, covariance: Array) -> float:
-    """Log evidence of a difference of any smooth shape, on the same scale as that of the fits."""
-    residual = problem.mean - problem.predicted(problem.setup)
-    logs = []
-    for size in FREE_SIZES:
-        total = free_difference(problem, covariance, size)
-        factor = cho_factor(total, lower=True)
-        determinant = 2.0 * float(np.log(np.diag(factor[0])).sum())
-        distance2 = float(residual @ cho_solve(factor, residual))
-        logs.append(-0.5 * distance2 - 0.5 * (determinant - problem.log_determinant))
-    return float(np.logaddexp.reduce(logs) - np.log(len(logs)))
 
 
 def separation(problem: Problem, one: Fit, other: Fit, known: Fit | None = None) -> float:

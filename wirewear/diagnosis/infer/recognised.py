@@ -1,7 +1,7 @@
 """What an explanation leaves over beyond chance; explanations not recognised by what they are named for."""
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import e, expm1, hypot, log, log1p, sqrt
 
 import numpy as np
@@ -15,13 +15,7 @@ from wirewear.diagnosis.infer.solver_differences import derivatives
 from wirewear.diagnosis.infer.weighing import SEPARABLE, Weighed
 from wirewear.diagnosis.observe.layout import Part
 
-#: Chi squares per number of records without a gap, sorted.
-LEFT = np.sort(constants("infer.without_gap").numbers("left"))
-
 _OF_GATE = constants("infer.gate")
-
-#: Mean square of whitened residuals that gap-free solver differences reach at most; above, something is left over.
-MOST_MISFIT = _OF_GATE.number("most_misfit")
 
 #: Standard deviation of the logarithm by which the variance of one observable's solver differences lies above or below
 #: the learned one, from test to test.
@@ -58,18 +52,6 @@ def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int)
     return ForceZero(deviations * expected * problem.setup.load_N, deviations)
 
 
-def left_by(problem: Problem, fit: Fit) -> float:
-    """Chi square per number that an explanation leaves, none among them."""
-    whitened = problem.whitened(fit.setup)
-    return float(whitened @ whitened) / max(whitened.size, 1)
-
-
-def share_beyond(left: float) -> float:
-    """Of records without a gap those that leave more than so much per number; linear between them, never 0 or 1."""
-    level = np.arange(1, LEFT.size + 1) / (LEFT.size + 1.0)
-    return float(1.0 - np.interp(left, LEFT, level))
-
-
 def unrecognised(fits: Iterable[Fit], cycles: Array) -> dict[tuple[str, ...], tuple[str, ...]]:
     """Those effects of each fit that do not do, within these cycles, what tells them from others.
 
@@ -101,9 +83,7 @@ def without(weighed: Weighed, failing: Mapping[tuple[str, ...], Sequence[str]]) 
         for names, members in failing.items()
         if any(all((other,) in failing for other in weighed.class_of(one) if other != one) for one in members)
     }
-    moved = sum(weighed.probabilities.get(names, 0.0) for names in bare)
-    kept = {names: 0.0 if names in bare else probability for names, probability in weighed.probabilities.items()}
-    return replace(weighed, probabilities=kept, outside=weighed.outside + moved)
+    return weighed.given_outside(bare)
 
 
 def log_surprise(p_value: float) -> float:
@@ -122,11 +102,6 @@ class Remainder:
     misfit: float
     block_p_value: float
     blocks: int
-
-    @property
-    def passes(self) -> bool:
-        """Whether as a whole nothing but noise, scatter and solver error need be left."""
-        return self.misfit <= MOST_MISFIT
 
     @property
     def log_surprise(self) -> float:

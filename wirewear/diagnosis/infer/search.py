@@ -10,7 +10,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit, free_log_evidence
+from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, fit
 from wirewear.diagnosis.infer.recognised import Remainder, remainder_of
 from wirewear.diagnosis.infer.weighing import distances
 from wirewear.diagnosis.model.candidates import Candidate, library
@@ -61,7 +61,6 @@ class Search:
     none: Fit
     singles: tuple[Fit, ...]
     pairs: tuple[Fit, ...]
-    free: float
     remainder: Remainder
     distortions: tuple[Distortion, ...]
     rival: float
@@ -116,7 +115,6 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             pairs = [one for one in pairs if one.log_evidence > single.log_evidence + _gain(problem)]
         if not pairs:
             problem, covariance, none, singles = alone
-    free = free_log_evidence(problem, covariance.total)
     chosen, beside = leading(none, (*singles, *pairs))
     distorted = distortions(problem, beside)
     rival = chosen.log_evidence
@@ -125,7 +123,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         # A second effect that is too small to be named may be what a distortion imitates.
         rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
-    return Search(problem, covariance, none, tuple(singles), tuple(pairs), free, left, distorted, rival)
+    return Search(problem, covariance, none, tuple(singles), tuple(pairs), left, distorted, rival)
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_log_evidence
+from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit
 from wirewear.diagnosis.infer.recognised import remainder_of
 from wirewear.diagnosis.infer.search import Search, leading, problem_around
 from wirewear.diagnosis.infer.weighing import distances
@@ -43,7 +43,7 @@ class Updated(Search):
 def updated(first: Search, states: WearStates, setup: Setup, observed: Observations) -> Search:
     """A search with what another record shows, in its own circumstances and on its own nominal run."""
     around = applied(first.best.candidates, setup, first.best.coordinates)
-    problem, covariance = problem_around(states, setup, around, observed, first.best.candidates)
+    problem, _ = problem_around(states, setup, around, observed, first.best.candidates)
     fits = (first.none, *first.singles, *first.pairs)
     second = {one.names: fit(problem, one.candidates, known=one if one.candidates else None) for one in fits}
 
@@ -69,7 +69,6 @@ def updated(first: Search, states: WearStates, setup: Setup, observed: Observati
         none,
         singles,
         pairs,
-        first.free + free_log_evidence(problem, covariance.total),
         max(lefts, key=lambda left: (left.log_surprise, left.misfit)),
         _together(distortions(first.problem, beside), seen),
         chosen.log_evidence,

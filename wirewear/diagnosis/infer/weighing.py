@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -53,12 +53,25 @@ class Weighed:
     @property
     def leading(self) -> float:
         """Probability of the likeliest class of effects, or of a pair."""
-        masses: dict[tuple[tuple[str, ...], ...], float] = {}
-        for names, probability in self.probabilities.items():
-            if names:
-                explanation = tuple(sorted(self.class_of(name) for name in names))
-                masses[explanation] = masses.get(explanation, 0.0) + probability
-        return max(masses.values(), default=0.0)
+        return max((self.mass(names) for names in self.probabilities if names), default=0.0)
+
+    def mass(self, names: tuple[str, ...]) -> float:
+        """Probability of an explanation and of all that cannot be told from it."""
+        return sum(self.probabilities[one] for one in self._alike(names))
+
+    def refuted(self, names: tuple[str, ...]) -> Weighed:
+        """The probability of an explanation, and of all that cannot be told from it, given to a cause of no library."""
+        return self.given_outside(self._alike(names))
+
+    def given_outside(self, explanations: Collection[tuple[str, ...]]) -> Weighed:
+        """The probability of some explanations given to a cause of no library."""
+        kept = {names: 0.0 if names in explanations else p for names, p in self.probabilities.items()}
+        moved = sum(self.probabilities.get(names, 0.0) for names in explanations)
+        return replace(self, probabilities=kept, outside=self.outside + moved)
+
+    def _alike(self, names: tuple[str, ...]) -> list[tuple[str, ...]]:
+        own = sorted(map(self.class_of, names))
+        return [one for one in self.probabilities if sorted(map(self.class_of, one)) == own]
 
     def without_gap(self) -> Weighed:
         """All that explains a difference which does not matter counts for no gap."""
@@ -109,7 +122,6 @@ def weigh(
     none: Fit,
     singles: Sequence[Fit],
     joint: Sequence[Fit],
-    free_log_evidence: float,
     classes: Sequence[Sequence[str]],
     dispersion: float,
     log_surprise: float,
@@ -121,10 +133,10 @@ def weigh(
     It estimates by how much all variances are larger or smaller than expected: evidence counts by it, as in a
     quasi-likelihood (McCullagh and Nelder, Generalized Linear Models, 1989, section 9.2).
 
-    A cause outside the library is what a difference of free shape explains, or what leaves more of the best explanation
-    than chance would, of which `log_surprise` is the log Bayes factor, or what a distortion explains beside one of the
-    explanations: `gains` are the log evidences that each family adds to those beside which it was tried;
-    it must lead the best explanation, and `rival`, by more than `UNLEARNED`.
+    A cause outside the library is what leaves more of the best explanation than chance would, of which `log_surprise`
+    is the log Bayes factor, or what a distortion explains beside one of the explanations: `gains` are the log evidences
+    that each family adds to those beside which it was tried; it must lead the best explanation, and `rival`, by more
+    than `UNLEARNED`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -141,7 +153,7 @@ def weigh(
     for one in joint:
         prior = PRIOR_PAIR * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
-    outside = np.log(PRIOR_OUTSIDE) + free_log_evidence / temperature
+    outside = -np.inf
     evidences = {one.names: one.log_evidence for one in (none, *singles, *joint)}
     best = max(evidences, key=lambda names: evidences[names])
     for names, added in (gains or {}).items():
