@@ -56,6 +56,18 @@ def test_a_noiseless_plateau_is_not_called_clipped(samples: int, rig_stiffness: 
     assert not any("clipped" in note for note in analyse_loop(np.clip(displacement, -50.0, 50.0), force, 2.0).notes)
 
 
+@pytest.mark.parametrize("steps_a_peak", [60.0, 130.0, 250.0])
+def test_a_plateau_read_in_coarse_steps_of_four_digits_is_not_called_clipped(steps_a_peak: float) -> None:
+    """A stop stays where it is: a plateau about it is read beyond it, too, by a step."""
+    found = []
+    for seed in range(40):
+        displacement, force = noisy(180, seed)
+        step = float(np.abs(force).max()) / steps_a_peak
+        found.append(clipped(np.round(step * np.round(force / step), 4), beside=displacement))
+    assert sum(one is not None and one.sure for one in found) <= 1
+    assert sum(one is not None for one in found) <= 14
+
+
 @pytest.mark.parametrize("steps_of_noise", [0.5, 1.0, 2.0, 4.0])
 def test_a_drive_read_in_coarse_steps_is_not_called_clipped_and_one_that_is_cut_off_is(steps_of_noise: float) -> None:
     random = np.random.default_rng(1)

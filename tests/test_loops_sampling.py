@@ -180,6 +180,12 @@ def test_the_step_of_a_rounded_channel_is_found() -> None:
     assert step_of(np.round(rounded, 6)) == pytest.approx(STEP)
 
 
+@pytest.mark.parametrize("step", [0.0009, 0.0023, 0.3081])
+def test_the_step_of_a_channel_written_with_four_digits_is_found(step: float) -> None:
+    written = np.round(step * np.round(60.0 * channel()), 4)
+    assert step_of(written) == pytest.approx(step, rel=2e-3)
+
+
 def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
     """As one autoregression, both would make means of many samples look surer than they are."""
     random = np.random.default_rng(8)

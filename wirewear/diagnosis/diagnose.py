@@ -31,7 +31,7 @@ from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, Verdict, estimates, forms
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, estimates, forms
 from wirewear.views.diagnosis_wording import (
     Diagnosed,
     of_hum,
@@ -48,9 +48,6 @@ if TYPE_CHECKING:
     from wirewear.study import Study
 
 _KNOWN = constants("diagnose")
-
-#: A class of effects accounts for a gap alone from this probability on.
-SURE = _KNOWN.number("sure")
 
 #: An explanation that fails, but takes this share of χ², is told as a part of one.
 LEAST_REMOVED = _KNOWN.number("least_removed")
@@ -173,7 +170,7 @@ def judged(
     weighed = without(weighed, failing)
     where = places(found.problem, found.covariance, setup)
     finding = tuple(findings(where))
-    verdict = _verdict(weighed)
+    verdict = weighed.verdict
     relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
     dispersion = max(found.remainder.misfit, 1.0)
     behind = _causes(found, weighed, dispersion)
@@ -185,7 +182,7 @@ def judged(
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)
     if best.names and not shrink.supports:
         weighed = weighed.refuted(best.names)
-    verdict = _verdict(weighed)
+    verdict = weighed.verdict
     causes = _causes(found, weighed, dispersion)
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
@@ -232,16 +229,6 @@ def _undetectable(found: Search, own: set[str]) -> tuple[str, ...]:
     unseen = undetectable(found.problem, others)
     seen = {effect_of(one.name) for one in others if one.name not in unseen} | set(map(effect_of, own))
     return tuple(name for name in dict.fromkeys(map(effect_of, unseen)) if name not in seen)
-
-
-def _verdict(weighed: Weighed) -> Verdict:
-    """What is likeliest: no gap, a cause of no library, or a class of effects, which explains it from `SURE` on."""
-    likeliest = max(weighed.probabilities[()], weighed.outside, weighed.leading)
-    if weighed.probabilities[()] == likeliest:
-        return "no_gap"
-    if weighed.outside == likeliest:
-        return "unexplained"
-    return "explained" if likeliest >= SURE else "ambiguous"
 
 
 def _leading(found: Search, weighed: Weighed) -> Fit:

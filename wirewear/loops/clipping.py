@@ -8,8 +8,9 @@ from geometry.arrays import Array, BoolArray
 from wirewear.loops.noise import through_neighbours
 from wirewear.loops.robust import median_deviation
 
-#: So large a share of the samples lies on the steps, within that share of one: others were put in between.
-ON_STEPS, WITHIN = 0.95, 1e-3
+#: So large a share of the samples lies on the steps, within that share of one and half a digit as written: others were
+#: put in between. Numbers are written with so many digits after the point at most.
+ON_STEPS, WITHIN, DIGITS = 0.95, 1e-3, 9
 
 #: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
 FEWEST, LEAST_SHARE = 4, 0.02
@@ -17,7 +18,7 @@ FEWEST, LEAST_SHARE = 4, 0.02
 FEWEST_PAIRS, FEWEST_LOOP = 10, 32  #: So many neighbours, of a loop of so many samples, tell scatter from a course.
 ALTERNATING = -0.4  #: Neighbours' fourth differences that correlate by less than this are noise.
 CONSTANT = 1e-5  #: What varies by a smaller share than sixteen bits resolve is constant.
-OUTSIDE = 3  #: An outlier or two may lie beyond the range's end.
+OUTSIDE, NEAR = 3, 3.5  #: An outlier or two may lie beyond the range's end, but not by so few steps, as noise does.
 
 #: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
 LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
@@ -32,8 +33,27 @@ def step_of(values: Array) -> float:
         return 0.0
     # Written digits make equal steps differ a little, and values that were put in between are few.
     step = float(np.median(apart[apart < 1.5 * np.quantile(apart, 0.05)]))
-    multiples = (values - levels[levels.size // 2]) / step
-    return step if float(np.mean(np.abs(multiples - np.round(multiples)) < WITHIN)) >= ON_STEPS else 0.0
+    # The more steps lie between two levels, the better they must be known to be counted.
+    for most in (4.0, 30.0):
+        near = apart[apart < (most + 0.5) * step]
+        step = float(near.sum() / np.round(near / step).sum())
+    counted = np.concatenate([[0.0], np.cumsum(np.round(np.diff(levels) / step))])
+    if not counted[-1]:
+        return 0.0
+    # Over all levels the digits of one step are as good as nothing.
+    step, first = np.polyfit(counted, levels, 1).tolist()
+    multiples = (values - first) / step
+    within = WITHIN + _digit_of(levels) / step
+    return step if float(np.mean(np.abs(multiples - np.round(multiples)) < within)) >= ON_STEPS else 0.0
+
+
+def _digit_of(values: Array) -> float:
+    """The last digit with which values (n,) are written, a power of ten; 0 of numbers that are not rounded."""
+    for digit in 10.0 ** -np.arange(DIGITS):
+        counted = values / digit
+        if np.abs(counted - np.round(counted)).max() < WITHIN:
+            return float(digit)
+    return 0.0
 
 
 def rounding_noise(step: float) -> float:
@@ -82,8 +102,8 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
     for outermost in (levels[:OUTSIDE], levels[: -OUTSIDE - 1 : -1]):
         for value in (float(level) for level in outermost):
             same = np.abs(values - value) <= 1e-9 * max(abs(value), extent)
-            beyond = np.count_nonzero(values < value if outermost[0] == levels[0] else values > value)
-            if beyond > OUTSIDE:
+            beyond = values[values < value if outermost[0] == levels[0] else values > value]
+            if beyond.size > OUTSIDE or (np.abs(beyond - value) < NEAR * step).any():
                 break
             if _longest(same) >= FEWEST and np.count_nonzero(same) > max(LEAST_SHARE, turning) * values.size:
                 found |= same

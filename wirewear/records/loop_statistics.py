@@ -1,5 +1,6 @@
 """Figures of every loop of a record by plain array arithmetic: fast enough for thousands of loops."""
 
+from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
@@ -182,9 +183,15 @@ def _gap(values: Array, noise: Array, extent: Array) -> Array:
 
 
 def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
-    """1 for channels of loops (l, n) that ran into the end of their range, by what scatters beside them (l, n)."""
+    """1 for channels of loops (l, n) that ran into the end of their range, by what scatters beside them (l, n).
+
+    Where a plateau may as well lie within one step, most loops end at the same value, as a stop stays where it is.
+    """
     pairs = zip(channels, beside, strict=True)
-    return np.array([float(one is not None and clipped(one, beside=other) is not None) for one, other in pairs])
+    found = [None if one is None else clipped(one, beside=other) for one, other in pairs]
+    ends = Counter(value for one in found if one is not None for value in one.values)
+    stop = 0.5 * len(found)
+    return np.array([float(one is not None and (one.sure or any(ends[v] > stop for v in one.values))) for one in found])
 
 
 def coarse_step_of(values: Array) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
@@ -32,6 +33,9 @@ TEMPERATURE = _KNOWN.number("temperature")
 #: on, known effects and records without a gap are led by so much.
 UNLEARNED = _KNOWN.number("unlearned")
 
+#: A class of effects accounts for a gap alone from this probability on.
+SURE = _KNOWN.number("sure")
+
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
 _NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_compared")
 
@@ -49,6 +53,16 @@ class Weighed:
     probabilities: Mapping[tuple[str, ...], float]
     outside: float
     classes: tuple[tuple[str, ...], ...]
+
+    @property
+    def verdict(self) -> Literal["no_gap", "explained", "ambiguous", "unexplained"]:
+        """What is likeliest: no gap, a cause of no library, or a class of effects, which explains it from `SURE` on."""
+        none, leading = self.probabilities[()], self.leading
+        if none >= max(leading, self.outside):
+            return "no_gap"
+        if self.outside >= leading:
+            return "unexplained"
+        return "explained" if leading >= SURE else "ambiguous"
 
     @property
     def leading(self) -> float:
