@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binom, kstest
+from scipy.stats import binom
 
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
@@ -78,10 +78,9 @@ def test_the_surprise_is_the_largest_bayes_factor_of_any_falling_density_of_p(p_
 @pytest.mark.slow
 def test_noise_of_the_believed_covariance_surprises_as_often_as_its_p_value_says() -> None:
     """Of 200 records of noise a tenth or fewer surprise like one in ten, where the observables' variances are as
-    uncertain as believed; of noise with the learned variance none fails as a whole.
+    uncertain as believed.
     """
     draws = np.random.default_rng(4)
-    found = [left_over(noise) for noise in believed_noise(200)]
     uncertain = believed_noise(200)
     for noise in uncertain:
         for part in explained()[0].layout:

@@ -187,12 +187,14 @@ def judged(
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     partial = _partial(found, weighed, dispersion, left_over) if verdict == "unexplained" else None
-    resembles = _resembles(found, weighed, verdict)
+    resembles: tuple[Resemblance, ...] = ()
+    if verdict == "unexplained":
+        resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
     unseen = _undetectable(found, own)
     if stays is not None and verdict == "unexplained":
         resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
-    unnamed = verdict == "unexplained" and best.names in failing
+    unnamed = failing.get(found.best.names, ()) if verdict == "unexplained" else ()
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
@@ -212,7 +214,7 @@ def judged(
             *of_hum(wave),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *of_scatter(found.covariance.contradicted),
-            *(of_unrecognised(failing[best.names]) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),
+            *(of_unrecognised(unnamed) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),
             *of_the_record(record, setup, observed, shrink, wrong),
         ),
         resembles=resembles,
@@ -255,14 +257,6 @@ def _partial(found: Search, weighed: Weighed, dispersion: float, left_over: list
         return None
     probability = weighed.probabilities[best.names]
     return Partial(tuple(_of_fit(best, probability, dispersion)), found.removed, tuple(findings(left_over)))
-
-
-def _resembles(found: Search, weighed: Weighed, verdict: Verdict) -> tuple[Resemblance, ...]:
-    """What a gap behaves like that is unexplained, or whose cause is likelier outside the library than any within."""
-    leading = max((p for names, p in weighed.probabilities.items() if names), default=0.0)
-    if verdict != "unexplained" and not (verdict == "ambiguous" and weighed.outside > leading):
-        return ()
-    return resemblances(found.problem, found.distortions, found.best.log_evidence)
 
 
 def _of_fit(one: Fit, probability: float, dispersion: float) -> list[Cause]:

@@ -282,7 +282,7 @@ def of_the_record(
     """What the record lacks, and what its answer cannot say for that."""
     notes = list(observed.notes[:5])
     placebo = shrink.best_wrong_effect
-    if wrong is not None and placebo is not None and shrink.shows_gap and placebo > AS_MUCH * shrink.shrink:
+    if wrong is not None and placebo is not None and placebo > AS_MUCH * shrink.shrink > 0.0:
         notes.append(
             f"on the cycles left out of the fit, {plain(wrong.names[0])} shrinks the gap as much: the shrink does not "
             "support the named cause, only the fit of all loops tells them apart"
