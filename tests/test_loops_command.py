@@ -17,15 +17,9 @@ from wirewear.results import write_result
 from wirewear.views.loops_sources import read_loops
 
 KEYS = (
-    "displacement_amplitude_um",
-    "slip_amplitude_um",
-    "measured_stiffness_N_per_um",
-    "friction_max",
-    "friction_energy",
-    "friction_geometry_independent",
-    "dissipated_energy_mJ",
-    "regime",
-)
+    "displacement_amplitude_um", "slip_amplitude_um", "measured_stiffness_N_per_um", "friction_max", "friction_energy",
+    "friction_geometry_independent", "dissipated_energy_mJ", "regime",
+)  # fmt: skip
 LOOP = SyntheticLoop(Recipe(end_slope_rad=0.1, hook_power=3.0))
 TIME, DISPLACEMENT_um, FORCE_N = LOOP.sampled(200, 0.3)
 

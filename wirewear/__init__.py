@@ -26,42 +26,12 @@ if TYPE_CHECKING:
     __version__: str
 
 __all__ = [
-    "Evolution",
-    "ExperimentRecord",
-    "Loop",
-    "LoopSignals",
-    "Record",
-    "RecordError",
-    "ResultError",
-    "Run",
-    "RunError",
-    "RunResult",
-    "Scar",
-    "Sensor",
-    "SensorError",
-    "SensorNoise",
-    "Study",
-    "StudyError",
-    "WirewearError",
-    "__version__",
-    "check_record",
-    "effects",
-    "largest_mean_pressure_MPa",
-    "load",
-    "load_study",
-    "parse_study",
-    "read_record",
-    "read_result",
-    "read_results",
-    "record_of_result",
-    "reference",
-    "run",
-    "run_study",
-    "run_variants",
-    "sensor_held_stroke",
-    "write_record",
-    "write_result",
-]
+    "Evolution", "ExperimentRecord", "Loop", "LoopSignals", "Record", "RecordError", "ResultError", "Run", "RunError",
+    "RunResult", "Scar", "Sensor", "SensorError", "SensorNoise", "Study", "StudyError", "WirewearError", "__version__",
+    "check_record", "effects", "largest_mean_pressure_MPa", "load", "load_study", "parse_study", "read_record",
+    "read_result", "read_results", "record_of_result", "reference", "run", "run_study", "run_variants",
+    "sensor_held_stroke", "write_record", "write_result",
+]  # fmt: skip
 
 _loaded = import_module("geometry.late").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
 

@@ -267,24 +267,7 @@ def odd_key(files: Files, random: Random) -> Expected:
 
 
 MUTATIONS: tuple[Callable[[Files, Random], Expected], ...] = (
-    text_for_number,
-    missing_value,
-    huge_number,
-    odd_number,
-    missing_column,
-    misnamed_column,
-    reordered_columns,
-    reordered_rows,
-    other_spelling,
-    ragged_line,
-    duplicated_cycle,
-    missing_rows,
-    truncated,
-    empty_file,
-    missing_file,
-    binary_junk,
-    flipped_bytes,
-    missing_key,
-    odd_value,
-    odd_key,
-)
+    text_for_number, missing_value, huge_number, odd_number, missing_column, misnamed_column, reordered_columns,
+    reordered_rows, other_spelling, ragged_line, duplicated_cycle, missing_rows, truncated, empty_file, missing_file,
+    binary_junk, flipped_bytes, missing_key, odd_value, odd_key,
+)  # fmt: skip

@@ -6,19 +6,6 @@ from studies.blind.make import default_key_path, make_batch
 from studies.blind.scoring import Judgement, Score, Truth, score_batch, score_table, verified
 
 __all__ = [
-    "LIBRARY_EFFECTS",
-    "LINE_TIERS",
-    "OTHERS",
-    "TIERS",
-    "Generator",
-    "Judgement",
-    "MadeRecord",
-    "Score",
-    "Truth",
-    "default_key_path",
-    "generator_of",
-    "make_batch",
-    "score_batch",
-    "score_table",
-    "verified",
-]
+    "LIBRARY_EFFECTS", "LINE_TIERS", "OTHERS", "TIERS", "Generator", "Judgement", "MadeRecord", "Score", "Truth",
+    "default_key_path", "generator_of", "make_batch", "score_batch", "score_table", "verified",
+]  # fmt: skip

@@ -4,8 +4,8 @@ from collections.abc import Callable
 
 import numpy as np
 
+from studies.verdicts import Finding
 from wirewear.base.quantity import counted
-from wirewear.base.verdicts import Finding
 from wirewear.results import RunResult, Scar
 
 from .pair import DISTORTED, EARLY, LATE, WIRES, Pair, analysed, value_of
@@ -130,11 +130,6 @@ def fixed_scar_is_shorter_and_deeper(pair: Pair) -> Finding:
 
 
 FINDINGS: tuple[Callable[[Pair], Finding], ...] = (
-    loops_distort,
-    slip_falls,
-    rigid_rig_over_predicts_slip,
-    energy_rises,
-    scars_grow,
-    worst_depth_is_bounded,
+    loops_distort, slip_falls, rigid_rig_over_predicts_slip, energy_rises, scars_grow, worst_depth_is_bounded,
     fixed_scar_is_shorter_and_deeper,
-)
+)  # fmt: skip

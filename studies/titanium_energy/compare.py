@@ -21,7 +21,7 @@ from rich import box
 from rich.table import Table
 from scipy import stats
 
-from wirewear.base.verdicts import Finding, finding_table
+from studies.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
@@ -106,13 +106,9 @@ def power_predicts_better(tests: Sequence[MeasuredTest]) -> Finding:
 
 
 FINDINGS: tuple[Callable[[Sequence[MeasuredTest]], Finding], ...] = (
-    w_shaped_tests_are_off,
-    only_w_shaped_tests_are_off,
-    scatter_in_proportion_lets_them_in,
-    width_and_power_tell_the_shape,
-    power_alone_does_not,
-    power_predicts_better,
-)
+    w_shaped_tests_are_off, only_w_shaped_tests_are_off, scatter_in_proportion_lets_them_in,
+    width_and_power_tell_the_shape, power_alone_does_not, power_predicts_better,
+)  # fmt: skip
 
 
 def lines_table(tests: Sequence[MeasuredTest]) -> Table:

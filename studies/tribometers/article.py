@@ -21,7 +21,7 @@ from matplotlib.lines import Line2D
 from rich import box
 from rich.table import Table
 
-from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
+from studies.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.pictures import save
@@ -135,12 +135,8 @@ def one_rig_one_stiffness(rows: Sequence[Tribometer]) -> Finding:
 
 
 FINDINGS: tuple[Callable[[Sequence[Tribometer]], Finding], ...] = (
-    measured_lies_below,
-    half_is_lost,
-    force_lowers_slip,
-    compliance_suffices,
-    one_rig_one_stiffness,
-)
+    measured_lies_below, half_is_lost, force_lowers_slip, compliance_suffices, one_rig_one_stiffness,
+)  # fmt: skip
 
 
 def sensitivity_table(rows: Sequence[TribometerRow]) -> Table:

@@ -21,14 +21,9 @@ SPECIMEN_CONSTANTS = ("specimen_youngs_modulus_MPa", "specimen_poissons_ratio")
 
 CONTACTS = ("cylinder-on-flat", "crossed-cylinders")
 NUMBERS = (
-    "radius_mm",
-    "normal_load_N",
-    "contact_half_width_mm",
-    "friction_max",
-    "displacement_amplitude_um",
-    "slip_amplitude_um",
-    "measured_stiffness_N_per_um",
-)
+    "radius_mm", "normal_load_N", "contact_half_width_mm", "friction_max", "displacement_amplitude_um",
+    "slip_amplitude_um", "measured_stiffness_N_per_um",
+)  # fmt: skip
 OPTIONAL = ("cycles", "contact_length_mm", "theoretical_stiffness_N_per_um")
 _REQUIRED = ("contact", "materials", *NUMBERS)
 

@@ -19,27 +19,15 @@ _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions 
 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
-    "geometry",
-    "solvers/condensation.py",
-    "solvers/errors.py",
-    "solvers/kept_code.py",
-    "solvers/patch_compliance.py",
+    "geometry", "solvers/condensation.py", "solvers/errors.py", "solvers/kept_code.py", "solvers/patch_compliance.py",
     "solvers/strain.py",
-)
+)  # fmt: skip
 
 #: What a run of crossed wires comes from.
 RUN_CODE = (
-    "geometry",
-    "solvers",
-    "wirewear/base/course.py",
-    "wirewear/effects",
-    "wirewear/loops",
-    "wirewear/base/quantity.py",
-    "wirewear/reference",
-    "wirewear/results",
-    "wirewear/simulation",
-    "wirewear/study",
-)
+    "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/quantity.py",
+    "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
+)  # fmt: skip
 
 PLANAR_CODE = (*RUN_CODE, "wirewear/planar")  #: What a planar run comes from.
 ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.

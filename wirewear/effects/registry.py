@@ -29,25 +29,10 @@ ENTRY_POINT_GROUP = "wirewear.effects"  #: Entry point group in which a package 
 EffectType = type[Effect[Any]]
 
 LIBRARY: tuple[EffectType, ...] = (
-    TangentialCompliance,
-    RotationalCompliance,
-    FreePlay,
-    FrictionOffset,
-    FrictionEvolution,
-    RoughnessCompliance,
-    ThirdBodyLayer,
-    Plasticity,
-    CrossingAngleError,
-    Misalignment,
-    NormalLoadDrift,
-    WearRateOffset,
-    WearRateEvolution,
-    ContactOxygenation,
-    DisplacementGain,
-    DisplacementLoadCoupling,
-    ForceCrosstalk,
-    SensorLag,
-)
+    TangentialCompliance, RotationalCompliance, FreePlay, FrictionOffset, FrictionEvolution, RoughnessCompliance,
+    ThirdBodyLayer, Plasticity, CrossingAngleError, Misalignment, NormalLoadDrift, WearRateOffset, WearRateEvolution,
+    ContactOxygenation, DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag,
+)  # fmt: skip
 
 
 def effects_of_tables(value: object) -> tuple[Effect[Any], ...]:

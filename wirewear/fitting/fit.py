@@ -91,11 +91,9 @@ FAR_OFF = 3.0
 
 #: Keys of `[stated]` that say how bodies wear.
 WEAR_KEYS = (
-    "energy_wear_coefficient_mm3_per_J",
-    "moving_share",
-    "pad_energy_wear_coefficient_mm3_per_J",
+    "energy_wear_coefficient_mm3_per_J", "moving_share", "pad_energy_wear_coefficient_mm3_per_J",
     "specimen_energy_wear_coefficient_mm3_per_J",
-)
+)  # fmt: skip
 
 _STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
 

@@ -12,17 +12,8 @@ if TYPE_CHECKING:
     from wirewear.loops.signals import LoopSignals
 
 __all__ = [
-    "LoopError",
-    "LoopFigures",
-    "LoopSignals",
-    "Measured",
-    "MicroSlipBranch",
-    "PositionResolvedFriction",
-    "Sensor",
-    "SensorNoise",
-    "StickSlip",
-    "analyse_loop",
-    "position_resolved_friction",
-]
+    "LoopError", "LoopFigures", "LoopSignals", "Measured", "MicroSlipBranch", "PositionResolvedFriction", "Sensor",
+    "SensorNoise", "StickSlip", "analyse_loop", "position_resolved_friction",
+]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

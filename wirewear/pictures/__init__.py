@@ -17,21 +17,9 @@ if TYPE_CHECKING:
     from wirewear.pictures.style import require_picture_name, save
 
 __all__ = [
-    "amplitude_evolution",
-    "body_meshes",
-    "contact_maps",
-    "drawings",
-    "evolution_panels",
-    "loops_by_cycle",
-    "loops_by_run",
-    "require_picture_name",
-    "save",
-    "scar_sections",
-    "scar_series",
-    "scars_from_above",
-    "scars_in_3d",
-    "show",
-    "surface_fields",
-]
+    "amplitude_evolution", "body_meshes", "contact_maps", "drawings", "evolution_panels", "loops_by_cycle",
+    "loops_by_run", "require_picture_name", "save", "scar_sections", "scar_series", "scars_from_above", "scars_in_3d",
+    "show", "surface_fields",
+]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

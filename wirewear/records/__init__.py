@@ -9,18 +9,7 @@ from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, LineRecord, MeasuredEvolution, MeasuredLoop
 
 __all__ = [
-    "AnyRecord",
-    "ExperimentRecord",
-    "LineRecord",
-    "MeasuredEvolution",
-    "MeasuredLoop",
-    "MeasuredProfile",
-    "MeasuredScar",
-    "RecordReport",
-    "RecordTables",
-    "Remark",
-    "check_record",
-    "read_record",
-    "record_of_result",
+    "AnyRecord", "ExperimentRecord", "LineRecord", "MeasuredEvolution", "MeasuredLoop", "MeasuredProfile",
+    "MeasuredScar", "RecordReport", "RecordTables", "Remark", "check_record", "read_record", "record_of_result",
     "write_record",
-]
+]  # fmt: skip

@@ -29,28 +29,10 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "BODIES",
-    "COLUMN_MEANINGS",
-    "EVOLUTION_COLUMNS",
-    "LATER_COLUMNS",
-    "PLAY_TRAVEL",
-    "POSITIONS",
-    "PRESSURE_LENGTH",
-    "RESULT_FILE_NAME",
-    "SPRING_TRAVEL",
-    "ContactForces",
-    "Evolution",
-    "Loop",
-    "RunResult",
-    "Scar",
-    "age_at",
-    "largest_mean_pressure_MPa",
-    "largest_means",
-    "read_loops",
-    "read_result",
-    "read_results",
-    "sensor_of",
+    "BODIES", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS", "PLAY_TRAVEL", "POSITIONS", "PRESSURE_LENGTH",
+    "RESULT_FILE_NAME", "SPRING_TRAVEL", "ContactForces", "Evolution", "Loop", "RunResult", "Scar", "age_at",
+    "largest_mean_pressure_MPa", "largest_means", "read_loops", "read_result", "read_results", "sensor_of",
     "write_result",
-]
+]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

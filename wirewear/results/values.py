@@ -77,21 +77,10 @@ def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
 
 #: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
 EVOLUTION_COLUMNS = (
-    "cycle",
-    "displacement_amplitude_um",
-    "slip_amplitude_um",
-    "max_tangential_force_N",
-    "dissipated_energy_mJ",
-    "normal_force_N",
-    "accumulated_energy_J",
-    "worn_volume_moving_mm3",
-    "worn_volume_fixed_mm3",
-    "max_depth_moving_um",
-    "max_depth_fixed_um",
-    "contact_half_width_um",
-    "max_pressure_MPa",
-    "jump_cycles",
-)
+    "cycle", "displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ",
+    "normal_force_N", "accumulated_energy_J", "worn_volume_moving_mm3", "worn_volume_fixed_mm3", "max_depth_moving_um",
+    "max_depth_fixed_um", "contact_half_width_um", "max_pressure_MPa", "jump_cycles",
+)  # fmt: skip
 
 #: What columns of a body begin with; between this and the unit stands the body.
 _OF_A_BODY = ("worn_volume_", "max_depth_")

@@ -21,22 +21,7 @@ from wirewear.simulation.runs import ObserverOf, run_study, simulate
 from wirewear.simulation.workbench import write_meshes
 
 __all__ = [
-    "Converged",
-    "Moment",
-    "NoObserver",
-    "Observer",
-    "ObserverOf",
-    "ProgressBar",
-    "contact_problem",
-    "converge",
-    "convergence_table",
-    "discretise",
-    "last_of",
-    "mean_pressures",
-    "point_contact",
-    "require_affordable_wires",
-    "run_study",
-    "simulate",
-    "write_convergence",
-    "write_meshes",
-]
+    "Converged", "Moment", "NoObserver", "Observer", "ObserverOf", "ProgressBar", "contact_problem", "converge",
+    "convergence_table", "discretise", "last_of", "mean_pressures", "point_contact", "require_affordable_wires",
+    "run_study", "simulate", "write_convergence", "write_meshes",
+]  # fmt: skip

@@ -13,16 +13,9 @@ from wirewear.loops.signals import enclosed_area
 from wirewear.results.quality import ENERGIES_AGREE
 
 QUALITY = (
-    "force_balance",
-    "penetration",
-    "complementarity",
-    "slip_direction_error_rad",
-    "elastic_slip",
-    "loop_area_against_friction_work",
-    "volume_against_energy",
-    "energy_against_loops",
-    "mirror_error",
-)
+    "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",
+    "loop_area_against_friction_work", "volume_against_energy", "energy_against_loops", "mirror_error",
+)  # fmt: skip
 
 _LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
 # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.

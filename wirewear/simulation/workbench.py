@@ -25,28 +25,11 @@ from wirewear.simulation.problem import contact_problem
 from wirewear.study import Study
 
 __all__ = [
-    "BodyMesh",
-    "ContactProblem",
-    "ContactState",
-    "Discretisation",
-    "Elastic",
-    "HexMesh",
-    "IncrementReport",
-    "advance",
-    "build_body",
-    "closed_cycle",
-    "compliance_of",
-    "contact_problem",
-    "discretise",
-    "first_quarter",
-    "piece_to_condense",
-    "press",
-    "run_cycle",
-    "schur_complement",
-    "schur_complements",
-    "stiffness_matrix",
+    "BodyMesh", "ContactProblem", "ContactState", "Discretisation", "Elastic", "HexMesh", "IncrementReport", "advance",
+    "build_body", "closed_cycle", "compliance_of", "contact_problem", "discretise", "first_quarter",
+    "piece_to_condense", "press", "run_cycle", "schur_complement", "schur_complements", "stiffness_matrix",
     "unloaded_state",
-]
+]  # fmt: skip
 
 
 def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:

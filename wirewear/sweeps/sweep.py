@@ -151,16 +151,10 @@ SAMPLED = (LATIN_HYPERCUBE, SOBOL)
 
 #: Columns of the evolution that a row holds of the last cycle besides depths, and with FIRST before it of the first.
 AT_END = (
-    "max_tangential_force_N",
-    "dissipated_energy_mJ",
-    "slip_amplitude_um",
-    "accumulated_energy_J",
-    "contact_half_width_um",
-    "max_pressure_MPa",
-    "mid_stroke_pressure_MPa",
-    "max_mean_pressure_MPa",
+    "max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "accumulated_energy_J",
+    "contact_half_width_um", "max_pressure_MPa", "mid_stroke_pressure_MPa", "max_mean_pressure_MPa",
     "mid_stroke_mean_pressure_MPa",
-)
+)  # fmt: skip
 AT_START = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "max_pressure_MPa")
 FIRST = "first_"
 VOLUME = "worn_volume_mm3"

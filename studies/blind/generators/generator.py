@@ -13,24 +13,11 @@ from wirewear.records import AnyRecord
 
 #: The effects of the diagnosis' contract.
 LIBRARY_EFFECTS = (
-    "tangential_compliance",
-    "rotational_compliance",
-    "free_play",
-    "friction_offset",
-    "friction_evolution",
-    "roughness_compliance",
-    "third_body",
-    "plasticity",
-    "crossing_angle_error",
-    "misalignment",
-    "normal_load_drift",
-    "wear_rate_offset",
-    "wear_rate_evolution",
-    "displacement_gain",
-    "displacement_load_coupling",
-    "force_crosstalk",
+    "tangential_compliance", "rotational_compliance", "free_play", "friction_offset", "friction_evolution",
+    "roughness_compliance", "third_body", "plasticity", "crossing_angle_error", "misalignment", "normal_load_drift",
+    "wear_rate_offset", "wear_rate_evolution", "displacement_gain", "displacement_load_coupling", "force_crosstalk",
     "sensor_lag",
-)
+)  # fmt: skip
 
 TIERS = ("T0", "T1", "T2")
 

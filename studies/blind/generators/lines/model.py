@@ -37,23 +37,11 @@ REFINED, WIDER, JUMP_TOLERANCE = 1.2, 1.1, 0.07
 
 #: Effects of the contract that a line contact can have.
 LINE_LIBRARY = (
-    "tangential_compliance",
-    "rotational_compliance",
-    "free_play",
-    "friction_offset",
-    "friction_evolution",
-    "roughness_compliance",
-    "third_body",
-    "misalignment",
-    "normal_load_drift",
-    "wear_rate_offset",
-    "wear_rate_evolution",
-    "contact_oxygenation",
-    "displacement_gain",
-    "displacement_load_coupling",
-    "force_crosstalk",
+    "tangential_compliance", "rotational_compliance", "free_play", "friction_offset", "friction_evolution",
+    "roughness_compliance", "third_body", "misalignment", "normal_load_drift", "wear_rate_offset",
+    "wear_rate_evolution", "contact_oxygenation", "displacement_gain", "displacement_load_coupling", "force_crosstalk",
     "sensor_lag",
-)
+)  # fmt: skip
 
 POINTS, PROFILE_MARGIN = 181, 1.7  #: Points of a profile, and how far it reaches.
 
