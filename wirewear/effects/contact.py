@@ -1,6 +1,7 @@
 """Effects between the surfaces: another friction, and layers that give way."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -10,8 +11,27 @@ from wirewear.base.course import Course
 from wirewear.base.quantity import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
-from wirewear.effects.parameter import AT_A_POINT, added, exponent, form, limit_um, order, parameter, part, share
+from wirewear.effects.parameter import (
+    AT_A_POINT,
+    added,
+    cycles_of_change,
+    exponent,
+    form,
+    limit_um,
+    order,
+    parameter,
+    part,
+    share,
+)
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
+
+
+def _friction(meaning: str, *, easy: float, hard: float, least: float, most: float) -> Any:
+    quantity, stated = Quantity("1", 0.0, 2.0), "contact.friction"
+    interest = (least, most)
+    return parameter(
+        meaning, quantity, neutral=1.0, easy=easy, hard=hard, interest=interest, logarithmic=True, share_of=stated
+    )
 
 
 @dataclass(frozen=True)
@@ -36,16 +56,7 @@ class FrictionOffset(Effect[ContactLaw]):
         measurements.SCAR_MAPS.shows("volumes that follow the measured energy"),
     )
 
-    friction: float = parameter(
-        "true coefficient of friction",
-        Quantity("1", 0.0, 2.0),
-        neutral=1.0,
-        easy=0.85,
-        hard=0.96,
-        interest=(0.75, 1.3),
-        logarithmic=True,
-        share_of="contact.friction",
-    )
+    friction: float = _friction("true coefficient of friction", easy=0.85, hard=0.96, least=0.75, most=1.3)
 
     def changed(self, described: ContactLaw, _age: Age) -> ContactLaw:
         """The law with the true coefficient."""
@@ -75,35 +86,9 @@ class FrictionEvolution(Effect[ContactLaw]):
     # What its forms leave of ten laws over three decades, in the mean square: 2 % (0 to 3.4 %).
     model_error = 0.03
 
-    initial: float = parameter(
-        "coefficient of friction at the start",
-        Quantity("1", 0.0, 2.0),
-        neutral=1.0,
-        easy=0.7,
-        hard=0.93,
-        interest=(0.4, 1.5),
-        logarithmic=True,
-        share_of="contact.friction",
-    )
-    final: float = parameter(
-        "coefficient of friction in the end",
-        Quantity("1", 0.0, 2.0),
-        neutral=1.0,
-        easy=1.0,
-        hard=1.0,
-        interest=(0.75, 1.3),
-        logarithmic=True,
-        share_of="contact.friction",
-    )
-    cycles: float = parameter(
-        "cycles after which 63 % of the change has happened",
-        Quantity("cycles", 1.0, 1e9),
-        neutral=None,
-        easy=3000.0,
-        hard=3000.0,
-        interest=(30.0, 1e5),
-        logarithmic=True,
-    )
+    initial: float = _friction("coefficient of friction at the start", easy=0.7, hard=0.93, least=0.4, most=1.5)
+    final: float = _friction("coefficient of friction in the end", easy=1.0, hard=1.0, least=0.75, most=1.3)
+    cycles: float = cycles_of_change("cycles after which 63 % of the change has happened", 3000.0)
 
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))
@@ -157,15 +142,7 @@ class RoughnessCompliance(Effect[ContactLaw]):
         interest=(0.05, 3.0),
         logarithmic=True,
     )
-    cycles: float = parameter(
-        "cycles over which the asperities wear to 37 % of their height",
-        Quantity("cycles", 1.0, 1e9),
-        neutral=None,
-        easy=3000.0,
-        hard=3000.0,
-        interest=(30.0, 1e5),
-        logarithmic=True,
-    )
+    cycles: float = cycles_of_change("cycles over which the asperities wear to 37 % of their height", 3000.0)
 
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))

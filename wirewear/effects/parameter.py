@@ -135,6 +135,12 @@ def parameter(
     return field(metadata={"parameter": described})
 
 
+def cycles_of_change(meaning: str, typical: float) -> Any:
+    """A parameter: the cycles over which a change comes."""
+    quantity, ends = Quantity("cycles", 1.0, 1e9), (30.0, 1e5)
+    return parameter(meaning, quantity, neutral=None, easy=typical, hard=typical, interest=ends, logarithmic=True)
+
+
 def choice(*words: str) -> Any:
     """A field of an effect's data class that is one of a few words, the first unless given."""
     return field(default=words[0], metadata={"choice": words})

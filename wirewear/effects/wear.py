@@ -1,6 +1,7 @@
 """Effects on the wear coefficient: another one, one that changes, one that lacks oxygen."""
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -9,8 +10,13 @@ from wirewear.base.course import Course
 from wirewear.base.quantity import Quantity
 from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.measurements import CLEANED_SCARS, INTERRUPTED_SCARS, LOWER_FREQUENCY, OTHER_STROKE, SCAR_MAPS
-from wirewear.effects.parameter import exponent, form, order, parameter
+from wirewear.effects.parameter import cycles_of_change, exponent, form, order, parameter
 from wirewear.effects.seams import Age, Ageing, Seam
+
+
+def _factor(of: str, *, easy: float, hard: float, least: float, most: float) -> Any:
+    meaning, quantity, ends = f"factor on the wear coefficient {of}", Quantity("1", 0.0, 100.0), (least, most)
+    return parameter(meaning, quantity, neutral=1.0, easy=easy, hard=hard, interest=ends, logarithmic=True)
 
 
 @dataclass(frozen=True)
@@ -34,15 +40,7 @@ class WearRateOffset(Effect[WearRates]):
     )
     model_error = 0.08
 
-    factor: float = parameter(
-        "factor on the wear coefficient of both wires",
-        Quantity("1", 0.0, 100.0),
-        neutral=1.0,
-        easy=1.5,
-        hard=1.12,
-        interest=(0.4, 2.5),
-        logarithmic=True,
-    )
+    factor: float = _factor("of both wires", easy=1.5, hard=1.12, least=0.4, most=2.5)
 
     def changed(self, described: WearRates, _age: Age) -> WearRates:
         """The rates times the factor."""
@@ -71,33 +69,9 @@ class WearRateEvolution(Effect[WearRates]):
     )
     model_error = 0.08
 
-    initial_factor: float = parameter(
-        "factor on the wear coefficient at the start",
-        Quantity("1", 0.0, 100.0),
-        neutral=1.0,
-        easy=3.0,
-        hard=1.5,
-        interest=(0.2, 5.0),
-        logarithmic=True,
-    )
-    final_factor: float = parameter(
-        "factor on the wear coefficient in the end",
-        Quantity("1", 0.0, 100.0),
-        neutral=1.0,
-        easy=1.0,
-        hard=1.0,
-        interest=(0.4, 2.5),
-        logarithmic=True,
-    )
-    cycles: float = parameter(
-        "cycles after which 63 % of the change has happened",
-        Quantity("cycles", 1.0, 1e9),
-        neutral=None,
-        easy=1e4,
-        hard=1e4,
-        interest=(30.0, 1e5),
-        logarithmic=True,
-    )
+    initial_factor: float = _factor("at the start", easy=3.0, hard=1.5, least=0.2, most=5.0)
+    final_factor: float = _factor("in the end", easy=1.0, hard=1.0, least=0.4, most=2.5)
+    cycles: float = cycles_of_change("cycles after which 63 % of the change has happened", 1e4)
 
     steepness: float = form(exponent(0.55))
     order: float = form(order(0.7))
