@@ -5,18 +5,8 @@ from math import radians
 
 from solvers import Holder
 from wirewear.base.quantity import Quantity
+from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
-from wirewear.effects.measurements import (
-    EARLY_LOOPS,
-    ENCODER,
-    HALF_LOAD,
-    INTERRUPTED_SCARS,
-    LOWER_FREQUENCY,
-    NORMAL_FORCE,
-    OTHER_STROKE,
-    SCAR_MAPS,
-    SECOND_HEIGHT,
-)
 from wirewear.effects.parameter import AT_A_POINT, RIGID, parameter
 from wirewear.effects.seams import Age, Ageing, Loading, Seam, Specimens
 
@@ -37,12 +27,12 @@ class TangentialCompliance(Effect[Holder]):
     remedy = "stiffen clamps and arm, measure displacement nearer the contact, or state the rig's stiffness"
     confused_with = ("rotational_compliance", "displacement_load_coupling")
     answers = (
-        SECOND_HEIGHT.shows("both points move alike"),
-        ENCODER.shows("less of the stroke reaches the contact"),
-        HALF_LOAD.shows("a lean of the same slope at half the load"),
-        LOWER_FREQUENCY.shows("the lean stays"),
-        EARLY_LOOPS.shows("the stick branch stays"),
-        SCAR_MAPS.shows("lengths shorter than modelled"),
+        measurements.SECOND_HEIGHT.shows("both points move alike"),
+        measurements.ENCODER.shows("less of the stroke reaches the contact"),
+        measurements.HALF_LOAD.shows("a lean of the same slope at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the lean stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch stays"),
+        measurements.SCAR_MAPS.shows("lengths shorter than modelled"),
     )
 
     stiffness_N_per_mm: float = parameter(
@@ -77,12 +67,12 @@ class RotationalCompliance(Effect[Holder]):
     remedy = "stiffen the arm above the contact, or measure displacement at the contact's height"
     confused_with = ("tangential_compliance", "displacement_load_coupling")
     answers = (
-        SECOND_HEIGHT.shows("the points move differently"),
-        ENCODER.shows("less of the stroke reaches the contact"),
-        HALF_LOAD.shows("a lean of the same slope at half the load"),
-        LOWER_FREQUENCY.shows("the lean stays"),
-        EARLY_LOOPS.shows("the stick branch stays"),
-        SCAR_MAPS.shows("lengths shorter than modelled"),
+        measurements.SECOND_HEIGHT.shows("the points move differently"),
+        measurements.ENCODER.shows("less of the stroke reaches the contact"),
+        measurements.HALF_LOAD.shows("a lean of the same slope at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the lean stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch stays"),
+        measurements.SCAR_MAPS.shows("lengths shorter than modelled"),
     )
     prior_weight = 0.5
 
@@ -135,11 +125,11 @@ class FreePlay(Effect[Holder]):
     remedy = "tighten clamps, joints and guides until the shelf at zero force is gone"
     confused_with = ("tangential_compliance",)
     answers = (
-        SECOND_HEIGHT.shows("both points move alike"),
-        ENCODER.shows("less of the stroke reaches the contact"),
-        HALF_LOAD.shows("a shelf of the same width at half the load"),
-        LOWER_FREQUENCY.shows("the shelf stays"),
-        EARLY_LOOPS.shows("the stick branch stays"),
+        measurements.SECOND_HEIGHT.shows("both points move alike"),
+        measurements.ENCODER.shows("less of the stroke reaches the contact"),
+        measurements.HALF_LOAD.shows("a shelf of the same width at half the load"),
+        measurements.LOWER_FREQUENCY.shows("the shelf stays"),
+        measurements.EARLY_LOOPS.shows("the stick branch stays"),
     )
 
     gap_um: float = parameter(
@@ -175,8 +165,8 @@ class Misalignment(Effect[Loading]):
     remedy = "set the load at a right angle to the motion, and zero the force without contact"
     confused_with = ("force_crosstalk",)
     answers = (
-        NORMAL_FORCE.shows("it ripples with the motion"),
-        HALF_LOAD.shows("half the offset at half the load, none without contact"),
+        measurements.NORMAL_FORCE.shows("it ripples with the motion"),
+        measurements.HALF_LOAD.shows("half the offset at half the load, none without contact"),
     )
 
     angle_deg: float = parameter(
@@ -209,7 +199,10 @@ class NormalLoadDrift(Effect[Loading]):
     signature = "the loop's height drifts; the scar becomes shallower or deeper with it"
     remedy = "log the normal force; check weights, spring and hinge of the load"
     confused_with = ("friction_evolution", "friction_offset")
-    answers = (NORMAL_FORCE.shows("it drifts"), OTHER_STROKE.shows("the same course over the cycles"))
+    answers = (
+        measurements.NORMAL_FORCE.shows("it drifts"),
+        measurements.OTHER_STROKE.shows("the same course over the cycles"),
+    )
 
     fraction_per_100k_cycles: float = parameter(
         "relative change of the load in 100 000 cycles",
@@ -242,7 +235,7 @@ class CrossingAngleError(Effect[Specimens]):
     signature = "nothing in loops to first order; a skewed scar"
     remedy = "measure the angle between the specimens and align the clamps"
     confused_with = ()
-    answers = (INTERRUPTED_SCARS.shows("skewed outlines"), SCAR_MAPS.shows("skewed outlines"))
+    answers = (measurements.INTERRUPTED_SCARS.shows("skewed outlines"), measurements.SCAR_MAPS.shows("skewed outlines"))
 
     angle_deg: float = parameter(
         "true crossing angle less the stated one",
@@ -276,7 +269,7 @@ class Plasticity(Effect[Specimens]):
     signature = "a larger contact before any wear; a depth that wear coefficient times energy does not explain"
     remedy = "press specimens together without motion and map the imprint"
     confused_with = ("wear_rate_offset", "wear_rate_evolution")
-    answers = (INTERRUPTED_SCARS.shows("scars before any wear"),)
+    answers = (measurements.INTERRUPTED_SCARS.shows("scars before any wear"),)
     model_error = 0.2
 
     flattening_um: float = parameter(

@@ -9,20 +9,9 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+import solvers
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
-from solvers import (
-    CondensedBody,
-    ContactProblem,
-    ContactState,
-    Holder,
-    PlacedBody,
-    WearRates,
-    facing,
-    flattened,
-    place,
-    unloaded_state,
-)
 from solvers.condensation import condense
 from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.placement import rotation_to_world
@@ -35,7 +24,7 @@ from wirewear.study import Study
 from wirewear.study.surfaces import StatedSurface
 
 
-def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> CondensedBody:
+def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> solvers.CondensedBody:
     """Mesh and condense a body, or load it when the same has been condensed before.
 
     A file that cannot be read is made anew; one that cannot be written is left out.
@@ -53,7 +42,9 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
     return _on_bricks(body, geometry, material)
 
 
-def condensed_worn_body(geometry: BodyGeometry, material: Elastic, worn_depth_mm: Array) -> tuple[CondensedBody, float]:
+def condensed_worn_body(
+    geometry: BodyGeometry, material: Elastic, worn_depth_mm: Array
+) -> tuple[solvers.CondensedBody, float]:
     """Condense a body whose patch's nodes are moved by a vertical depth (n_a, n_t) below the fresh surface.
 
     Returns the body and the smallest scaled Jacobian of its mesh. Not kept: every state of wear comes but once.
@@ -64,7 +55,7 @@ def condensed_worn_body(geometry: BodyGeometry, material: Elastic, worn_depth_mm
     return _on_bricks(body, geometry, material), worn.smallest_scaled_jacobian
 
 
-def _on_bricks(body: CondensedBody, geometry: BodyGeometry, material: Elastic) -> CondensedBody:
+def _on_bricks(body: solvers.CondensedBody, geometry: BodyGeometry, material: Elastic) -> solvers.CondensedBody:
     """The body with what it is known of the elements under its patch."""
     return replace(body, bricks=Bricks(material, geometry.layers))
 
@@ -80,19 +71,19 @@ def _key(geometry: BodyGeometry, material: Elastic) -> str:
     return identity_of(asked, CONDENSATION_CODE, {}).name
 
 
-def _load(path: Path, profile: Profile) -> CondensedBody | None:
+def _load(path: Path, profile: Profile) -> solvers.CondensedBody | None:
     try:
         # What numpy opens itself it leaves open where the archive is damaged.
         with path.open("rb") as file, np.load(file) as data:
             lines, nodes = (data["axial"], data["transverse"]), data["nodes"]
             patch = ContactPatch(*lines, nodes, profile)
             planes = tuple(data["planes"].tolist())
-            return CondensedBody(patch, PatchCompliance(patch.shape, planes, data["blocks"]))
+            return solvers.CondensedBody(patch, PatchCompliance(patch.shape, planes, data["blocks"]))
     except Exception:  # noqa: BLE001 - a damaged archive raises errors of zipfile and zlib, too many to name
         return None
 
 
-def _store(path: Path, body: CondensedBody) -> None:
+def _store(path: Path, body: solvers.CondensedBody) -> None:
     patch = body.patch
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -122,14 +113,14 @@ class BothMeshes(Protocol):
         """That of the held body."""
 
 
-def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> ContactProblem:
+def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], None]) -> solvers.ContactProblem:
     """Mesh, condense (or load from the cache) and place both bodies, and hang the upper one on its rig.
 
     Effects that depend on the age of the test are not in it: see `problem_at`.
     """
     lower, upper = _placed(study, *condense_bodies(study, meshes, stage))
     stage("pressing the bodies together")
-    return ContactProblem(
+    return solvers.ContactProblem(
         upper=upper,
         lower=lower,
         holder=holder_of(study),
@@ -142,8 +133,12 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
 
 
 def with_nodes_moved(
-    problem: ContactProblem, study: Study, meshes: BothMeshes, depths: tuple[Array, Array], stage: Callable[[str], None]
-) -> tuple[ContactProblem, float]:
+    problem: solvers.ContactProblem,
+    study: Study,
+    meshes: BothMeshes,
+    depths: tuple[Array, Array],
+    stage: Callable[[str], None],
+) -> tuple[solvers.ContactProblem, float]:
     """The problem with the surface nodes of the driven and the held body moved below the fresh surfaces by depths in
     mm, each (n_a, n_t) of its patch, and both condensed again.
 
@@ -158,7 +153,7 @@ def with_nodes_moved(
     return replace(problem, lower=lower, upper=upper), min(first, second)
 
 
-def worn_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+def worn_depths(problem: solvers.ContactProblem, state: solvers.ContactState) -> tuple[Array, Array]:
     """Worn depth of the driven and the held body in mm, each of the shape of its patch."""
     wear = state.wear
     if problem.primary_is_upper:
@@ -166,23 +161,25 @@ def worn_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Ar
     return wear.primary_depth, wear.secondary_depth
 
 
-def _placed(study: Study, moving: CondensedBody, fixed: CondensedBody) -> tuple[PlacedBody, PlacedBody]:
+def _placed(
+    study: Study, moving: solvers.CondensedBody, fixed: solvers.CondensedBody
+) -> tuple[solvers.PlacedBody, solvers.PlacedBody]:
     """The driven body below and the held one above the contact; the world's x axis is the direction of motion."""
     motion = radians(study.motion_angle_deg)
     crossing = radians(specimens_of(study).crossing_angle_deg)
     driven, held = study.bodies
     moving = measured(moving, driven.surface, driven.axis_angle_deg, upper=False)
     fixed = measured(fixed, held.surface, held.axis_angle_deg, upper=True)
-    lower = place(moving, upper=False, axis_angle_rad=-motion)
-    upper = place(fixed, upper=True, axis_angle_rad=crossing - motion)
+    lower = solvers.place(moving, upper=False, axis_angle_rad=-motion)
+    upper = solvers.place(fixed, upper=True, axis_angle_rad=crossing - motion)
     if study.contact.primary_wire == "fixed":
-        return lower, facing(upper, lower)
-    return facing(lower, upper), upper
+        return lower, solvers.facing(upper, lower)
+    return solvers.facing(lower, upper), upper
 
 
 def measured(
-    condensed: CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
-) -> CondensedBody:
+    condensed: solvers.CondensedBody, surface: StatedSurface | None, axis_angle_deg: float, *, upper: bool
+) -> solvers.CondensedBody:
     """A condensed body, whose axis is at an angle to the motion, with the surface that was measured of it, if any.
 
     Its mesh keeps the unworn shape.
@@ -198,7 +195,7 @@ def measured(
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 
-def problem_at(problem: ContactProblem, study: Study, age: Age) -> ContactProblem:
+def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:
     """The study's contact problem as its effects and its wear law's variation have made it at an age of the test."""
     if study.wear is not None and study.wear.variation != "none":
         problem = replace(problem, wear=problem.wear.scaled(study.wear.factor(age.cycles, age.energy_J)))
@@ -210,16 +207,16 @@ def specimens_of(study: Study) -> Specimens:
     return applied(study.effects, Seam.SPECIMENS, Specimens(study.crossing_angle_deg), Age.new())
 
 
-def fresh_state(problem: ContactProblem, study: Study) -> ContactState:
+def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.ContactState:
     """Bodies that just touch, flattened where an effect says so."""
     amplitude = 1e-3 * study.conditions.displacement_amplitude_um
-    return flattened(problem, unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
+    return solvers.flattened(problem, solvers.unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
 
-def holder_of(study: Study) -> Holder:
+def holder_of(study: Study) -> solvers.Holder:
     """The held body's holder with its springs."""
     holder, conditions = study.holder, study.conditions
-    return Holder(
+    return solvers.Holder(
         normal_load_N=conditions.normal_load_N,
         tangential_compliance_mm_per_N=_compliance(holder.tangential_stiffness_N_per_mm),
         normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
@@ -235,7 +232,7 @@ def _compliance(stiffness: float | Literal["rigid"]) -> float:
 
 def condense_bodies(
     study: Study, meshes: BothMeshes, stage: Callable[[str], None]
-) -> tuple[CondensedBody, CondensedBody]:
+) -> tuple[solvers.CondensedBody, solvers.CondensedBody]:
     """Mesh and condense the driven and the held body, or load them from the cache."""
     driven, held = study.bodies
     stage(f"condensing the {called(driven.name)}")
@@ -244,15 +241,15 @@ def condense_bodies(
     return moving, condensed_body(meshes.fixed, held.material)
 
 
-def wear_rates(study: Study) -> WearRates:
+def wear_rates(study: Study) -> solvers.WearRates:
     """Wear law and coefficients of the held (upper) and driven (lower) body, before any variation."""
     if study.wear is None:
-        return WearRates()
+        return solvers.WearRates()
     wear = study.wear
     energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
     # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
     both = 1e-3 * (archard or energy or 0.0)
-    return WearRates(
+    return solvers.WearRates(
         upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
         lower_mm3_per_mJ=wear.moving_share * both,
         law="energy" if archard is None else "archard",
