@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
+from wirewear.loops.branches import FALLEN
 from wirewear.loops.noise import noise_factor, noise_product
 
 #: A force level lies on the stick branch if it is below this share of the rise from reversal to knee.
@@ -51,6 +53,12 @@ class ObservedBranch:
     def knee_um(self) -> float:
         """Displacement at which sliding begins, times the direction."""
         return float(self.displacement_um[self.knee])
+
+    @cached_property
+    def sliding(self) -> slice:
+        """Samples from the knee to the last whose force has not fallen: the drive has turned round after that."""
+        past = self.force_N[self.knee :]
+        return slice(self.knee, self.knee + int(np.flatnonzero(past > FALLEN * np.median(past))[-1]) + 1)
 
     @property
     def stick_top_N(self) -> float:
@@ -111,7 +119,7 @@ def force_at(
     branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
     """Force on the sliding part at a position by a local line; None where no samples are near."""
-    x, q, first = branch.displacement_um[branch.knee :], branch.force_N[branch.knee :], branch.knee
+    x, q, first = branch.displacement_um[branch.sliding], branch.force_N[branch.sliding], branch.knee
     near = np.abs(x - at_um) < window_um
     if np.count_nonzero(near) < FEW_NEAR:
         # Of few samples the one at the knee may still stick: only those beyond it are known to slide.
