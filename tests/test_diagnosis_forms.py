@@ -53,9 +53,9 @@ def test_members_of_a_class_are_near_and_classes_could_not_be_joined(count: int,
 def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
     """As if all variances were so much larger or smaller: twice the evidence and twice the misfit are the same."""
     none = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0, -4.5)
-    known = weigh(none, fits(2, (-1.0, -4.0)), (), -9.0, (), 1.0, 0.0)
+    known = weigh(none, fits(2, (-1.0, -4.0)), (), (), 1.0, 2.0)
     scaled = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0 * misfit, -4.5 * misfit)
-    found = weigh(scaled, fits(2, (-1.0 * misfit, -4.0 * misfit)), (), -9.0 * misfit, (), misfit, 0.0)
+    found = weigh(scaled, fits(2, (-1.0 * misfit, -4.0 * misfit)), (), (), misfit, 2.0)
     assert found.outside == pytest.approx(known.outside)
     for names, probability in known.probabilities.items():
         assert found.probabilities[names] == pytest.approx(probability)
