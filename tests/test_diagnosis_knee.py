@@ -84,6 +84,16 @@ def line(branch: ObservedBranch, at_um: float) -> LocalLine:
     return found
 
 
+@pytest.mark.parametrize("samples", [40, 48, 200])
+def test_a_plateau_ends_where_the_force_has_fallen(samples: int) -> None:
+    """A reading that leans against the force runs on past the drive's turn: its last samples stick again."""
+    whole = plateau(samples)
+    fallen = whole.force_N.copy()
+    fallen[-1] = 0.0
+    read = line(ObservedBranch(1, whole.displacement_um, fallen, 3), 58.0)
+    assert read.value == pytest.approx(1.2, abs=1e-12)
+
+
 @pytest.mark.parametrize("samples", [48, 200])
 def test_errors_of_neighbouring_places_hang_together_as_many_noisy_branches_say(samples: int) -> None:
     random = np.random.default_rng(4)
