@@ -7,14 +7,13 @@ from solvers.contact.problem import misaligned
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
-from solvers.facing import facing
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import Coulomb, Friction, FrictionLaw, ShearLimited, friction_law, friction_laws
 from solvers.holder import Guide, Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
-from solvers.placement import PlacedBody, place
+from solvers.placement import PlacedBody, facing, place
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import remeshed, transferred, transferred_wear
 from solvers.wear import OxygenSupply, WearRates

@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from solvers import NotConvergedError, place
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
-from solvers.contact.increment import IncrementFailedError
+from solvers.contact.advancing import IncrementFailedError
 from solvers.contact.linearisation import faced
 from solvers.fretting import anew
 from solvers.holder import FirstGuess

@@ -12,8 +12,8 @@ from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.reference import relative_curvatures
 from wirewear.simulation import discretise
+from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
-from wirewear.simulation.patches import unknowns
 from wirewear.simulation.plan import mesh_stages, spare_stages
 from wirewear.study import Study
 from wirewear.study.fidelity import WIRE_LEVELS

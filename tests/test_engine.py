@@ -13,8 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from wirewear.base.cluster import engine_of
-from wirewear.base.engine import Engine, results_of
+from wirewear.base.engine import Engine, engine_of, results_of
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -33,7 +32,7 @@ def cluster() -> Iterator[str]:
 @pytest.fixture(autouse=True)
 def _patience(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine answers may take long to come."""
-    monkeypatch.setattr("wirewear.base.cluster.PATIENCE_s", 600.0)
+    monkeypatch.setattr("wirewear.base.engine.PATIENCE_s", 600.0)
 
 
 @pytest.fixture(params=["processes", pytest.param("cluster", marks=pytest.mark.slow)])
@@ -70,10 +69,10 @@ import operator, sys
 from functools import partial
 from pathlib import Path
 from tests.test_engine import killed, killed_the_first_time
-from wirewear.base import cluster
-from wirewear.base.cluster import engine_of
+from wirewear.base import engine as engines
+from wirewear.base.engine import engine_of
 
-cluster.PATIENCE_s = 600.0
+engines.PATIENCE_s = 600.0
 folder, address = Path(sys.argv[1]), sys.argv[2] or None
 engine = engine_of(2, address)
 tasks = [partial(killed_the_first_time, folder, number) for number in range(8)]

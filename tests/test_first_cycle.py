@@ -17,7 +17,7 @@ from wirewear.loops.signals import enclosed_area
 from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
-from wirewear.results.quality import flagged, health, limit_of
+from wirewear.results.scar import flagged, health, limit_of
 from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds

@@ -12,7 +12,7 @@ from tests.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forc
 from wirewear.faces import cli
 from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
-from wirewear.interior.grids import Section, fanned, section
+from wirewear.interior.bodies import Section, fanned, section
 from wirewear.results import write_result
 
 FIELD = "von_mises_MPa"

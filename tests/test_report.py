@@ -15,10 +15,9 @@ from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from tests.studies import minimal
 from tests.synthetic_results import earlier_line_result, result
 from wirewear.results import RunResult, read_result
-from wirewear.results.quality import health
-from wirewear.views.run_data import page_data
+from wirewear.results.scar import health
 from wirewear.views.run_maps import running_conditions
-from wirewear.views.run_page import run_page, write_page
+from wirewear.views.run_page import page_data, run_page, write_page
 
 pytestmark = pytest.mark.seconds
 

@@ -8,8 +8,7 @@ surfaces in proportion to pressure times slip, one more compliance in the normal
 can be taken at once.
 """
 
-from solvers.contact.advancing import advance
-from solvers.contact.increment import press
+from solvers.contact.advancing import advance, press
 from solvers.contact.problem import ContactProblem, Formulation, unloaded_state
 
 __all__ = ["ContactProblem", "Formulation", "advance", "press", "unloaded_state"]

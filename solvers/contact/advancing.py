@@ -1,15 +1,205 @@
-"""Motion of the lower body, in increments as short as Newton's method needs them."""
+"""Motion of the lower body in increments as short as Newton's method needs them, each with surfaces paired anew."""
 
 from dataclasses import replace
 
 import numpy as np
 
-from solvers.contact.increment import IncrementFailedError, LostContactError, solve_increment
-from solvers.contact.linearisation import vertical_gaps
+from geometry.arrays import Array, IntArray
+from solvers.compliance import displacement_at
+from solvers.contact.acceptance import accepted
+from solvers.contact.linearisation import faced, levers, linearised, paired_before, vertical_gaps
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
-from solvers.errors import NotConvergedError
+from solvers.errors import NotConvergedError, SolverError
 from solvers.holder import FirstGuess
+from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
+
+
+def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
+    """Apply the normal load without friction and without motion."""
+    frictionless = replace(problem, friction=0.0)
+    if problem.holder.approach_mm is not None:
+        lowered = replace(state, holder_z=-problem.holder.approach_mm, pressed_z=-problem.holder.approach_mm)
+        held, report = solve_increment(frictionless, lowered, state.drive, 0.0)
+        return _stuck(held), report
+    height = _height_under_load(frictionless, state)
+    start = replace(state, holder_z=height, pressed_z=height)
+    rigid = replace(frictionless, holder=replace(problem.holder, normal_stiffness_N_per_mm=0.0))
+    pressed, report = solve_increment(rigid, start, state.drive, 0.0)
+    return _stuck(replace(pressed, pressed_z=pressed.holder_z)), report
+
+
+def _stuck(state: ContactState) -> ContactState:
+    """The state of bodies that stick to each other from here on wherever they touch."""
+    return replace(state, core=state.traction[:, 2] > 0.0, pressed_ahead=state.drive - state.holder_x)
+
+
+def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
+    """Height of the holder at which rigid interpenetration would carry about the load, as a first guess.
+
+    Doubles the approach until a first Newton solution under prescribed height carries the load.
+    """
+    elastic = float(np.median(problem.primary.folded.diagonal())) * problem.holder.normal_load_N
+    # Bodies with a depth from the outset touch below the height at which unworn ones would.
+    touch = max(float(vertical_gaps(problem, state, state.drive, state.holder_x).min()), 0.0)
+    approach = 0.1 * elastic
+    for _ in range(60):
+        height = -touch - approach
+        guess = replace(state, holder_z=height, pressed_z=height)
+        try:
+            pressed, _report = solve_increment(problem, guess, state.drive, 0.0, prescribed_height=height)
+        except LostContactError:
+            # One node alone touches before its whole support, on average, does.
+            approach *= 1.6
+            continue
+        except IncrementFailedError:
+            approach *= 0.5
+            continue
+        force = float(pressed.primary_force[:, 2].sum())
+        if force > 0.3 * problem.holder.normal_load_N:
+            return -touch - approach * float((problem.holder.normal_load_N / force) ** (2.0 / 3.0))
+        approach *= 1.6
+    raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
+
+
+# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
+# error is of second order in that distance.
+_PAIRING_TOLERANCE = 0.01
+_MOST_PAIRINGS = 12
+# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
+_CANDIDATE_MARGIN = 1.15
+_LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
+
+
+class IncrementFailedError(Exception):
+    """One increment failed; the message says how."""
+
+
+class LostContactError(IncrementFailedError):
+    """Nothing touches."""
+
+
+def solve_increment(
+    problem: ContactProblem,
+    state: ContactState,
+    drive: float,
+    cycles: float,
+    prescribed_height: float | None = None,
+    expected: FirstGuess | None = None,
+) -> tuple[ContactState, IncrementReport]:
+    """Move the lower body to `drive` in one increment, pairing the surfaces anew until they face each other as assumed.
+
+    prescribed_height: where the holder is held instead of loaded.  expected: a better guess than the last increment.
+    Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
+    the contact has reached the edge of either patch.
+    """
+    tolerance, areas = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas
+    holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
+    tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
+    gap = vertical_gaps(problem, state, drive, holder_x)
+    like = state if expected is None else expected
+    guess = like.traction
+    active = np.flatnonzero(guess[:, 2] > 0.0)
+    if expected is None and not len(active):
+        nodes = active = np.flatnonzero(gap + state.holder_z < 0.0)
+    else:
+        # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
+        nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * like.overlap_area))
+    height, iterations, before = state.holder_z, 0, paired_before(problem, state)
+    for pairings in range(1, _MOST_PAIRINGS + 1):
+        if not len(nodes):
+            raise LostContactError("the bodies have lost contact")
+        pairing = faced(problem, state, nodes, drive, holder_x, tilt)
+        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height)
+        touching = np.zeros(len(areas), dtype=bool)
+        touching[active] = True
+        outcome = solve_contact(system, guess[nodes], touching[nodes], height, holder_x)
+        iterations += outcome.iterations
+        if outcome.message == LOST_CONTACT:
+            raise LostContactError(LOST_CONTACT)
+        if not outcome.converged:
+            raise IncrementFailedError(outcome.message)
+        guess = np.zeros_like(state.traction)
+        guess[nodes] = outcome.traction
+        moved = abs(outcome.holder_x - holder_x)
+        holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
+        if drive != state.drive and _core_is_lost(state, nodes, outcome):
+            # Nothing sticks any more: the surfaces face each other as the bodies have moved.
+            state, moved = replace(state, core=np.zeros_like(state.core)), np.inf
+        gap = vertical_gaps(problem, state, drive, holder_x)
+        overlapping = gap + height < 0.0
+        overlapping[nodes] = False
+        beside = np.flatnonzero(overlapping)
+        if moved <= tolerance and not (len(beside) and _touch(problem, state, system, outcome, drive, beside)):
+            overlap = float(areas[gap + height < 0.0].sum())
+            return accepted(problem, state, system, outcome, drive, cycles, overlap, iterations, pairings)
+        active = np.flatnonzero(guess[:, 2] > 0.0)
+        nodes = _either(len(gap), active, np.flatnonzero(gap + height < 0.02 * abs(height)))
+    raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _core_is_lost(state: ContactState, nodes: IntArray, outcome: NewtonOutcome) -> bool:
+    """Whether none of the core sticks any more."""
+    sticks = state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding
+    return bool(state.core.any() and not sticks.any())
+
+
+def _touch(
+    problem: ContactProblem,
+    state: ContactState,
+    system: Linearisation,
+    outcome: NewtonOutcome,
+    drive: float,
+    nodes: IntArray,
+) -> bool:
+    """Whether any nodes beside a pairing, which overlap while the bodies are undeformed, touch under its tractions."""
+    paired_x = system.paired_holder_x
+    pairing = faced(problem, state, nodes, drive, paired_x, outcome.tilt)
+    forces = system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
+    elastic = displacement_at(pairing, problem.primary, problem.secondary, forces)
+    lever = levers(problem, drive, paired_x)[nodes]
+    rigid = pairing.gap + outcome.height + lever * outcome.tilt + pairing.gap_rate * (outcome.holder_x - paired_x)
+    normals = pairing.frames[:, 0, :]
+    return bool((normals[:, 2] * rigid + np.einsum("ij,ij->i", elastic, normals) < 0.0).any())
+
+
+def _predicted_holder_position(problem: ContactProblem, state: ContactState, drive: float) -> float:
+    """Where the holder will be if the contact goes on sticking or sliding as it did."""
+    compliance = problem.holder.compliance_at_contact_mm_per_N
+    if (compliance == 0.0 and problem.holder.play_mm == 0.0) or problem.friction == 0.0:
+        return state.holder_x
+    step = drive - state.drive
+    slid_before = abs(state.holder_rate) < 0.5
+    if slid_before and step * state.holder_x > 0.0:
+        return state.holder_x + state.holder_rate * step
+    # Turned round it sticks; else it goes on as it did, until friction holds no more.
+    step *= 1.0 if slid_before else min(state.holder_rate, 1.0)
+    force = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
+    limit = force * compliance + 0.5 * problem.holder.play_mm
+    return float(np.clip(state.holder_x + step, -limit, limit))
+
+
+def _either(size: int, some: IntArray, others: IntArray) -> IntArray:
+    """Nodes, each once and increasing, that are among some of so many or among others."""
+    among = np.zeros(size, dtype=bool)
+    among[some], among[others] = True, True
+    return np.flatnonzero(among)
+
+
+def _closest(gap: Array, areas: Array, area: float) -> IntArray:
+    """The nodes with the smallest gaps that make up an area, at least a dozen, the smallest first."""
+    few = _FEW
+    while True:
+        # Next to all nodes are far from the contact: only the nearest are put in order.
+        near = np.arange(len(gap)) if few >= len(gap) else np.flatnonzero(gap <= np.partition(gap, few)[few])
+        order = near[np.argsort(gap[near], kind="stable")]
+        # The area is often the very sum that is searched for, added in another order: round-off must not decide.
+        count = max(int(np.searchsorted(np.cumsum(areas[order]), area * (1.0 - 1e-9))) + 1, _LEAST)
+        if count <= len(order) or len(order) == len(gap):
+            chosen = order[:count]
+            return chosen[np.isfinite(gap[chosen])]
+        few *= 4
+
 
 _MOST_CUTS = 8
 

@@ -1,6 +1,6 @@
 """Wear over many cycles by one implicit step in which all positions of the cycle share the worn surface."""
 
-from solvers.wear_step.step import CycleJump, jump_cycles
+from solvers.wear_step.stages import CycleJump, jump_cycles
 from solvers.wear_step.strokes import closed_trace
 from solvers.wear_step.symmetry import Symmetry, kept_by, mirror_error, symmetry_of
 

@@ -8,7 +8,7 @@ from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
 from solvers.holder import Guide
-from solvers.wear_step.positions import Position
+from solvers.wear_step.orbits import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
 
 # A cycle is closed when friction at its end differs from that at its start by this share of it, summed over the nodes.

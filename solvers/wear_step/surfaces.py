@@ -15,8 +15,7 @@ from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
 from solvers.wear_step.influence import Influences
-from solvers.wear_step.orbits import Orbits
-from solvers.wear_step.positions import Position
+from solvers.wear_step.orbits import Orbits, Position
 from solvers.wear_step.similar_equations import SimilarEquations
 from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror

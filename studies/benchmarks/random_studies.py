@@ -23,8 +23,7 @@ import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, run_study
-from wirewear.base.cluster import engine_of
-from wirewear.base.engine import LocalProcesses
+from wirewear.base.engine import LocalProcesses, engine_of
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, understanding
 

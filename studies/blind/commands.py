@@ -57,7 +57,7 @@ def make(
     from rich.progress import MofNCompleteColumn, Progress
 
     from studies.blind import default_key_path, generator_of, make_batch
-    from wirewear.base.cluster import engine_of
+    from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import progress_bar
 
     generator = generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter)
@@ -84,7 +84,7 @@ def make(
 def diagnose(batch: Path, diagnoses: Path, jobs: int, scheduler: str | None) -> None:
     """Diagnose the records of a batch that have no answer yet, each without the effects that it leaves out."""
     from studies.blind.batch import diagnosing_tasks, run_tasks
-    from wirewear.base.cluster import engine_of
+    from wirewear.base.engine import engine_of
 
     run_tasks(diagnosing_tasks(batch.resolve(), diagnoses.resolve()), engine_of(jobs, scheduler), "records", inf)
     click.echo(f"answers are in {diagnoses}")

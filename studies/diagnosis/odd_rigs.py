@@ -27,7 +27,7 @@ from studies.blind.generators.tiers import generator_of
 from studies.blind.scoring.answers import FILE_NAME, Answer, read_answers
 from studies.blind.scoring.judging import judged
 from wirewear import WirewearError, read_record, write_record
-from wirewear.base.cluster import engine_of
+from wirewear.base.engine import engine_of
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import diagnose, write_diagnosis
 from wirewear.faces.study_script import StudyScript, wide_console

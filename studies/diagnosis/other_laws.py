@@ -23,7 +23,7 @@ from studies.blind.generators.independent.fair_size import fair_size
 from studies.blind.generators.sizes import drawn_parameters
 from studies.blind.scoring.answers import read_answers
 from wirewear import write_record
-from wirewear.base.cluster import engine_of
+from wirewear.base.engine import engine_of
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 

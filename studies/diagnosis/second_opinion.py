@@ -25,7 +25,7 @@ from rich.console import Console
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.base.cluster import engine_of
+from wirewear.base.engine import engine_of
 from wirewear.base.identity import code_hash
 from wirewear.base.reading import read_json
 from wirewear.base.writing import prepared_folder, write_text

@@ -71,7 +71,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
     Leaves table.parquet, table.csv, failures.csv and the page sweep.html.
     """
-    from wirewear.base.cluster import engine_of
+    from wirewear.base.engine import engine_of
     from wirewear.sweeps import load_sweep, run_sweep
     from wirewear.sweeps.page import write_sweep
 
@@ -94,7 +94,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
 
 def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | None) -> None:
     """Run a study whose inputs scatter, print its intervals and write them."""
-    from wirewear.base.cluster import engine_of
+    from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import wide_console
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain, sentence, table, write_uncertainty
 
@@ -154,7 +154,7 @@ def converge(
 
     Runs that are complete are not repeated; the table is written to convergence.csv too.
     """
-    from wirewear.base.cluster import engine_of
+    from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import wide_console
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.simulation import ProgressBar, convergence_table, write_convergence

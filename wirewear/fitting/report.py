@@ -14,7 +14,7 @@ from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.fit import CheckedRun, stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.kinds import kind_of
-from wirewear.records.toml_file import with_checksums
+from wirewear.records.reading import with_checksums
 from wirewear.results.scar import called
 from wirewear.study.template import study_text
 

@@ -18,8 +18,7 @@ from matplotlib.tri import Triangulation
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
-from wirewear.interior.bodies import BodyState
-from wirewear.interior.grids import Tracked, body_grid, section, untracked
+from wirewear.interior.bodies import BodyState, Tracked, body_grid, section, untracked
 from wirewear.pictures.style import INK, PRESSURE_COLOURS, cycle_name, new_figure, panel_letters, styled
 from wirewear.results.scar import called
 

@@ -15,7 +15,7 @@ from rich.table import Table
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, write_csv, writing
-from wirewear.interior.grids import fanned, plane_section, section
+from wirewear.interior.bodies import fanned, plane_section, section
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.strength import Strength
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save

@@ -6,8 +6,7 @@ from xml.etree import ElementTree as ET
 
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, write_bytes, writing
-from wirewear.interior.bodies import BodyState, body_states
-from wirewear.interior.grids import Tracked, body_grid, integration_point_cloud, untracked
+from wirewear.interior.bodies import BodyState, Tracked, body_grid, body_states, integration_point_cloud, untracked
 from wirewear.pictures.style import save
 from wirewear.results import RunResult
 

@@ -9,10 +9,9 @@ from numpy.typing import ArrayLike
 from wirewear.loops import opening
 from wirewear.loops.branches import Branch, upright
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
-from wirewear.loops.courses import Courses, courses_of
+from wirewear.loops.courses import Courses, courses_of, static_overshoot, stick_slip
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
-from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import (
     RESOLVED,
     bent,

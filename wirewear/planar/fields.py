@@ -24,14 +24,13 @@ from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import IntegrationPoints, integration_points
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
-from wirewear.interior.grids import Tracked, plane_section, stressed_grid, untracked
+from wirewear.interior.bodies import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.planar.model import plan
-from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import PlanarStudy
+from wirewear.planar.tables import PlanarStudy, planar_study_from_tables
 from wirewear.results import BODIES, RunResult
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
-from wirewear.planar.reading import planar_study_from_tables
-from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen
+from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen, planar_study_from_tables
 from wirewear.records import tables
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord

@@ -18,7 +18,7 @@ from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering,
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import ResultError
 from wirewear.results.positions import POSITIONS
-from wirewear.results.quality import float_array, require_finite
+from wirewear.results.scar import float_array, require_finite
 
 #: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
 _PAIRS_AT_ONCE = 1_000_000

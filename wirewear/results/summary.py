@@ -12,8 +12,7 @@ from rich.text import Text
 from wirewear.base.errors import ResultError
 from wirewear.base.quantity import counted
 from wirewear.results import RunResult
-from wirewear.results.quality import flagged
-from wirewear.results.scar import called
+from wirewear.results.scar import called, flagged
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}

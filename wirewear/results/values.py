@@ -15,8 +15,16 @@ from wirewear.base.quantity import as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.contact_forces import ContactForces
-from wirewear.results.quality import float_array, require_equal_lengths, require_finite, require_increasing
-from wirewear.results.scar import WIRES, Scar, called, require_body
+from wirewear.results.scar import (
+    WIRES,
+    Scar,
+    called,
+    float_array,
+    require_body,
+    require_equal_lengths,
+    require_finite,
+    require_increasing,
+)
 
 _IDEAL = Sensor()
 _NEW = Age.new()

@@ -14,10 +14,9 @@ from wirewear.base.errors import StudyError
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.quantity import counted
 from wirewear.simulation.cycler import FrettingTest, Motion
-from wirewear.simulation.discretisation import Discretisation, discretise
+from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.folder import MeshHistory, Report
-from wirewear.simulation.patches import ElementSizes, affordable_meshes, unknowns
 from wirewear.simulation.problem import contact_problem, fresh_state, problem_at, with_nodes_moved, worn_depths
 from wirewear.study import Study
 from wirewear.study.consistency import default_loop_cycles

@@ -10,7 +10,7 @@ import numpy as np
 from solvers import ContactProblem, CycleTrace, IncrementReport, mirror_error, symmetry_of
 from wirewear.base.course import enclosed_energy
 from wirewear.loops.signals import enclosed_area
-from wirewear.results.quality import ENERGIES_AGREE
+from wirewear.results.scar import ENERGIES_AGREE
 
 QUALITY = (
     "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",

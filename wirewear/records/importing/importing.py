@@ -25,11 +25,10 @@ from wirewear.records.importing.reader import require_mapping
 from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
 from wirewear.records.point_tables import TABLES
-from wirewear.records.reading import EVOLUTION_COLUMNS, tables_of_file
+from wirewear.records.reading import EVOLUTION_COLUMNS, read_tables, tables_of_file
 from wirewear.records.remarks import listed, plural
 from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
 from wirewear.records.tables import PointRecordTables
-from wirewear.records.toml_file import read_tables
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.results.scar import called
 
