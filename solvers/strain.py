@@ -93,12 +93,6 @@ def principal(stress: Array) -> Array:
     return np.asarray(np.linalg.eigvalsh(tensors(stress))[..., ::-1])
 
 
-def tresca(stress: Array) -> Array:
-    """Tresca's equivalent stress (...), the largest less the smallest principal stress."""
-    values = principal(stress)
-    return np.asarray(values[..., 0] - values[..., 2])
-
-
 def hydrostatic(stress: Array) -> Array:
     """Mean normal stress (...)."""
     return np.asarray(stress[..., :3].mean(axis=-1))

@@ -124,22 +124,15 @@ def forces(problem: ContactProblem) -> list[float]:
     return [pieces[-1].tangential_force for pieces in reports]
 
 
-def test_a_rotating_holder_is_a_spring_of_its_rotational_stiffness_over_the_arm_squared(spring: ContactProblem) -> None:
-    arm = 9.0
+@pytest.mark.parametrize("arm", [9.0, RADIUS_mm])
+def test_a_rotating_holder_is_a_spring_of_its_rotational_stiffness_over_the_arm_squared(
+    spring: ContactProblem, arm: float
+) -> None:
+    """Also where it rolls about the wire's own axis: the load leans as far as the contact rolls."""
     rotating = Holder(
         normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm
     )
     assert forces(replace(spring, holder=rotating)) == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
-
-
-def test_rolling_about_the_wires_own_axis_is_a_spring_because_the_load_leans_as_far_as_the_contact_rolls(
-    spring: ContactProblem,
-) -> None:
-    arm = RADIUS_mm
-    rolling = Holder(
-        normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm
-    )
-    assert forces(replace(spring, holder=rolling)) == pytest.approx(forces(spring), abs=0.01 * FRICTION * LOAD_N)
 
 
 def test_rotation_and_translation_act_in_series(spring: ContactProblem) -> None:

@@ -13,7 +13,7 @@ from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
-from wirewear.planar.fields import planar_grid, planar_strength
+from wirewear.planar.fields import planar_states, planar_strength, state_grid
 from wirewear.planar.model import placed_body, plan
 from wirewear.results import read_result
 
@@ -43,7 +43,7 @@ def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
 
 def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:
     result = read_result(folder)
-    grid = planar_grid(result, "specimen", 1, "mid-forward")
+    grid = state_grid(planar_states(result, "specimen", 1, ["mid-forward"])[0])
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
     a, p0 = exact.half_width_mm, exact.peak_pressure_MPa

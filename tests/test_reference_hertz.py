@@ -62,11 +62,6 @@ def test_steel_wires_wear_as_an_independent_evaluation_of_the_formula_says() -> 
     assert 1e3 * SHAPE.deepest_mm[0] == pytest.approx(0.154, abs=1e-3)
     assert 1e3 * SHAPE.edge_radius_mm == pytest.approx(16.6, abs=0.1)
     assert 1e9 * SHAPE.volume_mm3 == pytest.approx(61.0, abs=0.7)
-    least, most = WIRES.under_load(2.0)
-    assert 1e3 * most.stick_radius_mm == pytest.approx(9.37, abs=0.02)
-    assert 1e9 * most.volume_mm3 == pytest.approx(110.0, abs=1.5)
-    assert 1e3 * most.deepest_mm[0] == pytest.approx(0.217, abs=2e-3)
-    assert least.volume_mm3 < 0.6 * most.volume_mm3
 
 
 @given(st.floats(0.1, 0.8), st.floats(0.0, 3e-5), st.floats(0.0, 1e-4))

@@ -118,18 +118,6 @@ def _geometry(study: PlanarStudy, fidelity: str, body: str) -> PlanarGeometry:
 _LEVELS = 11
 
 
-def planar_grid(
-    result: RunResult, body: str, cycle: int, at: str | int, *, worn: bool = True
-) -> pyvista.UnstructuredGrid:
-    """The pad or specimen of a result at one position as `state_grid` gives it.
-
-    worn: the nodes stand in the worn surface; else where they were when fresh.
-    Raises ResultError if no contact forces of that body are recorded at that cycle, or there is no such position;
-    GeometryError if wear distorts the mesh too much.
-    """
-    return state_grid(planar_states(result, body, cycle, [at], worn=worn)[0])
-
-
 def state_grid(state: InnerState[PlanarBody]) -> pyvista.UnstructuredGrid:
     """A body's quadrilaterals at y = 0, in µm, with the fields of `interior.grids.stressed_grid`."""
     import pyvista

@@ -200,33 +200,6 @@ class WearingContact:
 
         return self._at_the_brink(pressed, sqrt(approach_mm * self.sphere_radius_mm))
 
-    def under_load(self, load_N: float) -> tuple[LimitingShape, LimitingShape]:
-        """The shapes with the least and the most wear that a constant load can lead to.
-
-        The approach grows with wear, which lets the edge of the stuck centre stick more easily than at first. The first
-        shape ends at the brink of slip, as if the centre had grown all the while; the second keeps Mindlin's first
-        stick radius, as if it had not.
-        """
-
-        def pressed(c: float) -> float:
-            return load_N / (2.0 * self.modulus_MPa * c) + c**2 / (3.0 * self.sphere_radius_mm)
-
-        first = self.first_stick_radius_mm(load_N)
-        contact = float((0.75 * load_N * self.sphere_radius_mm / self.modulus_MPa) ** (1.0 / 3.0))
-        return (self._at_the_brink(pressed, contact), LimitingShape(self.sphere_radius_mm, pressed(first), first))
-
-    def first_stick_radius_mm(self, load_N: float) -> float:
-        """Mindlin's stick radius in the fresh contact at the end of the stroke."""
-        big, modulus = self.sphere_radius_mm, self.modulus_MPa
-        a = float((0.75 * load_N * big / modulus) ** (1.0 / 3.0))
-
-        def excess(c: float) -> float:
-            force = self.friction * load_N * (1.0 - (c / a) ** 3)
-            u = self.drive_mm - self.bulk_tangential_mm_per_N * force
-            return self.tangential_modulus_MPa * u - self.friction * modulus * (a**2 - c**2) / big
-
-        return self._root(excess, a)
-
     def _at_the_brink(self, pressed: Callable[[float], float], contact_mm: float) -> LimitingShape:
         big, modulus, shear = self.sphere_radius_mm, self.modulus_MPa, self.tangential_modulus_MPa
 

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from studies.blind.scoring.judging import Judgement
-from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure, panel_letters
+from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, new_figure
 
 CELL_in, LABELS_in = 0.25, 1.9  #: Side of a square of the confusion matrix, and room for its labels.
 
@@ -25,16 +25,6 @@ Single = tuple[float, bool]
 def singles_of(judgements: Sequence[Judgement]) -> list[Single]:
     """What is drawn of each single effect."""
     return [(j.truth.gap_in_scatter, j.first_right) for j in judgements if j.truth.kind == "single"]
-
-
-def overview_picture(report: Mapping[str, Any], singles: Sequence[Single]) -> Figure:
-    """Right answers against the gap's size, reliability, ROC of the open set, shrink predicted and achieved."""
-    figure = new_figure(6.4)
-    panels = list(figure.subplots(2, 2).flat)
-    for axes, draw in zip(panels, _panels(report, singles), strict=True):
-        draw(axes)
-    panel_letters(panels)
-    return figure
 
 
 def panel_pictures(report: Mapping[str, Any], singles: Sequence[Single]) -> list[Callable[[], Figure]]:
