@@ -13,13 +13,11 @@ def installed(
     Raises what ``problem`` makes if an entry point cannot be loaded, or holds no such class, or one that lacks an
     attribute.
 
-    Args:
-        group: the entry points' group.
-        base: what each class must be a subclass of; it is abstract, which mypy forbids of a type[Kind].
-        noun: what such a class is to the user ("effect"), for messages.
-        home: package from which users import the base class, for messages.
-        needed: attributes that each class must have.
-        problem: makes the error that is raised from one clear sentence without its full stop.
+    group: the entry points' group.  needed: attributes that each class must have.
+    base: what each class must be a subclass of; it is abstract, which mypy forbids of a type[Kind].
+    noun: what such a class is to the user ("effect"), for messages.
+    home: package from which users import the base class, for messages.
+    problem: makes the error that is raised from one clear sentence without its full stop.
     """
     for point in sorted(entry_points(group=group), key=lambda point: point.name):
         try:

@@ -69,11 +69,8 @@ def opened_hdf5(
     Raises WirewearError, of the given kind, if there is no such file, it is damaged or cut off, or it reaches beyond
     itself.
 
-    Args:
-        path: of the file.
-        kind: of the errors.
-        what: the file is: "a result file".
-        unsealed: formats, by the attribute of that name, of files that earlier versions wrote without a checksum.
+    what: the file is: "a result file".
+    unsealed: formats, by the attribute of that name, of files that earlier versions wrote without a checksum.
     """
     data = read_bytes(path, kind, what)
     if not data.startswith(_SIGNATURE):

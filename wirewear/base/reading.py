@@ -170,12 +170,7 @@ def is_encoding_of_text(name: str) -> bool:
 
 def read_bytes(path: Path, kind: type[WirewearError], what: str = "file") -> bytes:
     """The contents of an ordinary file; where there is none, an error of that kind says so.
-    Raises WirewearError, of the given kind, if it cannot be read.
-
-    Args:
-        path: the file.
-        kind: of the error.
-        what: is needed: "a study file".
+    Raises WirewearError, of the given kind, if it cannot be read.  what: is needed: "a study file".
     """
     try:
         if path.is_dir():

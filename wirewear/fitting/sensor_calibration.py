@@ -54,13 +54,10 @@ def loaded_motions(
     Raises StudyError if a load is not positive, the contact has no friction, or its mesh takes more memory than there
     is; SolverError if the contact does not converge.
 
-    Args:
-        study: without variants.
-        normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
-        near: where the near displacement is taken.
-        remote_compliance_um_per_N: stated by the rig's owner.
-        fidelity: of the mesh, which only covers the contact itself.
-        progress: is told the share done and what is being done.
+    study: without variants.  normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
+    near: where the near displacement is taken.  remote_compliance_um_per_N: stated by the rig's owner.
+    fidelity: of the mesh, which only covers the contact itself.
+    progress: is told the share done and what is being done.
     """
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
     if loads[0] <= 0.0 or not np.isfinite(loads).all():
@@ -136,8 +133,7 @@ class LoadPolynomial:
     """remote − near = linear · Q + quadratic · Q², Q the tangential force.
 
     Attributes:
-        linear_um_per_N: with its 95 % interval.
-        quadratic_um_per_N2: with its 95 % interval.
+        linear_um_per_N, quadratic_um_per_N2: with their 95 % intervals.
         largest_force_N: up to which |Q| it was fitted.
         residual_rms_um: of the motions about it.
         residual_largest_um: the largest of them, without its sign.

@@ -61,8 +61,6 @@ class FittedTest:
     """A record's test as fitted.
 
     Attributes:
-        record: what was fitted.
-        study: the test with the fitted parameters.
         parameters: what the study takes over, by name; those that the record does not tell are absent.
         found: further figures by name: energies, volumes, stiffnesses of loop and contact.
         rigid_N_per_mm: a rig as stiff as this is one whose stiffness the loops do not tell.

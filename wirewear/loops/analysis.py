@@ -130,12 +130,11 @@ def analyse_loop(
     and the geometry-independent coefficient (Jahangiri et al. 2012).
     Raises LoopError, which says in one sentence what is wrong with the samples.
 
-    Args:
-        displacement_um: displacement (n,), n ≥ 16, starting anywhere in the cycle and in either direction.
-        tangential_force_N: force (n,), positive when it resists motion towards +x (the sign is found out if not).
-        normal_force_N: number or (n,), positive when pressing; without it, and where it falls to zero within the cycle,
-            friction figures are left out.
-        time_s: sample times (n,); without them the samples count as evenly spread where that makes sense.
+    displacement_um: displacement (n,), n ≥ 16, starting anywhere in the cycle and in either direction.
+    tangential_force_N: force (n,), positive when it resists motion towards +x (the sign is found out if not).
+    normal_force_N: number or (n,), positive when pressing; without it, and where it falls to zero within the cycle,
+    friction figures are left out.
+    time_s: sample times (n,); without them the samples count as evenly spread where that makes sense.
     """
     loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
     loop, courses = _followed(loop)

@@ -141,10 +141,8 @@ class Sensor:
     Attributes:
         remote_compliance_um_per_N: between the point that is looked at, on the driven side, and where δ is defined.
         displacement_gain: read over true displacement.
-        linear_um_per_N: of the displacement reading's polynomial in the true tangential force.
-        quadratic_um_per_N2: the same.
-        tangential_force_gain: read over true force.
-        normal_force_gain: the same.
+        linear_um_per_N, quadratic_um_per_N2: of the reading's polynomial in the true tangential force.
+        tangential_force_gain, normal_force_gain: read over true force.
         force_crosstalk: share of each force that the other's channel reads too.
         lag_s: of the displacement behind the forces; negative, the forces lag instead (as a delay only).
         lag_kind: "first-order" (a low-pass filter's time constant) or "delay"; of both lags.
@@ -279,13 +277,10 @@ def sensor_held_stroke(
     (Steffensen's device), as a load-coupled sensor on a sticking contact reads several micrometres for each.
     Raises SensorError if the asked amplitude is not positive, or no true amplitude was found.
 
-    Args:
-        sensor: as the drive's control reads it.
-        asked_um: amplitude to be held on the reading.
-        loop_at: the true loop under a true amplitude in µm.
-        first_guess_um: true amplitude to begin with, such as that of the cycle before; the asked one by default.
-        tolerance: largest |read − asked| / asked.
-        most_evaluations: of `loop_at`.
+    sensor: as the drive's control reads it.  asked_um: amplitude to be held on the reading.
+    loop_at: the true loop under a true amplitude in µm.  most_evaluations: of it.
+    first_guess_um: true amplitude to begin with, such as that of the cycle before; the asked one by default.
+    tolerance: largest |read − asked| / asked.
     """
     if not asked_um > 0.0:
         raise SensorError(f"the amplitude to be held on the sensor's reading is {asked_um} um, but must be positive")

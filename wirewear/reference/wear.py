@@ -189,33 +189,27 @@ class WearingContact:
         """The shape where the bodies are pressed by a constant approach, their bulk included.
 
         The edge of the stuck centre is where it is about to slip: G* u0 = µ E* (d − c²/R).
+        Raises ValueError if nothing sticks.
         """
+        from scipy.optimize import brentq
+
+        big, modulus, shear = self.sphere_radius_mm, self.modulus_MPa, self.tangential_modulus_MPa
 
         def pressed(c: float) -> float:
             # d = approach - bulk P(d, c), P linear in d.
-            carried = 2.0 * self.modulus_MPa * c
-            load_less = carried * c**2 / (3.0 * self.sphere_radius_mm)
+            carried = 2.0 * modulus * c
+            load_less = carried * c**2 / (3.0 * big)
             bulk = self.bulk_normal_mm_per_N
             return float((approach_mm + bulk * load_less) / (1.0 + bulk * carried))
-
-        return self._at_the_brink(pressed, sqrt(approach_mm * self.sphere_radius_mm))
-
-    def _at_the_brink(self, pressed: Callable[[float], float], contact_mm: float) -> LimitingShape:
-        big, modulus, shear = self.sphere_radius_mm, self.modulus_MPa, self.tangential_modulus_MPa
 
         def excess(c: float) -> float:
             # The stuck centre moves as a whole: Q = 2 G* c u0.
             u = self.drive_mm / (1.0 + 2.0 * self.bulk_tangential_mm_per_N * shear * c)
             return shear * u - self.friction * modulus * (pressed(c) - c**2 / big)
 
-        c = self._root(excess, contact_mm)
-        return LimitingShape(big, pressed(c), c)
-
-    def _root(self, excess: Callable[[float], float], contact_mm: float) -> float:
-        """The stick radius at which a function that grows with it is zero; ValueError where nothing sticks."""
-        from scipy.optimize import brentq
-
+        contact_mm = sqrt(approach_mm * big)
         smallest = 1e-6 * contact_mm
         if excess(smallest) >= 0.0:
             raise ValueError(f"nothing sticks at a drive of {self.drive_mm:g} mm")
-        return float(brentq(excess, smallest, contact_mm * (1.0 - 1e-12), xtol=1e-15))
+        c = float(brentq(excess, smallest, contact_mm * (1.0 - 1e-12), xtol=1e-15))
+        return LimitingShape(big, pressed(c), c)

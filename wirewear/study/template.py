@@ -34,7 +34,6 @@ class Template:
     Attributes:
         kind: as the study's key `kind` says it.
         tables: the study's tables; those named in `shown` are spelled out, the others are for who refines meshes.
-        shown: names of tables.
         example: keys that have values.
         above: what is said of the example.
         left_out: keys by table that others of its kind of tables have.

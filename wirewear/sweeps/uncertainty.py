@@ -147,11 +147,8 @@ def fitted(points: Array, values: Array) -> Surrogate:
     """The polynomial of either degree that predicts left-out points better, by least squares.
 
     Leave-one-out residuals follow from the hat matrix (Allen's PRESS, Technometrics 16 (1974) 125).
+    points: (n, d), in standard deviations from the middle.  values: (n,).
     Raises ValueError if there are too few points for a straight line.
-
-    Args:
-        points: (n, d), in standard deviations from the middle.
-        values: (n,).
     """
     count, factors = points.shape
     degrees = [degree for degree in (1, 2) if len(_terms(factors, degree)) < 0.8 * count]

@@ -108,12 +108,10 @@ def logged_loops(
     """Loops of a logger's file, split by its columns of repeat and cycle, or else where the drive turns round.
     Raises RecordError if the file cannot be read, or a column or its unit cannot be told.
 
-    Args:
-        path: a text, or MATLAB's or LabVIEW's file.
-        displacement: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
-        force: the same.
-        normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
-        spelling: what is known of a text's encoding, delimiter, decimal sign and header; None to guess all of it.
+    path: a text, or MATLAB's or LabVIEW's file.
+    displacement, force: "COLUMN" or "COLUMN:UNIT", the column by its name or number; None to recognise it.
+    normal_load: the same, or a number in N; None to recognise it, and to do without where none is.
+    spelling: what is known of a text's encoding, delimiter, decimal sign and header; None to guess all of it.
     """
     file = table_of(path, spelling.layout(path) if spelling else None)
     constant = _number(normal_load)
@@ -220,14 +218,8 @@ def read_loops(
     Raises RecordError if the source cannot be read, has no loop of that cycle, or an option does not belong to it;
     ResultError if the result cannot be read.
 
-    Args:
-        path: file or folder.
-        cycle: the only cycle wanted; None for all.
-        variant: which run, where a folder holds several.
-        displacement: column of a logger's file.
-        force: the same.
-        normal_load: the same, or a number in N.
-        spelling: what is known of a text's layout.
+    cycle: the only cycle wanted; None for all.  variant: which run, where a folder holds several.
+    displacement, force, normal_load, spelling: of a logger's file, as `logged_loops` takes them.
     """
     if not path.exists():
         raise RecordError(f"there is no file or folder {path}.")

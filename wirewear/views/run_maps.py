@@ -207,7 +207,6 @@ class RegressionLine:
         threshold_J: energy below which nothing wears; 0 for a line through the origin.
         threshold_interval95: by the scatter of slope and intercept.
         explained: share of the volumes' scatter about their mean that the line explains (R²); NaN where they agree.
-        tests: how many there are.
     """
 
     slope_mm3_per_J: float

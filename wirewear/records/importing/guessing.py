@@ -36,10 +36,8 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     """The mapping that files of one folder seem to ask for.
     Raises RecordError, in one sentence, if no file holds loops, or one of them cannot be read.
 
-    Args:
-        files: loops, and perhaps an evolution and scars.
-        known: what the user says: keys of `[conditions]`, and `name`.
-        touching: what the user says of the bodies.
+    files: loops, and perhaps an evolution and scars.  known: what the user says: keys of `[conditions]`, and `name`.
+    touching: what the user says of the bodies.
     """
     kinds, length = recognised_files(files), touching.length_mm
     if length is None:

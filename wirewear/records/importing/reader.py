@@ -71,10 +71,8 @@ class Reader(ABC):
         """The wanted columns as they stand in the file: (n,), or (samples, cycles) where the file holds matrices.
         Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
 
-        Args:
-            path: the file.
-            layout: the mapping's keys on delimited text, for readers that need them.
-            wanted: the record's columns, and for each the name or the number (from 1 on) of the file's.
+        layout: the mapping's keys on delimited text, for readers that need them.
+        wanted: the record's columns, and for each the name or the number (from 1 on) of the file's.
         """
 
     def reads(self, head: bytes) -> bool:  # noqa: ARG002
