@@ -8,7 +8,6 @@ Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach 
 """
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from math import pi, sqrt
