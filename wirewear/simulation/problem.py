@@ -173,8 +173,8 @@ def _placed(
     lower = solvers.place(moving, upper=False, axis_angle_rad=-motion)
     upper = solvers.place(fixed, upper=True, axis_angle_rad=crossing - motion)
     if study.contact.primary_wire == "fixed":
-        return lower, solvers.placement(upper, lower)
-    return solvers.placement(lower, upper), upper
+        return lower, solvers.facing(upper, lower)
+    return solvers.facing(lower, upper), upper
 
 
 def measured(
