@@ -84,6 +84,8 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     shrink = diagnosis.shrink
     lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
     lines += [f"  where: {finding.text} ({share(finding.share)} of the gap)" for finding in diagnosis.where[:2]]
+    if not diagnosis.where and diagnosis.verdict != "no_gap":
+        lines.append("  where: no zone by itself stands out beyond chance, many together do")
     for one in worth_telling(diagnosis)[:3]:
         values = "; ".join(filter(None, map(parameters_told, one.causes)))
         lines.append(f"  {share(one.probability)}: {one.words}{f': {values}' if values else ''}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from math import floor, inf, log10
 
 from wirewear.base import notebook
 from wirewear.base.frame import figure
@@ -87,7 +88,9 @@ def _with_unit(name: str, estimate: Estimate) -> str:
     # What spans a decade is no measured value, whatever lies in its middle.
     if 0.0 < low < 0.11 * high:
         return f"{words_of(name)} not determined ({figure(low)} to {figure(high)}{symbol})"
-    return f"{words_of(name)} {figure(estimate.value)}{symbol} ({figure(low)} to {figure(high)})"
+    # No digits that the interval does not bear.
+    value = round(estimate.value, 1 - floor(log10(high - low))) if 0.0 < high - low < inf else estimate.value
+    return f"{words_of(name)} {figure(value)}{symbol} ({figure(low)} to {figure(high)})"
 
 
 @dataclass(frozen=True)
