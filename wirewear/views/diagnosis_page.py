@@ -60,7 +60,6 @@ def page(diagnosed: Diagnosed) -> str:
         "likely": worth_telling(diagnosis)[:5],
         "gaps": shown.gap_bars(diagnosed),
         "steps": steps(diagnosis),
-        "loops_are": bool(loops["cycles"]),
         "of_scar": bool(loops["sections"]) and shown.shows_in_scar(diagnosed),
         "next": next_measurement(diagnosis),
         "sections": loops["sections"],
@@ -74,23 +73,20 @@ def page(diagnosed: Diagnosed) -> str:
 
 def _with_unit(name: str) -> str:
     """For example: slip amplitude [µm]."""
-    if name.endswith("_percent"):
-        return f"{name.removesuffix('_percent').replace('_', ' ')} [%]"
-    return f"{words_of(name)} [{unit_of(name)}]"
+    percent = name.removesuffix("_percent")
+    return f"{words_of(percent)} [{unit_of(name) if percent == name else '%'}]"
 
 
 def ten_lines(diagnosis: Diagnosis) -> str:
     """The answer for a terminal: the sentence of the page, and what stands under it there."""
-    shrink = diagnosis.shrink
     lines = [f"{diagnosis.record}: {diagnosis.sentence}"]
-    lines += [f"  where: {finding.text} ({share(finding.share)} of the gap)" for finding in diagnosis.where[:2]]
-    if not diagnosis.where and diagnosis.verdict != "no_gap":
-        lines.append("  where: no zone by itself stands out beyond chance, many together do")
     for one in worth_telling(diagnosis)[:3]:
         values = "; ".join(filter(None, map(parameters_told, one.causes)))
         lines.append(f"  {share(one.probability)}: {one.words}{f': {values}' if values else ''}")
     if diagnosis.verdict != "no_gap":
-        low, high = shrink.interval95
+        texts = [f"{finding.text} ({share(finding.share)} of the gap)" for finding in diagnosis.where[:2]]
+        lines += [f"  where: {text}" for text in texts or ["no zone alone is beyond chance, many together are"]]
+        shrink, (low, high) = diagnosis.shrink, diagnosis.shrink.interval95
         lines.append(
             f"  gap {shrink.before:.2f} → {shrink.after:.2f} scatters (floor {shrink.floor:.2f}); shrink "
             f"{shrink.shrink:.0%} ({low:.0%} to {high:.0%}) on {', '.join(map(counted, shrink.held_out)) or 'all'}"

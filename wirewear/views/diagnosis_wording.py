@@ -85,10 +85,9 @@ def parameters_told(cause: Cause) -> str:
 def _with_unit(name: str, estimate: Estimate) -> str:
     unit, (low, high) = unit_of(name), estimate.interval95
     symbol = {"1": "", "°": "°"}.get(unit, f" {unit}")
-    # What spans a decade is no measured value, whatever lies in its middle.
+    # What spans a decade is no measured value; of others, no digits that the interval does not bear.
     if 0.0 < low < 0.11 * high:
         return f"{words_of(name)} not determined ({figure(low)} to {figure(high)}{symbol})"
-    # No digits that the interval does not bear.
     value = round(estimate.value, 1 - floor(log10(high - low))) if 0.0 < high - low < inf else estimate.value
     return f"{words_of(name)} {figure(value)}{symbol} ({figure(low)} to {figure(high)})"
 
@@ -122,8 +121,8 @@ def explanations(causes: Sequence[Cause], equivalent: Sequence[Sequence[str]]) -
 
 def worth_telling(diagnosis: Diagnosis, least: float = 0.01) -> list[Explanation]:
     """The likeliest explanation, and others that are not beyond belief."""
-    first, *others = explanations(diagnosis.causes, diagnosis.equivalent)
-    return [first, *(one for one in others if one.probability >= least)]
+    found = explanations(diagnosis.causes, diagnosis.equivalent)
+    return [one for one in found if one is found[0] or one.probability >= least]
 
 
 def share(value: float) -> str:
