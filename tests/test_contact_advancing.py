@@ -17,7 +17,7 @@ from solvers.contact.advancing import IncrementFailedError
 from solvers.contact.linearisation import faced
 from solvers.fretting import anew
 from solvers.holder import FirstGuess
-from solvers.newton import outcome
+from solvers.newton import iteration
 from tests.bodies import LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped
@@ -83,7 +83,7 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
     monkeypatch: pytest.MonkeyPatch, slip_mm: float, told: float
 ) -> None:
     """One node under pressure whose friction lies 0.1 rad off the slip; the bodies close by a micrometre."""
-    monkeypatch.setattr(outcome, "unbalanced_force", lambda *_: 0.0)
+    monkeypatch.setattr(iteration, "unbalanced_force", lambda *_: 0.0)
     system = SimpleNamespace(friction=SimpleNamespace(none=False), compliance=SimpleNamespace(layer=0.0))
     conditions = SimpleNamespace(
         system=system, count=1, world=lambda normal, tangential: np.column_stack([tangential, normal])
@@ -99,7 +99,7 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
         tilt=0.0,
     )
     friction = SimpleNamespace(stick=np.array([False]), direction=np.array([[-1.0, 0.0]]))
-    found = outcome.converged_outcome(
+    found = iteration.converged_outcome(
         cast("Any", conditions), cast("Any", state), np.array([True]), cast("Any", friction), 3
     )
     assert found.slip_direction_error == pytest.approx(told, abs=1e-9)

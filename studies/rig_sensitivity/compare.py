@@ -18,8 +18,7 @@ from rich.table import Table
 from wirewear.base.errors import ResultError
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modulus
-from wirewear.reference.cattaneo_mindlin import partial_slip_point
-from wirewear.reference.rig_loop import dissipated_energy, force_amplitude, slip_amplitude
+from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitude, partial_slip_point, slip_amplitude
 from wirewear.study import Study
 from wirewear.sweeps import Sweep, load_sweep
 from wirewear.sweeps.page import Index, indices

@@ -2,17 +2,26 @@
 
 from geometry import Elastic
 from wirewear.reference.cattaneo_mindlin import (
+    HysteresisLoop,
     PartialSlipPoint,
+    branch_force,
+    closed_loop,
     displacement_after_reversal,
+    dissipated_energy,
     energy_per_cycle,
+    first_loading_force,
+    force_amplitude,
     loading_displacement,
     loading_force,
     loading_traction,
     mindlin_stiffness,
     partial_slip_point,
+    sliding_threshold,
+    slip_amplitude,
     stick_radius,
     stick_radius_after_reversal,
     traction_after_reversal,
+    unloading_stiffness,
 )
 from wirewear.reference.even_line import (
     even_line_contact,
@@ -45,17 +54,6 @@ from wirewear.reference.hertz import (
     relative_curvatures,
     semi_axis_ratio,
     tangential_contact_modulus,
-)
-from wirewear.reference.rig_loop import (
-    HysteresisLoop,
-    branch_force,
-    closed_loop,
-    dissipated_energy,
-    first_loading_force,
-    force_amplitude,
-    sliding_threshold,
-    slip_amplitude,
-    unloading_stiffness,
 )
 from wirewear.reference.wear import (
     CrossedWireScar,
