@@ -107,10 +107,9 @@ def _elastic(constants: tuple[float, float]) -> dict[str, float]:
 
 def scar_lines_um(nominal: Nominal, body: str) -> tuple[Array, Array]:
     """Lines of a scar map along and across the motion: of a size that follows from the statements alone."""
-    half = 1e3 * MAP_MARGIN * nominal.expected_scar_mm
-    step = float(np.ceil(half / MAP_POINTS))
-    along = half + (nominal.amplitude_um if body == nominal.bodies[0] else 0.0)
-    return _lines(along, step), _lines(half, step)
+    along, across = (1e3 * MAP_MARGIN * reach for reach in nominal.scar_reach_mm)
+    step = float(np.ceil(across / MAP_POINTS))
+    return _lines(along + (nominal.amplitude_um if body == nominal.bodies[0] else 0.0), step), _lines(across, step)
 
 
 def _lines(half: float, step: float) -> Array:

@@ -1,7 +1,7 @@
 """What owners of rigs state: the steel-wire test of the article, tests drawn around it, tests of balls on flats."""
 
 from dataclasses import dataclass, replace
-from math import pi
+from math import hypot, pi, radians, sin, tan
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -50,6 +50,13 @@ class Nominal:
         """Half-width of the scar, V = π R h² of crossed wires (a scar longer than the stroke)."""
         energy_J = 4e-6 * self.friction * self.load_N * self.amplitude_um * self.cycles
         return float((2.0 * self.diameter_mm * self.wear_mm3_per_J * energy_J / pi) ** 0.25)
+
+    @property
+    def scar_reach_mm(self) -> tuple[float, float]:
+        """How far that scar reaches along and across the motion: the gap of wires cut off by a plane, as at 90°."""
+        half = 0.5 * radians(self.crossing_angle_deg)
+        along, across = (sin(2.0 * half) ** 0.25 * own for own in (hypot(1.0 / tan(half), tan(half)) / 2.0**0.5, 1.0))
+        return self.expected_scar_mm * round(along, 12), self.expected_scar_mm * round(across, 12)
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> Self:
