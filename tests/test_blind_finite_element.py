@@ -22,8 +22,10 @@ from studies.blind.generators.waveform import Waveform
 from tests.synthetic_results import bowl, result
 from wirewear import read_record
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
+from wirewear.reference import gap_curvatures
 from wirewear.results import Loop, RunResult
 from wirewear.simulation import discretise
+from wirewear.simulation.expected_contact import scar_ellipse
 from wirewear.study import Study
 
 GENERATOR = generator_of("T1")
@@ -156,3 +158,12 @@ def test_records_of_finite_elements_are_read_without_a_remark(
         assert record.tables.conditions.drive == "stroke"
         assert {loop.cycle for loop in record.loops} == set().union(*made.nuisances.loop_cycles)
         assert len({loop.tangential_force_N.tobytes() for loop in record.loops}) == len(record.loops)
+
+
+@pytest.mark.parametrize("angle_deg", [15.0, 60.0, 90.0])
+def test_a_map_reaches_as_far_as_the_scar_of_wires_at_any_angle(angle_deg: float) -> None:
+    wires = Nominal(crossing_angle_deg=angle_deg)
+    radius, half = 0.5 * wires.diameter_mm, wires.expected_scar_mm
+    gap = gap_curvatures((0.0, 1.0 / radius), (0.0, 1.0 / radius), np.radians(angle_deg))
+    scar = scar_ellipse(0.25 * np.pi * half**4 / radius, gap)
+    assert wires.scar_reach_mm == pytest.approx((scar.reach(0.0), scar.reach(0.5 * np.pi)))
