@@ -22,32 +22,10 @@ if TYPE_CHECKING:
     from geometry.wire import WireGeometry
 
 __all__ = [
-    "Barrel",
-    "BlockGeometry",
-    "BodyGeometry",
-    "BodyMesh",
-    "ContactPatch",
-    "Cylinder",
-    "EdgeGradedAxis",
-    "Elastic",
-    "Flat",
-    "GeometryError",
-    "GradedAxis",
-    "HexMesh",
-    "Layering",
-    "LoweredSurface",
-    "PlanarGeometry",
-    "PlanarMesh",
-    "Profile",
-    "QuadMesh",
-    "RoundedFlat",
-    "TabledProfile",
-    "Turned",
-    "WireGeometry",
-    "build_body",
-    "build_planar",
-    "graded_layers",
-    "mirror_images",
-]
+    "Barrel", "BlockGeometry", "BodyGeometry", "BodyMesh", "ContactPatch", "Cylinder", "EdgeGradedAxis", "Elastic",
+    "Flat", "GeometryError", "GradedAxis", "HexMesh", "Layering", "LoweredSurface", "PlanarGeometry", "PlanarMesh",
+    "Profile", "QuadMesh", "RoundedFlat", "TabledProfile", "Turned", "WireGeometry", "build_body", "build_planar",
+    "graded_layers", "mirror_images",
+]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -14,12 +14,11 @@ from wirewear import reference
 from wirewear.faces import cli
 from wirewear.loops.signals import enclosed_area
 from wirewear.verification import QUICK, Level, Row, run
-from wirewear.verification.blocks import block_rows
 from wirewear.verification.hertz import STEEL, bulk_compliance, ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
 from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
-from wirewear.verification.partial_slip_run import partial_slip_run_rows
+from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
 from wirewear.verification.rows import compared, observed_order
 from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, limit_rows, rig_loop_rows
 

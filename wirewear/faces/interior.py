@@ -151,7 +151,7 @@ def strength(
     """
     from wirewear.faces.study_script import progress_bar, wide_console
     from wirewear.interior.strength import StrengthAsked, yield_sentence
-    from wirewear.interior.strength_files import strength_table, write_strengths
+    from wirewear.interior.writing import strength_table, write_strengths
 
     asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, body, cycles, asked)

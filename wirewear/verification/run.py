@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 
-from wirewear.verification.blocks import block_rows
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows, surface_rows
 from wirewear.verification.line_contact import line_contact_rows, line_surface_rows, stuck_line_rows
 from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
-from wirewear.verification.partial_slip_run import partial_slip_run_rows
+from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
 from wirewear.verification.rows import Level, Row
 from wirewear.verification.sliding import book_keeping_rows, limit_rows, rig_loop_rows
 
