@@ -133,7 +133,7 @@ def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving
         (BALL, {"effects": [{"name": "crossing_angle_error", "angle_deg": 2.0}]}, "crossing_angle_error"),
         (BALL, {"wires": {"diameter_mm": 0.45}}, "wires"),
         (wires(0.0, 4.0), {}, "crossing_angle_deg"),
-        (wires(0.0, "20"), {}, "bodies in s.toml give an axis_angle_deg that"),
+        (wires(0.0, "20"), {}, "bodies in s.toml give an axis_angle_deg that"),  # type: ignore[arg-type]
         (wires(0.0, 90.0, unlike=({"shape": "tube"}, {})), {}, "give a 'tube'"),
         (wires(0.0, 90.0, unlike=({**STEEL, "diameter_mm": 0.4}, {"diameter": 0.6})), {}, "in [bodies.fixed]"),
         (wires(0.0, 5.0, unlike=({**STEEL, "diameter_mm": 0.1}, {"diameter_mm": 9.0})), {}, "touch along a line"),
