@@ -1,9 +1,9 @@
 """How far the gap shrinks once effects are added: on cycles left out of the fit, against the repeats' own floor.
 
 S = (G0² − G1²)/(G0² − Gf²). G is the root mean square of measured less computed over all held-out features (`Features`)
-of all repeats, in standard deviations of one test (noise, scatter of specimens, solver error). The floor Gf is that of
-a perfect model: each repeat against the others' mean, and the solver error. A gap that falls below it has shrunk as a
-whole, S = 1.
+of all repeats, in standard deviations of one test (noise, scatter of specimens, solver error, and what is within the
+record's tolerance). The floor Gf is that of a perfect model: each repeat against the others' mean, and what models may
+differ by. A gap that falls below it has shrunk as a whole, S = 1.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ class HeldOutScores:
         apart = np.sqrt(np.where(count > 1, count / np.maximum(count - 1, 1), 0.0))
         squares = self._scaled((values - np.nanmean(values, axis=0)) * apart)
         for repeat, variance in enumerate(self._variances()):
-            solver = self.features.variances(self.covariance.numerical, self._seen(repeat)) / variance
+            solver = self.features.variances(self._of_models, self._seen(repeat)) / variance
             alone = self.features.of_each(count, self._seen(repeat)) < 2.0
             squares[repeat] += np.where(alone, 1.0, solver)
         return squares
@@ -100,6 +100,11 @@ class HeldOutScores:
         low, high = np.percentile(np.clip(share, -9.99, 1.0), [2.5, 97.5])
         return float(low), float(high)
 
+    @property
+    def _of_models(self) -> Array:
+        """Covariance (n, n) of what honest models may differ by."""
+        return np.asarray(self.covariance.numerical + self.covariance.tolerated)
+
     def _seen(self, repeat: int) -> BoolArray:
         return np.asarray(np.isfinite(self.observed.values[repeat]))
 
@@ -109,7 +114,7 @@ class HeldOutScores:
 
     def _variances(self) -> list[Array]:
         """Variance (f,) of each repeat's features about a perfect model."""
-        between = self.covariance.between + self.covariance.numerical
+        between = self.covariance.between + self._of_models
         return [
             self.features.variances(between + np.diag(np.nan_to_num(noise**2)), self._seen(repeat))
             for repeat, noise in enumerate(self.observed.noise)
