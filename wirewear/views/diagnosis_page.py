@@ -22,11 +22,9 @@ JSON_FILE_NAME, REPORT_FILE_NAME = "diagnosis.json", "report.html"
 
 #: Of each verdict the heading, and whether the summary is coloured as good, open or bad.
 VERDICTS = {
-    "no_gap": ("No gap", "good"),
-    "explained": ("Gap explained", ""),
-    "ambiguous": ("Gap with several possible causes", "open"),
-    "unexplained": ("Gap without a known cause", "bad"),
-}
+    "no_gap": ("No gap", "good"), "explained": ("Gap explained", ""),
+    "ambiguous": ("Gap with several possible causes", "open"), "unexplained": ("Gap without a known cause", "bad"),
+}  # fmt: skip
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
@@ -84,12 +82,13 @@ def ten_lines(diagnosis: Diagnosis) -> str:
         values = "; ".join(filter(None, map(parameters_told, one.causes)))
         lines.append(f"  {share(one.probability)}: {one.words}{f': {values}' if values else ''}")
     if diagnosis.verdict != "no_gap":
-        texts = [f"{finding.text} ({share(finding.share)} of the gap)" for finding in diagnosis.where[:2]]
-        lines += [f"  where: {text}" for text in texts or ["no zone alone is beyond chance, many together are"]]
-        shrink, (low, high) = diagnosis.shrink, diagnosis.shrink.interval95
+        places = [f"  where: {one.text} ({share(one.share)} of the gap)" for one in diagnosis.where[:2]]
+        lines += places or ["  where: no zone alone is beyond chance, many together are"]
+        gap = diagnosis.shrink
+        shrink, low, high = (round(one, 2) + 0.0 for one in (gap.shrink, *gap.interval95))
         lines.append(
-            f"  gap {shrink.before:.2f} → {shrink.after:.2f} scatters (floor {shrink.floor:.2f}); shrink "
-            f"{shrink.shrink:.0%} ({low:.0%} to {high:.0%}) on {', '.join(map(counted, shrink.held_out)) or 'all'}"
+            f"  gap {gap.before:.2f} → {gap.after:.2f} scatters (floor {gap.floor:.2f}); shrink {shrink:.0%} "
+            f"({low:.0%} to {high:.0%}) on {', '.join(map(counted, gap.held_out)) or 'all'}"
         )
     lines += [f"  {what}: {text}" for what, text in steps(diagnosis)]
     if diagnosis.undetectable:
