@@ -21,7 +21,7 @@ from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import shrink_of
 from wirewear.diagnosis.infer.updating import updated
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, relevant, undetectable, weigh
-from wirewear.diagnosis.infer.where import Place, findings, places, relevance_of
+from wirewear.diagnosis.infer.where import Place, changes, findings, places, relevance_of
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf
 from wirewear.diagnosis.model.setup import Setup
@@ -169,14 +169,17 @@ def judged(
     failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
     weighed = without(weighed, failing)
     where = places(found.problem, found.covariance, setup)
-    finding = tuple(findings(where))
-    verdict = weighed.verdict
-    relevance = relevance_of(where, tolerance, detected=verdict != "no_gap")
+    explained = _leading(found, weighed)
+    # What is detected by an explanation is as large as that makes it: specimens and noise may hide it place by place.
+    made = changes(found.problem, found.covariance, explained.setup)
+    finding = tuple(findings(where) or findings(made))
+    named = weighed.verdict in ("explained", "ambiguous")
+    relevance = relevance_of(made if named else where, tolerance, detected=weighed.verdict != "no_gap")
     dispersion = max(found.remainder.misfit, 1.0)
     behind = _causes(found, weighed, dispersion)
     if relevance.detected and not relevance.relevant:
         weighed = weighed.without_gap()
-    best = _leading(found, weighed) if relevance.relevant else found.none
+    best = explained if relevance.relevant else found.none
     own = {member for name in best.names for member in weighed.class_of(name)}
     wrong = max((one for one in found.singles if one.names[0] not in own), key=lambda one: one.merit, default=None)
     shrink = shrink_of(found.problem, found.covariance, observed, best, wrong, _SEED)

@@ -63,18 +63,35 @@ def places(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place
     """All zones and cycles, flagged where they differ."""
     predicted = problem.predicted(setup)
     residual = problem.mean - predicted
-    squares = _unaccounted(residual, covariance)
-    found = []
+    found = _places(problem, covariance, predicted, residual, _unaccounted(residual, covariance))
+    flagged = false_discovery_control([place.p_value for place in found]) <= FALSE_DISCOVERIES
+    return [replace(place, flagged=bool(own)) for place, own in zip(found, flagged, strict=True)]
+
+
+def changes(problem: Problem, covariance: Covariance, setup: Setup) -> list[Place]:
+    """What an explanation makes of all zones and cycles, flagged where it stands out as much as anywhere, or half.
+
+    It is free of noise, and no part of it is a specimen's.
+    """
+    nominal = problem.predicted(problem.setup)
+    change = problem.predicted(setup) - nominal
+    found = _places(problem, covariance, nominal, change, change**2)
+    most = max((place.in_scatter for place in found), default=0.0)
+    return [replace(place, flagged=place.in_scatter >= 0.5 * most) for place in found]
+
+
+def _places(
+    problem: Problem, covariance: Covariance, predicted: Array, residual: Array, unaccounted: Array
+) -> list[Place]:
+    squares, found = unaccounted.copy(), []
     for part in problem.layout:
-        squares[part.rows] /= part.observable.whole(setup, predicted[part.rows]) ** 2
-        zones = part.observable.zone(part.sites, setup.amplitude_um)
+        squares[part.rows] /= part.observable.whole(problem.setup, predicted[part.rows]) ** 2
+        zones = part.observable.zone(part.sites, problem.setup.amplitude_um)
         for zone in sorted(set(zones.tolist())):
             for cycle in np.unique(part.sites.cycle[zones == zone]):
                 keep = (zones == zone) & (part.sites.cycle == cycle)
                 found.append(_place(zone, int(cycle), part, keep, residual, squares, covariance))
-    found.sort(key=lambda place: place.zone)
-    flagged = false_discovery_control([place.p_value for place in found]) <= FALSE_DISCOVERIES
-    return [replace(place, flagged=bool(own)) for place, own in zip(found, flagged, strict=True)]
+    return sorted(found, key=lambda place: place.zone)
 
 
 def _unaccounted(residual: Array, covariance: Covariance) -> Array:
@@ -171,7 +188,7 @@ class Relevance:
 
 
 def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
-    """Judged by the places that stand out of chance, or by all where none does by itself."""
+    """Judged by the places that are flagged, or by all where none is."""
     judged = [place for place in places if place.flagged] or places
     if not judged:
         return Relevance(detected, detected, None)
