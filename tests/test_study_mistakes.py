@@ -68,8 +68,7 @@ kind = "crossed-wires" => kind = crossed-wires
 poissons_ratio = 0.3 => poissons_ratio = 0.5
     poissons_ratio in [wires] of s.toml is 0.5, but must lie between 0 and 0.49.
 displacement_amplitude_um = 60.0 => displacement_amplitude_um = 600.0
-    displacement_amplitude_um in [conditions] of s.toml is 600 µm, but must not exceed the thinner wire's diameter, 450
-    µm.
+    displacement_amplitude_um in [conditions] of s.toml is 600 µm, but must not exceed the smallest diameter, 450 µm.
 [contact] => [log]\nloop_cycles = [1, 0]\n[contact]
     loop_cycles in [log] of s.toml holds an item that is 0, but must lie between 1 and 1000000000 cycles.
 [contact] => [log]\nloop_cycles = 3\n[contact]
