@@ -3,8 +3,6 @@
 from dataclasses import replace
 from functools import cache
 
-import pytest
-
 from tests.diagnosis_cases import diagnosed, record
 from wirewear.diagnosis.diagnose import judged
 from wirewear.records.tables import Tolerance
@@ -32,8 +30,8 @@ def test_a_difference_within_the_tolerance_is_no_gap_and_is_stated_with_its_size
     assert (answer.causes[0].effect, answer.causes[0].probability) == ("none", 1.0)
     relevance = answer.to_json()["relevance"]
     assert (relevance["detected"], relevance["relevant"]) == (True, False)
-    # Half of the play, relative to the amplitude.
-    assert relevance["largest"]["relative"] == pytest.approx(0.5 * PLAY_um / 60.0, rel=0.4)
+    # A flank is late by half of the play or, where the other one reaches into it, by more, up to the whole of it.
+    assert 0.5 * PLAY_um <= 60.0 * relevance["largest"]["relative"] <= PLAY_um
     assert "free play" in answer.sentence
     assert "tolerance" in answer.sentence
 
