@@ -17,8 +17,8 @@ from matplotlib.figure import Figure
 from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
-from studies.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear import ResultError
+from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import style
 from wirewear.records import LineRecord, MeasuredProfile, read_record

@@ -17,8 +17,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from studies.verdicts import Finding, finding_table
 from wirewear import ResultError, RunResult, Scar, read_results
+from wirewear.base.verdicts import Finding, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_axis, cycle_colours, cycle_name, new_figure, panel_letters

@@ -14,8 +14,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from studies.verdicts import Comparison, comparison_table
 from wirewear import ResultError, RunResult, read_results
+from wirewear.base.verdicts import Comparison, comparison_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, cycle_axis, new_figure

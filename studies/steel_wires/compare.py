@@ -16,8 +16,8 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from studies.verdicts import Finding, comparison_table, finding_table
 from wirewear import ExperimentRecord, read_record
+from wirewear.base.verdicts import Finding, comparison_table, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.views.comparison import RecordComparison, compare, write_comparison

@@ -16,9 +16,9 @@ import click
 import numpy as np
 from matplotlib.figure import Figure
 
-from studies.verdicts import Finding, finding_table
 from wirewear import read_record
 from wirewear.base.quantity import counted
+from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
 from wirewear.diagnosis.infer.physical import physical_gap

@@ -21,7 +21,7 @@ from rich import box
 from rich.table import Table
 from scipy import stats
 
-from studies.verdicts import Finding, finding_table
+from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save

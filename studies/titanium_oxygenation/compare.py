@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
-from studies.verdicts import Finding, finding_table
 from wirewear import ResultError
+from wirewear.base.verdicts import Finding, finding_table
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, VARIANT_DASHES, new_figure, panel_letters, save
 from wirewear.results import RunResult, read_results
