@@ -258,7 +258,7 @@ BUDGETS = {
     # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
     # 140 are checks of tubes: a ring as a curved bar, a narrow bore as a wire, where they are held.
-    "lines of tests": 25_269,
+    "lines of tests": 25_270,
     # What files about a test are asked stands apart from the keys of a record; bodies of any shapes have a file there.
     "files of geometry, solvers and wirewear": 335,
     "rooms of wirewear": 24,
