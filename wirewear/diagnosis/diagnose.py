@@ -193,10 +193,10 @@ def judged(
     resembles: tuple[Resemblance, ...] = ()
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
+        if stays is not None:
+            resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
     unseen = _undetectable(found, own)
-    if stays is not None and verdict == "unexplained":
-        resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     unnamed = failing.get(found.best.names, ()) if verdict == "unexplained" else ()
     diagnosis = Diagnosis(
         record=record.name,

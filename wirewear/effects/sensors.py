@@ -59,7 +59,7 @@ class DisplacementLoadCoupling(Effect[Sensor]):
     seam = Seam.SENSOR
     ages = Ageing.NEVER
     signature = "false compliance, stick slopes unequal on both branches; energy unchanged"
-    remedy = "push on the rig without sliding and watch the displacement sensor; mount it off what bears the force"
+    remedy = "push on the rig without sliding and watch the displacement sensor; mount it off what carries the force"
     confused_with = ("tangential_compliance", "rotational_compliance")
     answers = (
         measurements.SECOND_HEIGHT.shows("the second sensor shows what the first does not"),

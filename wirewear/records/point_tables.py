@@ -13,9 +13,8 @@ from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.surfaces import SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.study.bodies import Body
-from wirewear.study.keys import Table, one_of
+from wirewear.study.keys import Inconsistency, Table, one_of
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
-from wirewear.study.tables import Inconsistency
 
 Bodies = TypeVar("Bodies", BallAndFlat, LowerAndUpper)
 

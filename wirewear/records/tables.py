@@ -14,7 +14,9 @@ from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.results.scar import WIRES, called
 from wirewear.study import Study, keys, study_from_tables
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
-from wirewear.study.tables import CROSSED_WIRES, BothWires, Inconsistency, Wires
+from wirewear.study.keys import Inconsistency
+from wirewear.study.tables import CROSSED_WIRES
+from wirewear.study.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
 

@@ -5,9 +5,10 @@ from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.study.fidelity import FIDELITIES
+from wirewear.study.keys import Inconsistency
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.tables import ContactTables, Inconsistency, Log, StudyTables
+from wirewear.study.tables import ContactTables, Log, StudyTables
 
 #: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
 _OTHERS: dict[object, type[ContactTables]] = {"ball-on-flat": BallOnFlatTables, "point-contact": PointTables}

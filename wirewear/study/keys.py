@@ -4,7 +4,7 @@ The keys carry their units; values are kept as given. A key's checks stand in it
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal, get_args
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
@@ -177,3 +177,10 @@ def table_of(field: FieldInfo) -> type[Table] | None:
     held = get_args(field.annotation)
     candidates: tuple[Any, ...] = (field.annotation, *held, *(item for one in held for item in get_args(one)))
     return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
+
+
+class Inconsistency(NamedTuple):
+    """A key that does not fit another, and the rest of the sentence that begins with it."""
+
+    keys: tuple[str, ...]
+    problem: str

@@ -11,8 +11,9 @@ from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
+from wirewear.study.keys import Inconsistency
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import ContactTables, Inconsistency, StatesItsKind
+from wirewear.study.tables import ContactTables, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
 
 BALL_ON_FLAT, POINT_CONTACT = "ball-on-flat", "point-contact"

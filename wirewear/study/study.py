@@ -25,8 +25,8 @@ from wirewear.study.tables import (
     Mesh,
     StudyTables,
     Wear,
-    Wires,
 )
+from wirewear.study.wires import Wires
 
 LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
 

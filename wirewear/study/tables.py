@@ -1,19 +1,18 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from itertools import pairwise
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import AliasChoices, BeforeValidator, Field, PlainSerializer, PlainValidator
+from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
 from solvers import Coulomb, FrictionLaw, SolverError, friction_law
 from wirewear.base.quantity import shown
 from wirewear.study import keys
-from wirewear.study.bodies import Body, Wire, touch_along_line
-from wirewear.study.surfaces import StatedSurface
+from wirewear.study.bodies import Body, Wire
+from wirewear.study.wires import BothWires
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
@@ -65,13 +64,6 @@ def _checked_kind(value: object) -> str:
     return CROSSED_WIRES
 
 
-class Inconsistency(NamedTuple):
-    """A key that does not fit another, and the rest of the sentence that begins with it."""
-
-    keys: tuple[str, ...]
-    problem: str
-
-
 def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
@@ -82,98 +74,6 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
         raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
     return tuple(points)
-
-
-def _wires_of_bodies(table: Any) -> Any:
-    """[bodies.moving] and [bodies.fixed], stated as those of a point contact are, as a table of both wires."""
-    stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
-    moving, fixed = (dict(own) if isinstance(own, Mapping) else {} for own in stated or (None, None))
-    if not moving or not fixed or "diameter_mm" in table:
-        return table
-    axes = []
-    for own, axis_deg in ((moving, 0.0), (fixed, 90.0)):
-        if (shape := own.pop("shape", "wire")) != "wire":
-            raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
-        try:
-            axes.append(float(keys.AXIS(own.pop("axis_angle_deg", axis_deg))))
-        except ValueError as problem:
-            raise ValueError(f"give an axis_angle_deg that {problem}") from None
-    both = {key: moving.pop(key) for key in Wires.model_fields if key in moving}
-    turned = {"crossing_angle_deg": (axes[1] - axes[0]) % 180.0, "motion_angle_deg": (90.0 - axes[0]) % 180.0 - 90.0}
-    return {**table, **both, **turned, "moving": moving, "fixed": fixed}
-
-
-class WireOverride(keys.OfMaterial):
-    """What one wire has different from `[wires]`."""
-
-    diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
-    length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
-    material: keys.MaterialName | None = Field(
-        None, description="name of this wire's material, in place of its constants"
-    )
-    youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus of this wire")
-    poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
-    grip_angle_deg: keys.GripAngle | None = Field(None, description="part of this wire's circumference that is held")
-    grip_length_mm: keys.Length | None = Field(None, description="length over which this wire is held")
-    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
-        None, description="stiffness of this wire's grip per area"
-    )
-    surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
-
-
-class Wires(keys.OfMaterial):
-    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
-
-    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
-    material: keys.MaterialName | None = Field(
-        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
-    )
-    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
-    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
-    crossing_angle_deg: keys.CrossingAngle = Field(
-        90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
-    )
-    motion_angle_deg: keys.MotionAngle | None = Field(
-        None, description="that of the motion to the moving wire's axis, of a study in its conditions"
-    )
-    length_mm: keys.Length | None = Field(None, description="modelled length; without it the program chooses")
-    grip_angle_deg: keys.GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
-    grip_length_mm: keys.Length | None = Field(
-        None, description="length over which a wire is held, about its middle; without it all of the modelled length"
-    )
-    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
-        "rigid", description='stiffness of the grip per area, a number or "rigid"'
-    )
-    moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
-    fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
-
-    def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
-        """The moving and the fixed wire, with such a motion where they do not tell of one."""
-        motion = self.motion_angle_deg or motion_angle_deg
-        return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
-
-    def _wire(self, name: str, axis_angle_deg: float) -> Wire:
-        stated = dict(self) | {key: value for key, value in getattr(self, name) if value is not None}
-        names = {field.name for field in fields(Wire)} & WireOverride.model_fields.keys()
-        own: dict[str, Any] = {key: stated.get(key) for key in names}
-        return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
-
-    def contradiction(self) -> Inconsistency | None:
-        """Wires shorter than they are thick, or that touch along a line."""
-        moving, fixed = self.of_test()
-        for wire in (moving, fixed):
-            if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
-                own = (wire.name,) if getattr(self, wire.name).length_mm else ()
-                return Inconsistency(
-                    ("wires", *own, "length_mm"),
-                    f"is {wire.length_mm:g} mm, but must be at least the wire's diameter, {wire.diameter_mm:g} mm",
-                )
-        if touch_along_line(moving, fixed):
-            return Inconsistency(
-                ("wires", "crossing_angle_deg"),
-                f"is {self.crossing_angle_deg:g}°, at which wires so unlike touch along a line or nearly so",
-            )
-        return None
 
 
 class Conditions(keys.Table):
@@ -364,27 +264,19 @@ class ContactTables(StatesItsKind, ABC):
         """The driven body, which lies below, and the held one above it."""
 
     @abstractmethod
-    def contradiction(self) -> Inconsistency | None:
+    def contradiction(self) -> keys.Inconsistency | None:
         """What does not go together in the tables of the bodies, if anything."""
 
-    def too_far(self) -> Inconsistency | None:
+    def too_far(self) -> keys.Inconsistency | None:
         """A stroke longer than a body is thick."""
         amplitude_um = self.conditions.displacement_amplitude_um
         thinnest_mm = min(min(body.diameters_mm) for body in self.bodies_of_test())
         if amplitude_um > 1e3 * thinnest_mm:
-            return Inconsistency(
+            return keys.Inconsistency(
                 ("conditions", "displacement_amplitude_um"),
                 f"is {amplitude_um:g} µm, but must not exceed the smallest diameter, {1e3 * thinnest_mm:g} µm",
             )
         return None
-
-
-#: A key that takes both wires, or two bodies by their names.
-BothWires = Annotated[
-    Wires,
-    BeforeValidator(_wires_of_bodies),
-    Field(description="the two wires", validation_alias=AliasChoices("wires", "bodies")),
-]
 
 
 class _OfWires(StatesItsKind):
@@ -404,8 +296,8 @@ class StudyTables(ContactTables, _OfWires):
         """The moving and the fixed wire."""
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
-    def contradiction(self) -> Inconsistency | None:
+    def contradiction(self) -> keys.Inconsistency | None:
         """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
         twice = self.wires.motion_angle_deg and self.conditions.motion_angle_deg
-        told = Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
+        told = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
         return self.wires.contradiction() or (told if twice else None) or self.too_far()

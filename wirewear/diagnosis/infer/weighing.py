@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Literal
 
 import numpy as np
@@ -71,11 +72,12 @@ class Weighed:
 
     def mass(self, names: tuple[str, ...]) -> float:
         """Probability of an explanation and of all that cannot be told from it."""
-        return sum(self.probabilities[one] for one in self._alike(names))
+        return self._masses[self._classes(names)]
 
     def refuted(self, names: tuple[str, ...]) -> Weighed:
         """The probability of an explanation, and of all that cannot be told from it, given to a cause of no library."""
-        return self.given_outside(self._alike(names))
+        own = self._classes(names)
+        return self.given_outside([one for one in self.probabilities if self._classes(one) == own])
 
     def given_outside(self, explanations: Collection[tuple[str, ...]]) -> Weighed:
         """The probability of some explanations given to a cause of no library."""
@@ -83,9 +85,16 @@ class Weighed:
         moved = sum(self.probabilities.get(names, 0.0) for names in explanations)
         return replace(self, probabilities=kept, outside=self.outside + moved)
 
-    def _alike(self, names: tuple[str, ...]) -> list[tuple[str, ...]]:
-        own = sorted(map(self.class_of, names))
-        return [one for one in self.probabilities if sorted(map(self.class_of, one)) == own]
+    def _classes(self, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
+        return tuple(sorted(map(self.class_of, names)))
+
+    @cached_property
+    def _masses(self) -> Mapping[tuple[tuple[str, ...], ...], float]:
+        found: dict[tuple[tuple[str, ...], ...], float] = {}
+        for names, probability in self.probabilities.items():
+            own = self._classes(names)
+            found[own] = found.get(own, 0.0) + probability
+        return found
 
     def without_gap(self) -> Weighed:
         """All that explains a difference which does not matter counts for no gap."""

@@ -19,7 +19,7 @@ from wirewear.records.importing.sources import name_pattern
 from wirewear.records.point_tables import BallTest
 from wirewear.results.scar import WIRES
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
-from wirewear.study.tables import Wires
+from wirewear.study.wires import Wires
 
 SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
 

@@ -1,0 +1,112 @@
+"""The table of both wires of a study or a record: keys with their ranges, defaults and meaning."""
+
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any
+
+from pydantic import AliasChoices, BeforeValidator, Field
+
+from wirewear.base.quantity import shown
+from wirewear.study import keys
+from wirewear.study.bodies import Wire, touch_along_line
+from wirewear.study.surfaces import StatedSurface
+
+
+def _wires_of_bodies(table: Any) -> Any:
+    """[bodies.moving] and [bodies.fixed], stated as those of a point contact are, as a table of both wires."""
+    stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
+    moving, fixed = (dict(own) if isinstance(own, Mapping) else {} for own in stated or (None, None))
+    if not moving or not fixed or "diameter_mm" in table:
+        return table
+    axes = []
+    for own, axis_deg in ((moving, 0.0), (fixed, 90.0)):
+        if (shape := own.pop("shape", "wire")) != "wire":
+            raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
+        try:
+            axes.append(float(keys.AXIS(own.pop("axis_angle_deg", axis_deg))))
+        except ValueError as problem:
+            raise ValueError(f"give an axis_angle_deg that {problem}") from None
+    both = {key: moving.pop(key) for key in Wires.model_fields if key in moving}
+    turned = {"crossing_angle_deg": (axes[1] - axes[0]) % 180.0, "motion_angle_deg": (90.0 - axes[0]) % 180.0 - 90.0}
+    return {**table, **both, **turned, "moving": moving, "fixed": fixed}
+
+
+class WireOverride(keys.OfMaterial):
+    """What one wire has different from `[wires]`."""
+
+    diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
+    length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
+    material: keys.MaterialName | None = Field(
+        None, description="name of this wire's material, in place of its constants"
+    )
+    youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus of this wire")
+    poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+    grip_angle_deg: keys.GripAngle | None = Field(None, description="part of this wire's circumference that is held")
+    grip_length_mm: keys.Length | None = Field(None, description="length over which this wire is held")
+    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
+        None, description="stiffness of this wire's grip per area"
+    )
+    surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
+
+
+class Wires(keys.OfMaterial):
+    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+
+    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
+    material: keys.MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    crossing_angle_deg: keys.CrossingAngle = Field(
+        90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
+    )
+    motion_angle_deg: keys.MotionAngle | None = Field(
+        None, description="that of the motion to the moving wire's axis, of a study in its conditions"
+    )
+    length_mm: keys.Length | None = Field(None, description="modelled length; without it the program chooses")
+    grip_angle_deg: keys.GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
+    grip_length_mm: keys.Length | None = Field(
+        None, description="length over which a wire is held, about its middle; without it all of the modelled length"
+    )
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
+        "rigid", description='stiffness of the grip per area, a number or "rigid"'
+    )
+    moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
+    fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
+
+    def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
+        """The moving and the fixed wire, with such a motion where they do not tell of one."""
+        motion = self.motion_angle_deg or motion_angle_deg
+        return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
+
+    def _wire(self, name: str, axis_angle_deg: float) -> Wire:
+        stated = dict(self) | {key: value for key, value in getattr(self, name) if value is not None}
+        names = {field.name for field in fields(Wire)} & WireOverride.model_fields.keys()
+        own: dict[str, Any] = {key: stated.get(key) for key in names}
+        return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
+
+    def contradiction(self) -> keys.Inconsistency | None:
+        """Wires shorter than they are thick, or that touch along a line."""
+        moving, fixed = self.of_test()
+        for wire in (moving, fixed):
+            if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
+                own = (wire.name,) if getattr(self, wire.name).length_mm else ()
+                return keys.Inconsistency(
+                    ("wires", *own, "length_mm"),
+                    f"is {wire.length_mm:g} mm, but must be at least the wire's diameter, {wire.diameter_mm:g} mm",
+                )
+        if touch_along_line(moving, fixed):
+            return keys.Inconsistency(
+                ("wires", "crossing_angle_deg"),
+                f"is {self.crossing_angle_deg:g}°, at which wires so unlike touch along a line or nearly so",
+            )
+        return None
+
+
+#: A key that takes both wires, or two bodies by their names.
+BothWires = Annotated[
+    Wires,
+    BeforeValidator(_wires_of_bodies),
+    Field(description="the two wires", validation_alias=AliasChoices("wires", "bodies")),
+]
