@@ -214,3 +214,11 @@ def test_random_shapes_are_drawn_so_that_they_touch_at_a_point_and_can_be_meshed
     assert drawn == draw_shapes(1, index)
     hertz = discretise(parse_study(drawn, "s.toml"), "quick").hertz
     assert hertz.peak_pressure_MPa < 1.001 * LARGEST_PRESSURE_MPa
+
+
+@pytest.mark.slow
+def test_slip_that_turns_behind_a_soft_rig_is_found(tmp_path: Path) -> None:
+    """Directions of slip that were iterated one after the other went round in circles in the first cycle."""
+    once = {"conditions": {"cycles": 1}, "log": {"loop_cycles": (1,)}}
+    (found,) = run_study(parse_study(draw_shapes(1, 31), "s.toml").changed(once), fidelity="quick", output=tmp_path)
+    assert found.quality["loop_area_against_friction_work"] < 0.002

@@ -17,7 +17,7 @@ from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.mending import of_own_definitions
 from wirewear.records import check_record
 from wirewear.simulation.contact_forces import at_mid_stroke, mean_pressures, pressure_figures
-from wirewear.simulation.tally import area_mismatch, bends, energy_mismatch, mirrored_mismatch
+from wirewear.simulation.tally import Counters, area_mismatch, bends, energy_mismatch, judge, mirrored_mismatch
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
 
@@ -129,6 +129,15 @@ def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: f
 
 def test_energy_that_falls_as_the_reciprocal_of_the_cycles_sums_to_the_logarithm() -> None:
     assert energy_mismatch([1.0, 7.0, 50.0], [3.0, 3.0 / 7.0, 3.0 / 50.0], 3.0 + 3.0 * log(50.0)) < 1e-12
+
+
+@pytest.mark.parametrize(("worn_mJ", "mismatch"), [(1e-15, 0.0), (1e-8, 1.0)])
+def test_round_off_of_nodes_that_all_but_stick_is_no_energy_that_loops_lack(
+    cycle: CycleTrace, worn_mJ: float, mismatch: float
+) -> None:
+    loop = {"cycle": 1.0, "displacement_amplitude_um": 0.4, "max_tangential_force_N": 0.05}
+    judge(counters := Counters(), cycle, [loop | {"dissipated_energy_mJ": 0.0, "mirror_error": 0.0}], worn_mJ)
+    assert counters.energy_against_loops == mismatch
 
 
 @given(st.floats(-0.9, 2.0), st.floats(1.5, 10.0), st.floats(0.0, 5.0))

@@ -19,7 +19,7 @@ from solvers.kept_code import compiled
 from solvers.newton.terms import HolderTerms, Linearisation, Nodes, nodes_of
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
-# friction on all nodes would cause; beyond, iterating the direction converges fast.
+# friction on all nodes would cause; beyond, iterating the direction mostly converges fast.
 _NEAR_STICK = 2.0
 _ROUND_OFF = 1e-12  # Of the largest friction: what is so near to its limit may stick or slip.
 
@@ -76,6 +76,7 @@ class ContactConditions:
 
     system: Linearisation
     scales: Scales
+    near_stick: float = _NEAR_STICK
 
     @classmethod
     def of(cls, system: Linearisation, loaded: BoolArray) -> "ContactConditions":
@@ -136,7 +137,7 @@ class ContactConditions:
         elastic, limit = self.system.compliance.displacement(self.world(normal, tangential)), friction.limit(normal)
         gap, slip, largest, (touch, stick, verge, near, follows), direction, augmentation = _judged(
             *(elastic, self.nodes, self.scales, normal, tangential, height, holder_x, tilt),
-            *(closure, softness, shear, limit, friction.none),
+            *(closure, softness, shear, limit, self.near_stick, friction.none),
             *(self._nowhere if active is None else active, active is not None),
         )
         state = Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)
@@ -175,6 +176,7 @@ def _judged(
     softness: Array,
     shear: Array,
     limit: Array,
+    near_stick: float,
     frictionless: bool,
     chosen: BoolArray,
     given: bool,
@@ -216,7 +218,7 @@ def _judged(
         t0, t1 = tangential[k, 0] - s0 / soft, tangential[k, 1] - s1 / soft
         length, size = np.sqrt(s0 * s0 + s1 * s1), np.sqrt(t0 * t0 + t1 * t1)
         stick = active and size <= limit[k]
-        near = active and (stick or length < _NEAR_STICK * limit[k] * compliance)
+        near = active and (stick or length < near_stick * limit[k] * compliance)
         status[1, k], status[2, k] = stick, abs(size - limit[k]) <= _ROUND_OFF * most
         status[3, k], status[4, k] = near, active and not near
         if active and not near and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:

@@ -3,7 +3,7 @@
 Its outcome is tractions, the holder's position, and how well the conditions are met.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -149,6 +149,7 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
 
 _MOST_ITERATIONS = 60
 _PATIENCE = 15  # Iterations without progress after which the increment is given up.
+_ROUND = 8  # The same after which directions go round, as behind a soft rig: Newton's method then finds those of all.
 #: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
 _GAP_TOLERANCE = 1e-5
 #: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
@@ -167,6 +168,7 @@ def solve_contact(
     if system.prescribed_height is not None:
         height = system.prescribed_height
     conditions = ContactConditions.of(system, active)
+    of_all = replace(conditions, near_stick=np.inf)
     normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
     tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
     layer_pressure = normal
@@ -181,7 +183,7 @@ def solve_contact(
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        about, (state, after) = state, _met(conditions, solution)
+        about, (state, after) = state, _met(conditions if iteration - best_at <= _ROUND else of_all, solution)
         if system.layers is not None:
             layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
         change = _Change.between(conditions, status, after, about, state)

@@ -18,6 +18,7 @@ QUALITY = (
 )  # fmt: skip
 
 _LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
+_ROUND_OFF = 1e-9  # What nodes that all but stick dissipate, over the rectangles around the loops.
 # Of all the energy that has worn: what the course between two loops may differ by from what has worn between them.
 _BENT = 2e-3
 #: A cycle, the friction work per cycle there and the energy that has worn so far, mJ.
@@ -100,7 +101,9 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
     counters.worst("loop_area_against_friction_work", area_mismatch(trace))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
     cycles, energies = ([row[name] for row in rows] for name in ("cycle", "dissipated_energy_mJ"))
-    counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ)
+    around_mJ = max(4e-3 * row["displacement_amplitude_um"] * row["max_tangential_force_N"] for row in rows)
+    worn = accumulated_mJ > _ROUND_OFF * cycles[-1] * around_mJ
+    counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ) if worn else 0.0
 
 
 def area_mismatch(trace: CycleTrace) -> float:
