@@ -104,7 +104,7 @@ class PlanarRun:
     @classmethod
     def of(cls, study: PlanarStudy, fidelity: str) -> "PlanarRun":
         """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
-        return cls(study, fidelity, plan(study, fidelity))
+        return cls(study, fidelity, plan(study.envelope, fidelity))
 
     @property
     def label(self) -> str:
@@ -127,18 +127,24 @@ class PlanarRun:
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
         study, n = self.study, self.planned.increments_per_cycle
-        conditions = study.conditions
-        motion = Motion(
-            amplitude_mm=1e-3 * conditions.displacement_amplitude_um,
-            increments=n,
-            wear_increments=n,
-            follows_force=study.mesh.increments_per_cycle is None,
-            fresh=unloaded_state,
-            aged=lambda problem, age: problem_with(problem, study.effects, age),
-        )
-        milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, conditions.cycles}))
+
+        def motion(own: PlanarStudy) -> Motion:
+            return Motion(
+                amplitude_mm=1e-3 * own.conditions.displacement_amplitude_um,
+                increments=n,
+                wear_increments=n,
+                follows_force=own.mesh.increments_per_cycle is None,
+                fresh=unloaded_state,
+                aged=lambda problem, age: problem_with(problem, own.effects, age),
+                under=lambda problem: planar_problem(own, problem.upper, problem.lower),
+            )
+
+        stretches = study.schedule.stretches
+        motions = {own.block: motion(own.study) for own in stretches}
+        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
+        milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
         mesh = OneMesh(lambda: planar_problem(study, *bodies(study, self.planned)))
-        return FrettingTest(motion, mesh, milestones, self.planned.jump_tolerance)
+        return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance)
 
 
 def run_planar_study(

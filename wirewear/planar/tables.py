@@ -15,6 +15,7 @@ from wirewear.study import keys
 from wirewear.study.consistency import log_within, merged
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.messages import validated
+from wirewear.study.programme import Block, Schedule, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import FrictionLawKey, Log
@@ -176,6 +177,7 @@ class PlanarStudy(keys.NamedTable):
     pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
     conditions: PlanarConditions = Field(description="load, stroke, motion and length of the test")
+    programme: tuple[Block, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
     contact: PlanarContact = Field(description="friction")
     wear: PlanarWear = Field(PlanarWear(), description="wear of both bodies; without this table nothing wears")
     holder: PlanarHolder = Field(PlanarHolder(), description="stiffness of the rig")
@@ -213,6 +215,39 @@ class PlanarStudy(keys.NamedTable):
     def named(self, variant: str) -> "PlanarStudy":
         """The study as the variant of that name."""
         return self._with(variant, ())
+
+    @property
+    def schedule(self) -> Schedule["PlanarStudy"]:
+        """The blocks of cycles that the test goes through, each with the study of its conditions."""
+        alone = self.model_copy(update={"programme": ()})
+
+        def under(values: Mapping[str, Any]) -> PlanarStudy:
+            tables = merged(alone.model_dump(mode="json", exclude_none=True), values)
+            return _checked(tables, f"the study {self.name!r}").named(self.variant_name)
+
+        return Schedule(self.programme, self.conditions.cycles, alone, under)
+
+    @property
+    def envelope(self) -> "PlanarStudy":
+        """A study of one block, as large in load, stroke, friction and wear as all blocks together: for meshes."""
+        if not self.programme:
+            return self
+        stretches = self.schedule.stretches
+
+        def per_cycle(study: PlanarStudy) -> float:
+            load, stroke = study.conditions.normal_load_N_per_mm, study.conditions.displacement_amplitude_um
+            return sum(study.energy_coefficients()) * study.contact.friction * load * stroke
+
+        worst = max((own.study for own in stretches), key=per_cycle)
+        largest = {
+            "normal_load_N_per_mm": max(own.study.conditions.normal_load_N_per_mm for own in stretches),
+            "displacement_amplitude_um": max(own.study.conditions.displacement_amplitude_um for own in stretches),
+        }
+        friction = max(own.study.contact.friction for own in stretches)
+        contact = worst.contact.model_copy(update={"friction": friction})
+        whole = worst.model_copy(update={"contact": contact, "conditions": worst.conditions.model_copy(update=largest)})
+        cycles = worked_cycles(stretches, per_cycle, per_cycle(whole))
+        return whole.model_copy(update={"conditions": whole.conditions.model_copy(update={"cycles": cycles})})
 
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""
@@ -307,7 +342,12 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
 def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
     study = validated(PlanarStudy, tables, where, StudyError)
     _require_consistent(study, where)
-    return study.model_copy(update={"log": log_within(study.log, study.conditions.cycles)})
+    if (told := too_many(study.programme, study.conditions.cycles)) is not None:
+        raise StudyError(f"programme in {where} {told}.")
+    for number, block in enumerate(study.programme, 1):
+        alone = {key: value for key, value in tables.items() if key != "programme"}
+        _checked(merged(alone, block.values), f"block {number} of the programme in {where}")
+    return study.model_copy(update={"log": log_within(study.log, study.conditions.cycles, study.programme)})
 
 
 def _require_one_face(study: PlanarStudy, where: str) -> None:

@@ -21,7 +21,8 @@ class Motion:
 
     increments, wear_increments: of a measured cycle, and of one that only wears.  follows_force: whether a measured
     cycle has more of them where its force bends, which leaves `increments` to set the longest.
-    fresh: the state of bodies that just touch.  aged: the problem as effects have made it at an age of the test.
+    fresh: the state of bodies that just touch.  under: the problem of these bodies under the load, on the rig and with
+    the laws of these cycles.  aged: that as effects have made it at an age of the test.
     """
 
     amplitude_mm: float
@@ -30,17 +31,19 @@ class Motion:
     follows_force: bool
     fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
+    under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
 
 
 @dataclass(frozen=True)
 class FrettingTest:
     """A test as a run goes through it, be it of crossed wires or of a line contact.
 
+    motions: each with the cycle up to which it lasts; several in a test by blocks.
     milestones: cycles at which the loop is measured; the last is the test's end.
     jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
     """
 
-    motion: Motion
+    motions: tuple[tuple[float, Motion], ...]
     meshes: Meshes
     milestones: tuple[float, ...]
     jump_tolerance: float
@@ -50,6 +53,15 @@ class FrettingTest:
     def cycles(self) -> float:
         """Length of the test."""
         return self.milestones[-1]
+
+    @property
+    def stops(self) -> tuple[float, ...]:
+        """Cycles that no jump passes over: milestones, and where the motion changes."""
+        return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
+
+    def motion_after(self, done: float) -> Motion:
+        """The motion of the cycles that follow so many."""
+        return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])
 
 
 @dataclass(frozen=True)
@@ -86,6 +98,19 @@ class Cycler:
         self.guide: solvers.Guide | None = None
         self.now = 1.0
         self.friction_work_mJ = 0.0
+
+    def entered(
+        self, problem: solvers.ContactProblem, state: solvers.ContactState, motion: Motion, done: float
+    ) -> tuple[solvers.ContactProblem, solvers.ContactState]:
+        """The problem under another motion, and the state at the same end of its stroke."""
+        self.motion, self.guide = motion, None
+        problem = motion.under(problem)
+        side = 1.0 if state.drive > 0.0 else -1.0
+        current = self.aged(problem, state, done)
+        state, reports = solvers.advance(current, state, side * motion.amplitude_mm, 0.0)
+        for report in reports:
+            self._watch(state, report)
+        return problem, state
 
     def aged(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float

@@ -142,12 +142,14 @@ class _Run:
     def __init__(self, test: FrettingTest, record: Recorded, store: RunStore, observer: Observer) -> None:
         self.test, self.record, self.store, self.observer = test, record, store, observer
         self.meshes, self.history = test.meshes, test.meshes.first()
-        self.cycler = Cycler(test.motion, record.tally, self._moved)
+        self.cycler = Cycler(test.motion_after(0.0), record.tally, self._moved)
 
     def go(self, *, resume: bool) -> RunResult:
         checkpoint = self._restored() if resume else None
         started = time.perf_counter()
-        problem = self.meshes.problem(self.history, self.observer.stage)
+        if checkpoint is not None:
+            self.cycler.motion = self.test.motion_after(checkpoint.done)
+        problem = self._problem()
         self.record.tally.preparation_s = time.perf_counter() - started
         self.record.tally.start_cycling()
         try:
@@ -198,21 +200,29 @@ class _Run:
                     raise
                 # Nothing of the run has been on the smaller meshes: that is no change.
                 self.history = MeshHistory(larger.stage)
-                problem = self.meshes.problem(self.history, self.observer.stage)
+                problem = self._problem()
+
+    def _problem(self) -> ContactProblem:
+        """On the meshes and under the conditions of now."""
+        return self.cycler.motion.under(self.meshes.problem(self.history, self.observer.stage))
 
     def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> None:
         stepper = wear_stepper(self.test, self.cycler, problem)
         wanted = stepper.first_jump if jump is None else jump
-        milestones, end = self.test.milestones, self.test.cycles
+        stops, end = self.test.stops, self.test.cycles
         if jump is None and done < end:
             # From now on the run can be resumed.
             self._store("running", f"{counted(done)} of {counted(end)} cycles simulated")
             self._keep(done, wanted, state)
         while done < end:
             self.cycler.now = done
+            motion = self.test.motion_after(done)
+            if motion is not self.cycler.motion:
+                problem, state = self.cycler.entered(problem, state, motion, done)
+                stepper = wear_stepper(self.test, self.cycler, problem)
             problem, state = self._on_due_meshes(problem, state, done)
             try:
-                step = stepper.step(problem, state, done, wanted, milestones, end)
+                step = stepper.step(problem, state, done, wanted, stops, end)
             except PatchLeftError:
                 # The scar has become larger than its volume let expect.
                 larger = self.meshes.next_stage(self.history, done)
@@ -221,10 +231,10 @@ class _Run:
                 problem, state = self._on_meshes(larger, problem, state, done)
                 continue
             state, wanted = step.state, step.next_jump
-            ahead = next_milestone(milestones, done)
+            ahead = next_milestone(stops, done)
             reached = abs(ahead - done - step.jump) < _MET * ahead
             done = ahead if reached else done + step.jump
-            if reached or not self.record.follows(state, done, self.cycler.friction_work_mJ):
+            if done in self.test.milestones or not self.record.follows(state, done, self.cycler.friction_work_mJ):
                 # On the meshes on which the surfaces have worn: they fit each other worse on the next ones.
                 self.cycler.now = done
                 problem, state = self._at_milestone(problem, state, done, step.jump)
@@ -258,7 +268,7 @@ class _Run:
     ) -> tuple[ContactProblem, ContactState]:
         """The problem and state on other meshes."""
         self.history = history
-        onto = self.meshes.problem(history, self.observer.stage)
+        onto = self._problem()
         return onto, self.cycler.remeshed(problem, state, onto, done)
 
     def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:

@@ -17,7 +17,14 @@ from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.folder import MeshHistory, Report
-from wirewear.simulation.problem import contact_problem, fresh_state, problem_at, with_nodes_moved, worn_depths
+from wirewear.simulation.problem import (
+    contact_problem,
+    fresh_state,
+    problem_at,
+    under_conditions,
+    with_nodes_moved,
+    worn_depths,
+)
 from wirewear.study import Study
 from wirewear.study.consistency import default_loop_cycles
 from wirewear.study.fidelity import WIRE_LEVELS, level_of
@@ -181,9 +188,10 @@ class RunPlan:
     @classmethod
     def of(cls, study: Study, fidelity: str) -> "RunPlan":
         """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
-        discretisation = discretise(study, fidelity)
-        stages = mesh_stages(study, fidelity, discretisation)
-        spare = spare_stages(study, fidelity, discretisation, stages[-1])
+        largest = study.envelope
+        discretisation = discretise(largest, fidelity)
+        stages = mesh_stages(largest, fidelity, discretisation)
+        spare = spare_stages(largest, fidelity, discretisation, stages[-1])
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
         meshes = PointMeshes(study, discretisation.expected, stages, spare, moves)
         return cls(study, fidelity, discretisation, meshes)
@@ -196,17 +204,23 @@ class RunPlan:
     @property
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
-        study, wear = self.study, self.study.wear
-        motion = Motion(
+        wear, stretches = self.study.wear, self.study.schedule.stretches
+        motions = {own.block: self._motion(own.study) for own in stretches}
+        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
+        jump = wear.explicit_jump_cycles if wear else None
+        return FrettingTest(ends, self.meshes, self.milestones, self.discretisation.jump_tolerance, jump)
+
+    def _motion(self, study: Study) -> Motion:
+        """That of a block."""
+        return Motion(
             amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
             increments=self.discretisation.increments_per_cycle,
             wear_increments=self.discretisation.increments_per_wear_cycle,
             follows_force=study.fidelity(self.fidelity).increments_per_cycle is None,
             fresh=lambda problem: fresh_state(problem, study),
             aged=lambda problem, age: problem_at(problem, study, age),
+            under=lambda problem: under_conditions(problem, study),
         )
-        jump = wear.explicit_jump_cycles if wear else None
-        return FrettingTest(motion, self.meshes, self.milestones, self.discretisation.jump_tolerance, jump)
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:

@@ -195,6 +195,18 @@ def measured(
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 
+def under_conditions(problem: solvers.ContactProblem, study: Study) -> solvers.ContactProblem:
+    """The problem of the same bodies under the load, on the rig and with the laws of a study."""
+    contact = study.contact
+    return replace(
+        problem,
+        holder=holder_of(study),
+        friction=contact.friction,
+        friction_law=contact.friction_law,
+        wear=wear_rates(study),
+    )
+
+
 def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:
     """The study's contact problem as its effects and its wear law's variation have made it at an age of the test."""
     if study.wear is not None and study.wear.variation != "none":

@@ -7,6 +7,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from functools import cache
 from importlib.metadata import version
+from math import nan
 from typing import Any
 
 import numpy as np
@@ -227,6 +228,7 @@ class Recorded(ABC):
     def __init__(self, study: Any, fidelity: str, pressure_length_mm: float) -> None:
         """Empty, before the run of a study of one variant."""
         self._study, self._fidelity, self._pressure_length_mm = study, fidelity, pressure_length_mm
+        self.schedule = study.schedule
         self.tally = Tally()
         self._loops: list[Loop] = []
         self._scars: list[Scar] = []
@@ -248,17 +250,21 @@ class Recorded(ABC):
         self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
-        cycle, conditions = round(done), self._study.conditions
+        block = self.schedule.at(done)
+        cycle, conditions = round(done), block.study.conditions
         loop = loop_of(trace, cycle, conditions.frequency_Hz, getattr(conditions, "motion", "sinusoidal"))
         scars = self.scars(problem, trace, cycle)
         pressures = pressure_figures(problem, trace, self._pressure_length_mm)
         row = evolution_row(problem, state, trace, scars, pressures, done, jump)
-        self._rows.append(row | self.further_columns(loop, scars))
+        by_block = {"block": float(block.block)} if len(self.schedule.stretches) > 1 else {}
+        self._rows.append(row | self.further_columns(loop, scars) | by_block)
         if len(self._rows) == 1:
             self.tally.fresh |= travels(problem)
         counters = self.tally.counters
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
         judge(counters, trace, self._rows, state.wear.energy_mJ)
+        if by_block:
+            counters.energy_against_loops = nan  # loops of some blocks say nothing of the energy of others
         if self.logs(cycle, done):
             self._loops.append(loop)
             self._scars.extend(scars)

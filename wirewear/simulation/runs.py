@@ -72,6 +72,8 @@ class PointRecord(Recorded):
     def follows(self, state: ContactState, done: float, work_mJ: float) -> bool:
         """Whether the energy since the latest loop has gone as between two loops it is taken to."""
         last = self._rows[-1]
+        if self.schedule.at(last["cycle"]) is not self.schedule.at(done):
+            return True  # a loop of another block says nothing of this one's
         since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])
         return not bends(since, (done, work_mJ, state.wear.energy_mJ))
 

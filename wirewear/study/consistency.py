@@ -1,6 +1,6 @@
 """Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wirewear.base.errors import StudyError
@@ -8,6 +8,7 @@ from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Inconsistency
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
+from wirewear.study.programme import Block, logged_ends, too_many
 from wirewear.study.tables import ContactTables, Log, StudyTables
 
 #: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
@@ -21,9 +22,12 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
 
 
-def log_within(log: Log, end: int) -> Log:
-    """The cycles that a test records: those asked for as far as it goes, and its last in place of later ones."""
-    return log.of_cycles(tuple(sorted({min(cycle, end) for cycle in log.loop_cycles or default_loop_cycles(end)})))
+def log_within(log: Log, end: int, blocks: Sequence[Block] = ()) -> Log:
+    """The cycles that a test records: those asked for as far as it goes, and its last in place of later ones; else the
+    series, with the ends of a programme's blocks when they come first and last.
+    """
+    asked = log.loop_cycles or (*default_loop_cycles(end), *logged_ends(blocks, end))
+    return log.of_cycles(tuple(sorted({min(cycle, end) for cycle in asked})))
 
 
 def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
@@ -53,7 +57,10 @@ def checked_tables(
         keys, problem = contradiction
         variant = f" (in the variant {prefix.removeprefix('variants.')!r})" if prefix else ""
         raise StudyError(f"{keys[-1]} {place(keys, where, spelled)} {problem}{variant}.")
-    return tables.model_copy(update={"log": log_within(tables.log, tables.conditions.cycles)})
+    for number, block in enumerate(tables.programme, 1):
+        alone = {key: value for key, value in data.items() if key != "programme"}
+        checked_tables(merged(alone, block.values), f"block {number} of the programme in {where}")
+    return tables.model_copy(update={"log": log_within(tables.log, tables.conditions.cycles, tables.programme)})
 
 
 def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
@@ -68,7 +75,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 def inconsistency(tables: ContactTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities)
+    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities, _programme)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -133,6 +140,11 @@ def _explicit(tables: ContactTables) -> Inconsistency | None:
                     ("effects",), f'hold {effect.name}, which the explicit wear update does not know: use "implicit"'
                 )
     return None
+
+
+def _programme(tables: ContactTables) -> Inconsistency | None:
+    told = too_many(tables.programme, tables.conditions.cycles)
+    return None if told is None else Inconsistency(("programme",), told)
 
 
 def _fidelities(tables: ContactTables) -> Inconsistency | None:

@@ -85,7 +85,7 @@ def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapp
                 f"variants.{name} in {where} is {shown(overrides)}, but must be a table like [variants.{name}.holder]."
             )
         for key, value in overrides.items():
-            if not isinstance(value, Mapping) and key != "effects":
+            if not isinstance(value, Mapping) and key not in ("effects", "programme"):
                 raise StudyError(
                     f"{shown(key)} in [variants.{name}] of {where} is {shown(value)}, but a variant holds only tables "
                     f"such as [variants.{name}.holder]."

@@ -12,9 +12,10 @@ from wirewear.base.errors import StudyError
 from wirewear.base.quantity import as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.bodies import Body
-from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency
+from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
+from wirewear.study.programme import Schedule, worked_cycles
 from wirewear.study.tables import (
     Conditions,
     Contact,
@@ -147,6 +148,44 @@ class Study:
     def effects(self) -> tuple[Effect[Any], ...]:
         """Effects that the nominal model lacks."""
         return self.tables.effects
+
+    @cached_property
+    def schedule(self) -> Schedule[Study]:
+        """The blocks of cycles that the test goes through, each with the study of its conditions."""
+        alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
+
+        def under(values: Mapping[str, Any]) -> Study:
+            tables = merged(alone.tables.model_dump(mode="json", exclude_none=True), values)
+            return replace(alone, tables=checked_tables(tables, f"the study {self.name!r}"))
+
+        return Schedule(self.tables.programme, self.conditions.cycles, alone, under)
+
+    @cached_property
+    def envelope(self) -> Study:
+        """A study of one block, as large in load, stroke, friction and worn volume as all blocks together: for meshes.
+
+        Itself, where there is no programme.
+        """
+        if not self.tables.programme:
+            return self
+        stretches = self.schedule.stretches
+
+        def per_cycle(study: Study) -> float:
+            if study.wear is None:
+                return 0.0
+            rate = study.wear.largest_factor * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
+            return rate * study.conditions.normal_load_N * study.conditions.displacement_amplitude_um
+
+        worst = max((own.study for own in stretches), key=per_cycle)
+        every = [own.study.conditions for own in stretches]
+        conditions = {
+            "normal_load_N": max(own.normal_load_N for own in every),
+            "displacement_amplitude_um": max(own.displacement_amplitude_um for own in every),
+        }
+        friction = max(own.study.contact.friction for own in stretches)
+        largest = worst.changed({"conditions": conditions, "contact": {"friction": friction}})
+        cycles = worked_cycles(stretches, per_cycle, per_cycle(largest))
+        return largest.changed({"conditions": {"cycles": cycles}})
 
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""

@@ -1,0 +1,137 @@
+"""A test's programme: blocks of cycles under conditions of their own, in turn for as long as the test lasts."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import cycle
+from math import ceil
+from typing import Annotated, Any, Generic, TypeVar
+
+from pydantic import Field, PlainValidator
+
+from wirewear.base.quantity import counted, shown
+from wirewear.study import keys
+
+AnyStudy = TypeVar("AnyStudy")
+
+#: What a block may not change: the length of the whole test, its bodies, and how it is computed.
+_OF_THE_TEST = {
+    "conditions": ("cycles", "motion_angle_deg", "approach_um"),
+    "contact": ("formulation", "primary_wire"),
+    "wear": ("update", "explicit_jump_cycles"),
+}
+MOST_BLOCKS = 10_000  #: Of a test, repeated ones counted: each is at least a cycle jump of some hundredths of a second.
+
+
+def _values_of(table: str) -> PlainValidator:
+    def check(value: object) -> dict[str, Any]:
+        if not isinstance(value, Mapping):
+            raise ValueError(f"is {shown(value)}, but must be a table such as {{ normal_load_N = 2.0 }}")
+        fixed = next((key for key in _OF_THE_TEST[table] if key in value), None)
+        if fixed is not None:
+            raise ValueError(f"holds {fixed}, which is the same for the whole test: state it in [{table}]")
+        return dict(value)
+
+    return PlainValidator(check)
+
+
+Values = dict[str, Any]
+
+
+class Block(keys.Table):
+    """Cycles under conditions of their own; what a block does not state is as in the study's tables."""
+
+    name: Annotated[str, PlainValidator(keys.checked_text)] | None = Field(None, description="what the block is called")
+    cycles: keys.Cycles = Field(description="length of the block", examples=[1000])
+    conditions: Annotated[Values, _values_of("conditions")] = Field({}, description="load, stroke and frequency in it")
+    contact: Annotated[Values, _values_of("contact")] = Field({}, description="friction in it, as where it is greased")
+    wear: Annotated[Values, _values_of("wear")] = Field({}, description="wear in it")
+
+    @property
+    def values(self) -> dict[str, Values]:
+        """The tables that it states."""
+        every = {"conditions": self.conditions, "contact": self.contact, "wear": self.wear}
+        return {name: table for name, table in every.items() if table}
+
+
+@dataclass(frozen=True)
+class Stretch(Generic[AnyStudy]):
+    """The cycles after `start` up to `end` of a test, and the study whose conditions they are under.
+
+    block: its number in the programme, from 1.
+    """
+
+    start: int
+    end: int
+    block: int
+    study: AnyStudy
+
+
+@dataclass(frozen=True)
+class Schedule(Generic[AnyStudy]):
+    """A test as stretches of cycles, one after another; blocks that follow one another and are alike are one stretch.
+
+    alone: the study without its programme.  under: that study with some values in the tables of a block.
+    """
+
+    blocks: tuple[Block, ...]
+    cycles: int
+    alone: AnyStudy
+    under: Callable[[Mapping[str, Values]], AnyStudy]
+
+    @cached_property
+    def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
+        """In the order of the test."""
+        if not self.blocks:
+            return (Stretch(0, self.cycles, 1, self.alone),)
+        studies = [self.under(block.values) for block in self.blocks]
+        found: list[Stretch[AnyStudy]] = []
+        for number, end in _ends(self.blocks, self.cycles):
+            start, own = (found[-1].end if found else 0), studies[number]
+            if found and found[-1].study == own:
+                found[-1] = Stretch(found[-1].start, end, found[-1].block, own)
+            else:
+                found.append(Stretch(start, end, number + 1, own))
+        return tuple(found)
+
+    def at(self, done: float) -> Stretch[AnyStudy]:
+        """That to which a cycle belongs."""
+        return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
+
+    def after(self, done: float) -> Stretch[AnyStudy]:
+        """That of the cycles which follow so many."""
+        return next((own for own in self.stretches if done < own.end), self.stretches[-1])
+
+
+def _ends(blocks: Sequence[Block], cycles: int) -> Iterator[tuple[int, int]]:
+    """The index of each block in turn and the cycle at which it ends, up to the test's end."""
+    done = 0
+    for number in cycle(range(len(blocks))):
+        done = min(done + blocks[number].cycles, cycles)
+        yield number, done
+        if done == cycles:
+            return
+
+
+def too_many(blocks: Sequence[Block], cycles: int) -> str | None:
+    """What is wrong with a programme that comes to more blocks than a run can go through, if it does."""
+    count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
+    if count <= MOST_BLOCKS:
+        return None
+    return (
+        f"comes to {counted(count)} blocks in {counted(cycles)} cycles, but a run goes through {counted(MOST_BLOCKS)}"
+    )
+
+
+def worked_cycles(stretches: Sequence[Stretch[AnyStudy]], per_cycle: Callable[[AnyStudy], float], most: float) -> int:
+    """How many cycles that wear by `most` each wear as much as all of a test's, of which each wears by `per_cycle`."""
+    work = sum((own.end - own.start) * per_cycle(own.study) for own in stretches)
+    return max(ceil(work / most), 1) if most else 1
+
+
+def logged_ends(blocks: Sequence[Block], cycles: int) -> set[int]:
+    """The cycles at which the blocks of the first and of the last turn end."""
+    if not blocks:
+        return set()
+    ends = [end for _, end in _ends(blocks, cycles)]
+    return {*ends[: len(blocks)], *ends[-len(blocks) :]}
