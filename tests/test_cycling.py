@@ -24,7 +24,7 @@ from tests.bodies import crossed_wires
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.base.identity import Identity
 from wirewear.effects import Age
-from wirewear.simulation import NoObserver, cycler
+from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import Cycler, FrettingTest, Motion
 from wirewear.simulation.cycling import WholeCycles, cycle_through
 from wirewear.simulation.folder import Checkpoint, MeshHistory
@@ -118,14 +118,23 @@ def stage_of(problem: Any) -> int:
     return int(problem)
 
 
+#: Cycles after which motions were entered, with their amplitudes.
+ENTERED: list[tuple[float, float]] = []
+
+
 class ScriptedCycler:
     """The state is the number of cycles worn, the problem the stage of its meshes."""
 
     guide = None
     friction_work_mJ = 1.0
 
-    def __init__(self, *_: object) -> None:
-        self.now = 1.0
+    def __init__(self, motion: Motion, *_: object) -> None:
+        self.motion, self.now = motion, 1.0
+
+    def entered(self, problem: Any, state: float, motion: Motion, done: float) -> tuple[Any, float]:
+        self.motion = motion
+        ENTERED.append((done, motion.amplitude_mm))
+        return problem, state
 
     def aged(self, problem: Any, *_: object) -> Any:
         return problem
@@ -176,12 +185,17 @@ def run(
     *,
     resume: bool = False,
     record: Record | None = None,
+    blocks: tuple[tuple[float, float], ...] = ((300.0, 1.0),),
 ) -> Result:
     monkeypatch.setattr("wirewear.simulation.cycling.Cycler", ScriptedCycler)
     monkeypatch.setattr("wirewear.simulation.cycling.wear_stepper", lambda *_: stepper)
     unasked: Any = None
-    motion = Motion(1.0, 16, 16, follows_force=False, fresh=unasked, aged=unasked)
-    test = FrettingTest(motion, Stages(limits), MILESTONES, 0.1)
+    ENTERED.clear()
+
+    def motion(amplitude_mm: float) -> Motion:
+        return Motion(amplitude_mm, 16, 16, follows_force=False, fresh=unasked, aged=unasked, under=lambda own: own)
+
+    test = FrettingTest(tuple((end, motion(own)) for end, own in blocks), Stages(limits), MILESTONES, 0.1)
     recorded: Any = record or Record()
     kept: Any = store
     result: Any = cycle_through(test, recorded, kept, NoObserver(), resume=resume)
@@ -195,6 +209,31 @@ def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: p
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
     assert store.checkpoint is None
     assert [r.status for r in store.results] == ["running"] * 4 + ["complete"]
+
+
+BLOCKS = ((20.0, 1.0), (70.0, 2.0), (300.0, 1.0))
+
+
+def test_no_jump_passes_over_the_end_of_a_block_and_every_block_is_entered_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    store = Store()
+    result = run(monkeypatch, Stepper(), store, blocks=BLOCKS)
+    assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
+    assert {20.0, 70.0} <= set(store.checkpoints_written)
+    assert ENTERED == [(20.0, 2.0), (70.0, 1.0)]
+
+
+@pytest.mark.parametrize(("stop_after", "entered"), [(40.0, [(70.0, 1.0)]), (20.0, [(20.0, 2.0), (70.0, 1.0)])])
+def test_a_run_resumed_in_a_block_or_at_its_end_goes_on_as_if_it_had_not_stopped(
+    monkeypatch: pytest.MonkeyPatch, stop_after: float, entered: list[tuple[float, float]]
+) -> None:
+    store = Store()
+    with pytest.raises(KeyboardInterrupt):
+        run(monkeypatch, Stepper(stop_after=stop_after), store, blocks=BLOCKS)
+    result = run(monkeypatch, Stepper(), store, resume=True, blocks=BLOCKS)
+    assert entered == ENTERED
+    assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
 
 
 def test_a_checkpoint_is_written_at_the_start_and_after_every_jump_and_jumps_are_as_the_step_before_wanted(
@@ -268,7 +307,7 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
     A run that is `resumed` after every jump knows nothing of a cycle traced before.
     """
     bare = crossed_wires(0.005, rig_N_per_mm=RIG_N_per_mm, wear=RATES)
-    motion, tally = Motion(STROKE_mm, INCREMENTS, INCREMENTS, False, unloaded_state, rough), Tally()
+    motion, tally = Motion(STROKE_mm, INCREMENTS, INCREMENTS, False, unloaded_state, rough, lambda own: own), Tally()
 
     def begun() -> WholeCycles:
         return WholeCycles(
@@ -290,7 +329,7 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
 def test_a_core_that_shrinks_wears_by_few_judged_jumps_as_by_many_short_ones(monkeypatch: pytest.MonkeyPatch) -> None:
     short, many, left = course(0.15)
     judged, few, _ = course(1.0)
-    monkeypatch.setattr(cycler, "change_by_work", lambda *_: 0.0)
+    monkeypatch.setattr(solvers, "change_by_work", lambda *_: 0.0)
     unjudged, _, _ = course(1.0)
     assert left < 0.5
     assert few < 0.75 * many

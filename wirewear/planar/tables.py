@@ -15,7 +15,7 @@ from wirewear.study import keys
 from wirewear.study.consistency import log_within, merged
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.messages import validated
-from wirewear.study.programme import Block, Schedule, too_many, worked_cycles
+from wirewear.study.programme import CycleBlock, Schedule, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import FrictionLawKey, Log
@@ -177,7 +177,7 @@ class PlanarStudy(keys.NamedTable):
     pad: Pad = Field(description="the pad")
     specimen: Specimen = Field(description="the flat")
     conditions: PlanarConditions = Field(description="load, stroke, motion and length of the test")
-    programme: tuple[Block, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
+    programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
     contact: PlanarContact = Field(description="friction")
     wear: PlanarWear = Field(PlanarWear(), description="wear of both bodies; without this table nothing wears")
     holder: PlanarHolder = Field(PlanarHolder(), description="stiffness of the rig")

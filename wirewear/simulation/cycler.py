@@ -59,6 +59,10 @@ class FrettingTest:
         """Cycles that no jump passes over: milestones, and where the motion changes."""
         return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))
 
+    def motion_at(self, done: float) -> Motion:
+        """The motion of the latest of so many cycles."""
+        return next((motion for end, motion in self.motions if done <= end), self.motions[-1][1])
+
     def motion_after(self, done: float) -> Motion:
         """The motion of the cycles that follow so many."""
         return next((motion for end, motion in self.motions if done < end), self.motions[-1][1])

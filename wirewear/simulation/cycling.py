@@ -148,7 +148,8 @@ class _Run:
         checkpoint = self._restored() if resume else None
         started = time.perf_counter()
         if checkpoint is not None:
-            self.cycler.motion = self.test.motion_after(checkpoint.done)
+            # Where a block ends there, the state is still that of its last cycle.
+            self.cycler.motion = self.test.motion_at(checkpoint.done)
         problem = self._problem()
         self.record.tally.preparation_s = time.perf_counter() - started
         self.record.tally.start_cycling()

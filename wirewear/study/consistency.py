@@ -8,7 +8,7 @@ from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Inconsistency
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.programme import Block, logged_ends, too_many
+from wirewear.study.programme import CycleBlock, logged_ends, too_many
 from wirewear.study.tables import ContactTables, Log, StudyTables
 
 #: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
@@ -22,7 +22,7 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
 
 
-def log_within(log: Log, end: int, blocks: Sequence[Block] = ()) -> Log:
+def log_within(log: Log, end: int, blocks: Sequence[CycleBlock] = ()) -> Log:
     """The cycles that a test records: those asked for as far as it goes, and its last in place of later ones; else the
     series, with the ends of a programme's blocks when they come first and last.
     """

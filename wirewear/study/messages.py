@@ -55,9 +55,10 @@ def _sentence(problem: ErrorDetails, where: str, model: type[BaseModel], spelled
             return _missing_key(table, str(key), where, spelled, model)
         case "value_error":
             return as_sentence(f"{key} {place([*table, key], where, spelled)} {problem['ctx']['error']}")
-        case _:  # the remaining types say that a table is expected
+        case kind:  # the remaining types say that a table is expected, or several
+            wanted = "a list of tables, each under a heading in double brackets" if kind == "tuple_type" else "a table"
             named = f"number {key + 1} of the list" if isinstance(key, int) else key
-            return f"{named} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be a table."
+            return f"{named} {place([*table, key], where, spelled)} is {shown(problem['input'])}, but must be {wanted}."
 
 
 def telling_problem(error: ValidationError) -> ErrorDetails:

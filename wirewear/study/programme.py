@@ -38,7 +38,7 @@ def _values_of(table: str) -> PlainValidator:
 Values = dict[str, Any]
 
 
-class Block(keys.Table):
+class CycleBlock(keys.Table):
     """Cycles under conditions of their own; what a block does not state is as in the study's tables."""
 
     name: Annotated[str, PlainValidator(keys.checked_text)] | None = Field(None, description="what the block is called")
@@ -74,7 +74,7 @@ class Schedule(Generic[AnyStudy]):
     alone: the study without its programme.  under: that study with some values in the tables of a block.
     """
 
-    blocks: tuple[Block, ...]
+    blocks: tuple[CycleBlock, ...]
     cycles: int
     alone: AnyStudy
     under: Callable[[Mapping[str, Values]], AnyStudy]
@@ -103,7 +103,7 @@ class Schedule(Generic[AnyStudy]):
         return next((own for own in self.stretches if done < own.end), self.stretches[-1])
 
 
-def _ends(blocks: Sequence[Block], cycles: int) -> Iterator[tuple[int, int]]:
+def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]]:
     """The index of each block in turn and the cycle at which it ends, up to the test's end."""
     done = 0
     for number in cycle(range(len(blocks))):
@@ -113,7 +113,7 @@ def _ends(blocks: Sequence[Block], cycles: int) -> Iterator[tuple[int, int]]:
             return
 
 
-def too_many(blocks: Sequence[Block], cycles: int) -> str | None:
+def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
     """What is wrong with a programme that comes to more blocks than a run can go through, if it does."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
     if count <= MOST_BLOCKS:
@@ -129,7 +129,7 @@ def worked_cycles(stretches: Sequence[Stretch[AnyStudy]], per_cycle: Callable[[A
     return max(ceil(work / most), 1) if most else 1
 
 
-def logged_ends(blocks: Sequence[Block], cycles: int) -> set[int]:
+def logged_ends(blocks: Sequence[CycleBlock], cycles: int) -> set[int]:
     """The cycles at which the blocks of the first and of the last turn end."""
     if not blocks:
         return set()

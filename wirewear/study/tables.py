@@ -12,7 +12,7 @@ from solvers import Coulomb, FrictionLaw, SolverError, friction_law
 from wirewear.base.quantity import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
-from wirewear.study.programme import Block
+from wirewear.study.programme import CycleBlock
 from wirewear.study.wires import BothWires
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
@@ -251,7 +251,7 @@ class ContactTables(StatesItsKind, ABC):
     """What studies of all contacts at a point state besides the bodies, without variants."""
 
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
-    programme: tuple[Block, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
+    programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
     holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")

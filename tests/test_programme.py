@@ -1,0 +1,101 @@
+"""A test by blocks of cycles: what a study states of them, and what a run makes of it."""
+
+from copy import deepcopy
+
+import numpy as np
+import pytest
+
+from tests.studies import COARSE, WEARING, coarse
+from tests.test_planar_study import TABLES
+from wirewear import StudyError
+from wirewear.planar import planar_study_from_tables, run_planar_study
+from wirewear.simulation.runs import simulate
+
+LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
+
+
+def block(cycles: int, *values: str) -> str:
+    return "\n".join(("[[programme]]", f"cycles = {cycles}", *values, ""))
+
+
+SHORTER = block(100) + block(50, "conditions.displacement_amplitude_um = 12", "conditions.normal_load_N = 1.5")
+
+
+def test_blocks_come_in_turn_up_to_the_tests_end_and_equal_neighbours_are_one() -> None:
+    of_three = coarse(LONG + SHORTER + block(30))
+    stretches = of_three.schedule.stretches
+    assert [(own.start, own.end, own.block) for own in stretches] == [
+        (0, 100, 1),
+        (100, 150, 2),
+        (150, 280, 3),  # the third block is as the first, which follows it
+        (280, 330, 2),
+        (330, 400, 3),
+    ]
+    amplitudes = [own.study.conditions.displacement_amplitude_um for own in stretches]
+    assert amplitudes == [20.0, 12.0, 20.0, 12.0, 20.0]
+    assert {100, 150, 180, 330, 360, 400} <= set(of_three.log.loop_cycles)
+
+
+def test_meshes_are_for_the_largest_load_and_stroke_and_for_what_all_blocks_wear() -> None:
+    largest = coarse(LONG + SHORTER).envelope
+    assert largest.conditions.displacement_amplitude_um == 20.0
+    assert largest.conditions.normal_load_N == 2.0
+    assert largest.conditions.cycles == 250 + 50 + int(np.ceil(100 * 12.0 * 1.5 / (20.0 * 2.0)))
+
+
+def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:
+    alone, blocks = (simulate(coarse(text), fidelity="quick") for text in (LONG, LONG + block(150) + block(250)))
+    of_series = {cycle: index for index, cycle in enumerate(blocks.evolution["cycle"])}
+    assert "block" not in blocks.evolution
+    for cycle in (1.0, 10.0, 100.0):
+        index = of_series[cycle]
+        for name, column in alone.evolution.items():
+            assert column[list(alone.evolution["cycle"]).index(cycle)] == blocks.evolution[name][index], name
+
+
+def test_each_block_has_its_own_stroke_and_load_and_all_energy_is_that_of_their_loops() -> None:
+    result = simulate(coarse(LONG + SHORTER), fidelity="quick")
+    found = {int(cycle): index for index, cycle in enumerate(result.evolution["cycle"])}
+    at = {cycle: {name: float(column[i]) for name, column in result.evolution.items()} for cycle, i in found.items()}
+    assert [at[cycle]["block"] for cycle in (100, 150, 400)] == [1.0, 2.0, 1.0]
+    assert at[150]["displacement_amplitude_um"] == pytest.approx(12.0)
+    assert at[150]["normal_force_N"] == pytest.approx(1.5)
+    assert result.loop(150).normal_force_N.mean() == pytest.approx(1.5)
+    assert at[400]["displacement_amplitude_um"] == pytest.approx(20.0)
+    # The energy per cycle of a worn contact hardly changes within a block.
+    long_mJ, short_mJ = at[100]["dissipated_energy_mJ"], at[150]["dissipated_energy_mJ"]
+    assert at[400]["accumulated_energy_J"] == pytest.approx(1e-3 * (300 * long_mJ + 100 * short_mJ), rel=0.02)
+    worn = sum(at[400][f"worn_volume_{body}_mm3"] for body in ("moving", "fixed"))
+    assert worn == pytest.approx(3e-5 * at[400]["accumulated_energy_J"], rel=1e-9)
+
+
+def test_line_contacts_go_through_blocks_too() -> None:
+    tables = deepcopy(TABLES)
+    tables["conditions"]["cycles"], tables["log"] = 600, {"loop_cycles": [1, 300, 600]}
+    tables["programme"] = [
+        {"cycles": 300},
+        {"cycles": 300, "conditions": {"displacement_amplitude_um": 8.0}, "contact": {"friction": 0.3}},
+    ]
+    result = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    assert result.evolution["displacement_amplitude_um"] == pytest.approx([12.0, 12.0, 8.0])
+    assert result.evolution["max_tangential_force_N"][-1] < 0.55 * result.evolution["max_tangential_force_N"][0]
+
+
+@pytest.mark.parametrize(
+    ("programme", "told"),
+    [
+        (block(100, "conditions.cycles = 3"), r"conditions in \[\[programme\]\] number 1 .*same for the whole test"),
+        (block(100, "contact = 3"), r"contact in \[\[programme\]\] number 1 .*must be a table"),
+        (block(100, "conditions.normal_load_N = -1"), r"normal_load_N in \[conditions\] of block 1 of the programme"),
+        (block(1).replace("cycles", "cycle"), "did you mean 'cycles'"),
+        ("[programme]\ncycles = 3\n", "programme .*must be a list of tables"),
+    ],
+)
+def test_a_programme_that_cannot_be_is_told_with_its_block(programme: str, told: str) -> None:
+    with pytest.raises(StudyError, match=told):
+        coarse(LONG + programme)
+
+
+def test_a_programme_of_more_blocks_than_a_run_goes_through_is_refused() -> None:
+    with pytest.raises(StudyError, match=r"programme .*comes to 100.000 blocks"):
+        coarse(LONG.replace("cycles = 400", "cycles = 100000") + block(1) + block(1, "contact.friction = 0.3"))
