@@ -248,6 +248,7 @@ BUDGETS = {
     # 20 are the head of a file of its own for the table of wires, and a mapping in place of sums done again.
     # 70 are tables of verdicts, which scripts that run on their own take from the package.
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
+    # 310 are programmes: blocks of a study, their schedule, meshes for all of them, and the change from one to the next.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     "lines of geometry, solvers and wirewear": 62_307,
     "lines of wirewear": 50_653,
@@ -258,6 +259,7 @@ BUDGETS = {
     # 1 000 of them are one test for each fault found from outside and for laws that no other test holds; walls of a
     # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
+    # 150 are checks of tests by blocks.
     # 140 are checks of tubes: a ring as a curved bar, a narrow bore as a wire, where they are held.
     "lines of tests": 25_265,
     # What files about a test are asked stands apart from the keys of a record; bodies of any shapes have a file there.
