@@ -248,7 +248,7 @@ BUDGETS = {
     # 20 are the head of a file of its own for the table of wires, and a mapping in place of sums done again.
     # 70 are tables of verdicts, which scripts that run on their own take from the package.
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
-    # 310 are programmes: blocks of a study, their schedule, meshes for all of them, and the change from one to the next.
+    # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     "lines of geometry, solvers and wirewear": 62_618,
     "lines of wirewear": 50_964,
