@@ -9,10 +9,22 @@ from solvers.contact_state import ContactState, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
-from solvers.friction_law import Coulomb, Friction, FrictionLaw, ShearLimited, friction_law, friction_laws
+from solvers.friction_law import (
+    Coulomb,
+    Friction,
+    FrictionLaw,
+    LogarithmicRate,
+    PowerOfPressure,
+    Rate,
+    RunningIn,
+    ShearLimited,
+    friction_law,
+    friction_laws,
+)
 from solvers.holder import Guide, Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
+from solvers.local_state import DriveTiming, LocalState
 from solvers.placement import PlacedBody, facing, place
 from solvers.stuck import StuckMotion, move_stuck
 from solvers.transfer import remeshed, transferred, transferred_wear
@@ -20,9 +32,10 @@ from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
-    "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Friction",
-    "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController", "JumpStep",
-    "NotConvergedError", "OxygenSupply", "PatchLeftError", "PlacedBody", "RoughLayer", "ShearLimited", "SolverError",
+    "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace",
+    "DriveTiming", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController",
+    "JumpStep", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenSupply", "PatchLeftError", "PlacedBody",
+    "PowerOfPressure", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError",
     "StuckMotion", "Symmetry", "ThirdBody", "WearRates", "WearState", "advance", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
     "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned",

@@ -21,6 +21,11 @@ class WearState:
     primary_volume_mm3: float = 0.0
     secondary_volume_mm3: float = 0.0
 
+    @property
+    def depths(self) -> tuple[Array, Array]:
+        """Worn depths of the primary and the secondary."""
+        return self.primary_depth, self.secondary_depth
+
 
 @dataclass(frozen=True)
 class ContactState:
@@ -37,6 +42,7 @@ class ContactState:
     primary_slid, secondary_slid: (n,) distance that each node of a patch has slid under pressure so far, mm.
     core: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     pressed_ahead: drive less holder_x when they were.
+    slip_share: (n,) slip of the primary's nodes over the last increment, as a share of the drive's motion.
     """
 
     wear: WearState
@@ -54,6 +60,7 @@ class ContactState:
     secondary_slid: Array
     core: BoolArray
     pressed_ahead: float
+    slip_share: Array
 
 
 @dataclass(frozen=True)

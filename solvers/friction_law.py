@@ -1,13 +1,15 @@
 """Friction laws: which tangential traction a contact transmits at most before it slides, at the pressure on it.
 
 Newton's method asks a law for its limit and for the limit's derivative by the pressure; friction work is the limit
-times the slip. A law stands in a file of its own and is named in `LIBRARY`, or in the entry point group
+times the slip. A law of sliding speed or of history gives a factor on the coefficient of friction at every node.
+
+A law stands in a file of its own and is named in `LIBRARY`, or in the entry point group
 "wirewear.friction_laws" of an installed package; a study chooses it by its name.
 """
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from functools import cache
 from typing import ClassVar
 
@@ -15,7 +17,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.errors import SolverError
+from solvers.local_state import LocalState
 from solvers.plugins import installed
+
+# Local coefficients have settled when they change by no more than this share of the largest.
+_SETTLED = 1e-4
 
 
 @dataclass(frozen=True)
@@ -23,19 +29,25 @@ class FrictionLaw(ABC):
     """A law as a study describes it: its parameters are the fields of a frozen dataclass.
 
     name: by which studies choose it.  The coefficient of friction is no parameter of the law but an argument, for tests
-    and effects change it: it is the limit's slope at vanishing pressure.
+    and effects change it: what the limit is proportional to, a number or one for each of the k nodes, (k,).
     proportional: whether the limit is the coefficient times the pressure; what follows is then not computed anew.
+    remembers: whether the factor follows what the surfaces have been through, so that cycles differ without any wear.
     """
 
     name: ClassVar[str]
     proportional: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
+
+    def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
+        """Factor on the coefficient of friction, one for all nodes or one for each, (k,); not negative."""
+        return 1.0
 
     @abstractmethod
-    def limit(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Largest tangential traction (k,), MPa, under pressures of at least 0."""
 
     @abstractmethod
-    def derivative(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Derivative (k,) of the limit by the pressure; not negative."""
 
 
@@ -46,26 +58,45 @@ class Coulomb(FrictionLaw):
     name: ClassVar[str] = "coulomb"
     proportional: ClassVar[bool] = True
 
-    def limit(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Coefficient times pressure."""
         return friction * pressure_MPa
 
-    def derivative(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """The coefficient."""
         return np.full_like(pressure_MPa, friction)
 
 
 @dataclass(frozen=True)
 class Friction:
-    """A law with a coefficient of friction, as the contact's equations see it; tractions are those on the surface."""
+    """A law with a coefficient of friction, one or (k,), as the contact's equations see it; tractions are those on the
+    surface.
+    """
 
-    coefficient: float
+    coefficient: float | Array
     law: FrictionLaw = field(default_factory=Coulomb)
 
     @property
     def none(self) -> bool:
         """Whether the contact is frictionless."""
-        return self.coefficient == 0.0
+        return not np.any(self.coefficient)
+
+    def among(self, chosen: slice) -> "Friction":
+        """The law at some of the k nodes."""
+        each = self.coefficient
+        return replace(self, coefficient=each[chosen]) if isinstance(each, np.ndarray) else self
+
+    def differs(self, other: "Friction") -> bool:
+        """Whether coefficients are others by more than `_SETTLED` of the largest."""
+        apart = np.abs(self.coefficient - other.coefficient)
+        return bool(np.max(apart, initial=0.0) > _SETTLED * np.max(self.coefficient, initial=0.0))
+
+    def change_since(self, other: "Friction", load: Array) -> float:
+        """Half the mean difference of local coefficients over their mean, weighted by (k,); 0 where one holds for all."""
+        now, then = self.coefficient, other.coefficient
+        if isinstance(now, float) or isinstance(then, float):
+            return 0.0
+        return float(load @ np.abs(now - then)) / max(float(load @ (now + then)), 1e-300)
 
     def limit(self, pressure_MPa: Array) -> Array:
         """Largest tangential traction (k,) at pressures (k,), MPa; none under tension, which Newton may try."""
@@ -103,19 +134,147 @@ class ShearLimited(FrictionLaw):
     shear_strength_MPa: float
 
     def __post_init__(self) -> None:
-        if not self.shear_strength_MPa > 0.0:
-            raise SolverError(f"the shear strength must be positive, but is {self.shear_strength_MPa} MPa")
+        _require_positive(self, "shear_strength_MPa")
 
-    def limit(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Coefficient times pressure, bent towards the shear strength."""
         return -self.shear_strength_MPa * np.expm1(-friction * pressure_MPa / self.shear_strength_MPa)
 
-    def derivative(self, friction: float, pressure_MPa: Array, /) -> Array:
+    def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """The coefficient, which dies away with the pressure."""
         return friction * np.exp(-friction * pressure_MPa / self.shear_strength_MPa)
 
 
-LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited)
+@dataclass(frozen=True)
+class PowerOfPressure(FrictionLaw):
+    """tau = mu p_0 (p / p_0)^n: n = 2/3 is a single elastic asperity (Archard, Proc. R. Soc. A 243 (1957) 190), n = 1
+    Coulomb's law.
+
+    p + epsilon, with epsilon a thousandth of p_0 and both added as squares, stands for p in the coefficient, so that
+    the limit's slope is finite where p vanishes: 1e-5 too little friction at a tenth of p_0 and n = 2/3.
+
+    reference_pressure_MPa: p_0, at which the coefficient of friction is that of the study.  exponent: n.
+    Raises SolverError if either is not positive.
+    """
+
+    name: ClassVar[str] = "power-of-pressure"
+
+    reference_pressure_MPa: float
+    exponent: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "reference_pressure_MPa", "exponent")
+
+    def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
+        """Coefficient times pressure, both the coefficient at p_0 times a power."""
+        return friction * pressure_MPa * power_of_pressure(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
+
+    def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
+        """N times the coefficient but for the smallest pressures."""
+        bent = bend_of_power(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
+        coefficient = power_of_pressure(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
+        return friction * coefficient * (1.0 + bent)
+
+
+_SMALLEST_PRESSURE = 1e-3  # Of the reference: below it powers of the pressure stay nearly as they are.
+
+
+def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
+    """(p / p_0) to the power, finite where p vanishes."""
+    return np.asarray(((pressure_MPa / reference_MPa) ** 2 + _SMALLEST_PRESSURE**2) ** (0.5 * exponent))
+
+
+def bend_of_power(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
+    """P times the logarithmic derivative of `power_of_pressure`: the exponent but for the smallest pressures."""
+    squared = (pressure_MPa / reference_MPa) ** 2
+    return np.asarray(exponent * squared / (squared + _SMALLEST_PRESSURE**2))
+
+
+@dataclass(frozen=True)
+class Rate(Coulomb):
+    """mu = mu_k + (mu_s - mu_k) exp(-|v| / v_s): Stribeck's fall from static to kinetic friction.
+
+    Bo & Pavelescu, Wear 82 (1982) 277. The study's coefficient is the static one. Newton's method takes the speed of
+    the increment's own slip, repeated until friction has settled; where it falls faster than the rig's spring follows,
+    it stays as it was after six repetitions.
+
+    kinetic_ratio: mu_k / mu_s.  speed_mm_per_s: v_s.
+    Raises SolverError if the ratio is negative or the speed not positive.
+    """
+
+    name: ClassVar[str] = "rate"
+
+    kinetic_ratio: float
+    speed_mm_per_s: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "speed_mm_per_s", not_negative="kinetic_ratio")
+
+    def factor(self, local: LocalState, /) -> Array:
+        """1 at rest, the ratio at high speed."""
+        faded = np.exp(-local.speed_mm_per_s / self.speed_mm_per_s)
+        return np.asarray(self.kinetic_ratio + (1.0 - self.kinetic_ratio) * faded)
+
+
+@dataclass(frozen=True)
+class LogarithmicRate(Coulomb):
+    """mu = mu_s (1 + c ln(1 + |v| / v_0)): friction that grows, or with a negative c falls, with the speed's logarithm.
+
+    Dieterich, J. Geophys. Res. 84 (1979) 2161, in steady sliding; the 1 keeps it finite at rest.
+
+    slope: c.  speed_mm_per_s: v_0. The coefficient never falls below 0.
+    Raises SolverError if the speed is not positive.
+    """
+
+    name: ClassVar[str] = "logarithmic-rate"
+
+    slope: float
+    speed_mm_per_s: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "speed_mm_per_s")
+
+    def factor(self, local: LocalState, /) -> Array:
+        """1 at rest."""
+        return np.maximum(1.0 + self.slope * np.log1p(local.speed_mm_per_s / self.speed_mm_per_s), 0.0)
+
+
+@dataclass(frozen=True)
+class RunningIn(Coulomb):
+    """mu = mu_end + (mu - mu_end) exp(-e / e_0): every place runs in with the friction energy that it has taken.
+
+    An exponential, for want of a law; e is the mean of both surfaces at a place. Within a cycle jump it is that of
+    each stage, which keeps the jump's second order; single increments take that at their start.
+
+    final_ratio: mu_end over the study's coefficient.  energy_mJ_per_mm2: e_0.
+    Raises SolverError if the ratio is negative or the energy not positive.
+    """
+
+    name: ClassVar[str] = "running-in"
+    remembers: ClassVar[bool] = True
+
+    final_ratio: float
+    energy_mJ_per_mm2: float
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "energy_mJ_per_mm2", not_negative="final_ratio")
+
+    def factor(self, local: LocalState, /) -> Array:
+        """1 on fresh surfaces, the ratio on those run in."""
+        fresh = np.exp(-local.energy_mJ_per_mm2 / self.energy_mJ_per_mm2)
+        return np.asarray(self.final_ratio + (1.0 - self.final_ratio) * fresh)
+
+
+def _require_positive(law: FrictionLaw, *names: str, not_negative: str = "") -> None:
+    """See that parameters of a law are positive, and one not negative. Raises SolverError."""
+    for name in filter(None, (*names, not_negative)):
+        value = getattr(law, name)
+        if not (value >= 0.0 if name == not_negative else value > 0.0):
+            must = "must not be negative" if name == not_negative else "must be positive"
+            raise SolverError(f"{name} of the friction law {law.name!r} {must}, but is {value}")
+
+
+LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited, PowerOfPressure, Rate, LogarithmicRate, RunningIn)
 
 
 @cache

@@ -157,15 +157,28 @@ def _after(
         secondary = cycles * pairing.opposite.spread(work) / secondary_patch.node_areas()
         return primary, np.asarray(secondary).reshape(wear.secondary_depth.shape)
 
-    primary_energy, secondary_energy = spread(part.energy)
-    primary, secondary = (primary_energy, secondary_energy) if part.wear_work is part.energy else spread(part.wear_work)
-    total = cycles * float(pairing.areas @ part.wear_work)
+    energy = spread(part.energy)
+    work = energy if part.wear_work is part.energy else spread(part.wear_work)
+    totals = cycles * float(pairing.areas @ part.energy), cycles * float(pairing.areas @ part.wear_work)
+    return after_work(wear, rates, energy, work, totals)
+
+
+def after_work(
+    wear: WearState,
+    rates: tuple[float, float],
+    energy: tuple[Array, Array],
+    work: tuple[Array, Array],
+    totals_mJ: tuple[float, float],
+) -> WearState:
+    """The wear state after friction energy and wear work per area, each (n_a, n_t) on the primary and the secondary,
+    and of both in total.
+    """
     return WearState(
-        primary_depth=wear.primary_depth + rates[0] * primary,
-        secondary_depth=wear.secondary_depth + rates[1] * secondary,
-        primary_energy=wear.primary_energy + primary_energy,
-        secondary_energy=wear.secondary_energy + secondary_energy,
-        energy_mJ=wear.energy_mJ + cycles * float(pairing.areas @ part.energy),
-        primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * total,
-        secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * total,
+        primary_depth=wear.primary_depth + rates[0] * work[0],
+        secondary_depth=wear.secondary_depth + rates[1] * work[1],
+        primary_energy=wear.primary_energy + energy[0],
+        secondary_energy=wear.secondary_energy + energy[1],
+        energy_mJ=wear.energy_mJ + totals_mJ[0],
+        primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * totals_mJ[1],
+        secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * totals_mJ[1],
     )

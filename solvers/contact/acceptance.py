@@ -17,10 +17,11 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.contact.linearisation import layers_between, levers
+from solvers.contact.linearisation import law_at, layers_between, levers
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
+from solvers.friction_law import Friction
 from solvers.kept_code import compiled
 from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
@@ -59,6 +60,7 @@ def slid(
         along += system.layers.closure(pressure)[0] - system.layers.closure(old)[0]
     last = _sliding(
         problem,
+        system.friction,
         end,
         pressure,
         0.5 * outcome.slip_length,
@@ -67,9 +69,11 @@ def slid(
     return _first_half(problem, state, system, outcome, moved_start, still[start.nodes], sticks[start.nodes]), last
 
 
-def _sliding(problem: ContactProblem, pairing: Pairing, pressure: Array, length: Array, lifted: Array) -> Sliding:
+def _sliding(
+    problem: ContactProblem, friction: Friction, pairing: Pairing, pressure: Array, length: Array, lifted: Array
+) -> Sliding:
     """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
-    energy = problem.law.limit(pressure) * length
+    energy = friction.limit(pressure) * length
     wear_work = energy if problem.wear.law == "energy" else pressure * length
     return Sliding(pairing, energy, wear_work, length, 0.0 * energy if problem.law.none else pressure * lifted)
 
@@ -98,7 +102,8 @@ def _first_half(
             lifted += closed - closed_before
     length = np.where(sticks, 0.0, 0.5 * _tangential_size(slip, start.frames))
     pressure = np.maximum(_along(traction, start.frames), 0.0)
-    return _sliding(problem, start, pressure, length, np.where(still_loaded & ~sticks, 0.5 * lifted, 0.0))
+    friction = law_at(problem, state, start, state.slip_share, state.drive)
+    return _sliding(problem, friction, start, pressure, length, np.where(still_loaded & ~sticks, 0.5 * lifted, 0.0))
 
 
 @compiled
@@ -170,6 +175,7 @@ def accepted(
     drive: float,
     cycles: float,
     overlap_area: float,
+    slip_share: Array,
     iterations: int,
     pairings: int,
 ) -> tuple[ContactState, IncrementReport]:
@@ -193,6 +199,7 @@ def accepted(
         holder_tilt=outcome.tilt,
         holder_rate=(outcome.holder_x - state.holder_x) / (drive - state.drive) if drive != state.drive else 1.0,
         overlap_area=overlap_area,
+        slip_share=slip_share,
         traction=traction,
         primary_force=forces[0],
         secondary_force=forces[1],

@@ -7,7 +7,7 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
-from solvers.contact.linearisation import faced, levers, linearised, paired_before, vertical_gaps
+from solvers.contact.linearisation import faced, law_at, levers, linearised, paired_before, vertical_gaps
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
@@ -66,6 +66,7 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 # error is of second order in that distance.
 _PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
+_FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
 _LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
@@ -105,12 +106,12 @@ def solve_increment(
     else:
         # The scar's shape changes less than the height at which it is met: guess the overlap by its area.
         nodes = _either(len(gap), active, _closest(gap, areas, _CANDIDATE_MARGIN * like.overlap_area))
-    height, iterations, before = state.holder_z, 0, paired_before(problem, state)
+    height, iterations, before, slip_share = state.holder_z, 0, paired_before(problem, state), state.slip_share
     for pairings in range(1, _MOST_PAIRINGS + 1):
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
         pairing = faced(problem, state, nodes, drive, holder_x, tilt)
-        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height)
+        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share)
         touching = np.zeros(len(areas), dtype=bool)
         touching[active] = True
         outcome = solve_contact(system, guess[nodes], touching[nodes], height, holder_x)
@@ -122,6 +123,10 @@ def solve_increment(
         guess = np.zeros_like(state.traction)
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
+        slip_share = _slip_share(state, nodes, outcome, drive)
+        # Friction that falls with the speed may have no place to rest: followed in vain, it stays as it was last.
+        if pairings < _FOLLOWED and system.friction.differs(law_at(problem, state, pairing, slip_share, drive)):
+            moved = np.inf
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
         if drive != state.drive and _core_is_lost(state, nodes, outcome):
             # Nothing sticks any more: the surfaces face each other as the bodies have moved.
@@ -132,10 +137,18 @@ def solve_increment(
         beside = np.flatnonzero(overlapping)
         if moved <= tolerance and not (len(beside) and _touch(problem, state, system, outcome, drive, beside)):
             overlap = float(areas[gap + height < 0.0].sum())
-            return accepted(problem, state, system, outcome, drive, cycles, overlap, iterations, pairings)
+            return accepted(problem, state, system, outcome, drive, cycles, overlap, slip_share, iterations, pairings)
         active = np.flatnonzero(guess[:, 2] > 0.0)
         nodes = _either(len(gap), active, np.flatnonzero(gap + height < 0.02 * abs(height)))
     raise IncrementFailedError("the pairing of the surfaces did not settle")
+
+
+def _slip_share(state: ContactState, nodes: IntArray, outcome: NewtonOutcome, drive: float) -> Array:
+    """Slip (n,) of all the primary's nodes over an increment to `drive`, as a share of the drive's motion."""
+    share = np.zeros_like(state.slip_share)
+    if drive != state.drive:
+        share[nodes] = outcome.slip_length / abs(drive - state.drive)
+    return share
 
 
 def _core_is_lost(state: ContactState, nodes: IntArray, outcome: NewtonOutcome) -> bool:
@@ -222,6 +235,7 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
         primary_force=none,
         secondary_force=np.zeros_like(state.secondary_force),
         core=np.zeros_like(state.core),
+        slip_share=np.zeros_like(state.slip_share),
     )
     return apart, IncrementReport(
         drive=drive,

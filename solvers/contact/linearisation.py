@@ -9,6 +9,8 @@ from solvers.compliance import paired_compliance
 from solvers.contact.problem import ContactProblem
 from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.contact_state import ContactState
+from solvers.friction_law import Friction
+from solvers.local_state import LocalState
 from solvers.newton import Linearisation
 from solvers.nodal_transfer import NodalTransfer
 from solvers.pairing import Pairing, pair, vertical_gap
@@ -94,10 +96,11 @@ def linearised(
     drive: float,
     holder_x: float,
     prescribed_height: float | None,
+    slip_share: Array,
 ) -> Linearisation:
     """The system of a pairing made with the holder at `holder_x`, for a step to `drive`.
 
-    before: the loaded nodes' pairing before the step.
+    before: the loaded nodes' pairing before the step.  slip_share: (n,) guess of the slip, see `ContactState`.
     """
     holder = problem.holder
     if prescribed_height is None and holder.approach_mm is not None:
@@ -117,7 +120,7 @@ def linearised(
         before=before,
         compliance=compliance,
         old_displacement=old_displacement,
-        friction=problem.law,
+        friction=law_at(problem, state, pairing, slip_share, drive),
         paired_holder_x=holder_x,
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
@@ -132,6 +135,19 @@ def linearised(
         ),
         layers=layers_between(problem, state, pairing, state.traction[pairing.nodes]) if problem.layers else None,
     )
+
+
+def law_at(problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float) -> Friction:
+    """The friction law at paired nodes, which slip by a share (n,) of the drive's motion where the drive is."""
+    nodes, timing = pairing.nodes, problem.timing
+    local = LocalState(
+        state.wear,
+        lambda field: field[nodes],
+        lambda field: pairing.opposite.averaged(field) / pairing.areas,
+        lambda: timing.speed_mm_per_s(drive) * slip_share[nodes],
+        problem.primary_is_upper,
+    )
+    return problem.law_at(local)
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
@@ -154,7 +170,8 @@ def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing,
     row_before = np.full(problem.primary.patch.size, -1)
     row_before[before.nodes] = np.arange(len(before.nodes))
     place = row_before[pairing.nodes]
-    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * problem.law.limit(normal)))
+    limit = law_at(problem, state, pairing, state.slip_share, state.drive).limit(normal)
+    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * limit))
     if not len(stuck):
         return pairing.opposite
     return pairing.opposite.with_rows(stuck, before.opposite, place[stuck])

@@ -13,6 +13,7 @@ from solvers.contact_state import ContactState, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.holder import Holder
+from solvers.local_state import DriveTiming, LocalState
 from solvers.pairing import PrimarySurface, primary_surface
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
@@ -29,7 +30,7 @@ class ContactProblem:
     formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
     bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     friction: its coefficient, which effects change.  friction_law: what it is the coefficient of.
-    layers: physical ones between the surfaces, in series.
+    layers: physical ones between the surfaces, in series.  timing: of the drive, for laws that ask for speeds.
     """
 
     upper: PlacedBody
@@ -41,6 +42,7 @@ class ContactProblem:
     formulation: Formulation = "augmented-lagrangian"
     layers: tuple[ContactLayer, ...] = ()
     friction_law: FrictionLaw = field(default_factory=Coulomb)
+    timing: DriveTiming = field(default_factory=DriveTiming)
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 
@@ -61,8 +63,17 @@ class ContactProblem:
 
     @cached_property
     def law(self) -> Friction:
-        """The friction law with its coefficient."""
+        """The friction law with its coefficient, as it is where nothing slides or has slid."""
         return Friction(self.friction, self.friction_law)
+
+    def law_at(self, local: LocalState) -> Friction:
+        """The friction law as it is at k nodes."""
+        return Friction(self.friction * self.friction_law.factor(local), self.friction_law)
+
+    @property
+    def unchanging(self) -> bool:
+        """Whether cycles leave the surfaces as they are."""
+        return self.wear.none and not self.friction_law.remembers
 
     @property
     def primary(self) -> PlacedBody:
@@ -110,6 +121,7 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         secondary_slid=np.zeros(secondary.size),
         core=np.zeros(primary.size, dtype=bool),
         pressed_ahead=0.0,
+        slip_share=np.zeros(primary.size),
     )
 
 

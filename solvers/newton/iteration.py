@@ -215,13 +215,16 @@ def _met(conditions: ContactConditions, solution: Solution, active: BoolArray | 
     return state, _Status(touch, friction, stop_in_play(conditions, state))
 
 
-def _bend(conditions: ContactConditions, about: Array, pressure: Array) -> float:
-    """Largest difference of friction at pressures (k,) from the law's tangent at others, over the largest friction."""
+def _bend(conditions: ContactConditions, about: Array, pressure: Array, slipping: BoolArray) -> float:
+    """Largest difference of friction at pressures (k,) of slipping nodes from the law's tangent at others, over the
+    largest friction.
+    """
     friction = conditions.system.friction
     slope, offset = friction.tangent(about)
     limit = friction.limit(pressure)
-    largest = float(limit.max(initial=0.0))
-    return float(np.abs(limit - offset - slope * pressure).max()) / largest if largest > 0.0 else 0.0
+    largest = float(limit[slipping].max(initial=0.0))
+    bent = np.abs(limit - offset - slope * pressure)
+    return float(bent[slipping].max()) / largest if largest > 0.0 else 0.0
 
 
 class _Change(NamedTuple):
@@ -262,7 +265,7 @@ class _Change(NamedTuple):
         bend = 0.0
         if not conditions.system.friction.law.proportional:
             slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
-            bend = _bend(conditions, about.normal[slipping], state.normal[slipping])
+            bend = _bend(conditions, about.normal, state.normal, slipping)
         return cls(
             after=after,
             opening=opening,

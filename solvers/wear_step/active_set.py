@@ -41,7 +41,7 @@ class CycleEquations:
 
     gaps: (N,) along z before the stage.  opening: (N, N) sparse, gap along z opened by wear work per area, of which
     layers fill a part.  slip: (N,) mm.  cycles: (N,) for which each unknown wears.  worn: depths of surfaces as on
-    which layers are.
+    which layers are.  friction: the law at the unknowns.
     """
 
     problem: ContactProblem
@@ -52,6 +52,7 @@ class CycleEquations:
     slip: Array
     cycles: Array
     worn: Depths
+    friction: Friction
 
     @cached_property
     def _layers(self) -> LayersAtNodes | None:
@@ -64,11 +65,11 @@ class CycleEquations:
     @property
     def _wear_work(self) -> Friction:
         """Wear work per slip, as a law of the pressure."""
-        return self.problem.wear.work_per_slip(self.problem.law)
+        return self.problem.wear.work_per_slip(self.friction)
 
     def works(self, pressure: Array) -> tuple[Array, Array]:
         """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
-        friction = self.problem.law.limit(pressure)
+        friction = self.friction.limit(pressure)
         return friction * self.slip, self._wear_work.limit(pressure) * self.slip * self.cycle.wearing
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
@@ -86,7 +87,7 @@ class CycleEquations:
         """
         cycle, facing, holder, on = self.cycle, self.facing, self.problem.holder, np.flatnonzero(active)
         closure, softness = self._closure(about)
-        slope, constant = self.problem.law.tangent(about)
+        slope, constant = self.friction.tangent(about)
         work_slope, work_constant = self._wear_work.tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
         opened, wearing = open_share(self.problem.layers) * facing.upward, self.slip * cycle.wearing * self.cycles

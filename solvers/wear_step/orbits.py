@@ -27,7 +27,8 @@ class Position:
     direction: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
     stuck: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
     before, after: (k,) slip, mm, of the increment that ends here and of the next one; zero where a node sticks.
-    moved, moves: relative motion of the rigid bodies along x over the two increments, mm.
+    moved, moves: relative motion of the rigid bodies along x over the two increments, mm.  driven: the drive's, their
+    mean, mm.
     """
 
     state: ContactState
@@ -39,6 +40,7 @@ class Position:
     after: Array
     moved: float
     moves: float
+    driven: float
 
     @property
     def nodes(self) -> IntArray:
@@ -93,6 +95,7 @@ class _Met:
     stuck: Array
     moved: float
     moves: float
+    driven: float
 
 
 def _met(
@@ -125,6 +128,7 @@ def _met(
         stuck=np.where(sticks[:, None], tangential, 0.0),
         moved=_rigid_motion(old, new),
         moves=_rigid_motion(new, following),
+        driven=0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive)),
     )
 
 
@@ -140,6 +144,7 @@ def _position(met: _Met, state: ContactState, sticks: BoolArray) -> Position:
         after=np.where(sticks[met.pairing.nodes], 0.0, met.after),
         moved=met.moved,
         moves=met.moves,
+        driven=met.driven,
     )
 
 

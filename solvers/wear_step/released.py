@@ -13,6 +13,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, layers_at_nodes
+from solvers.friction_law import Friction
 from solvers.wear_step.strokes import ends_of_strokes
 from solvers.wear_step.surfaces import Cycle, Depths, Facing
 
@@ -21,14 +22,16 @@ _LEAST_SLIP = 0.02  # Of the largest slip of a stroke: nodes that slide less kee
 
 
 def released_slip(
-    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths
+    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths, friction: Friction
 ) -> tuple[Array, Array]:
     """Factors (N,) on the slip before and after each position of a strained cycle, under pressures (N,).
 
-    worn: depths of the surfaces that carry them.
+    worn: depths of the surfaces that carry them.  friction: the law at the unknowns there.
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
-    moved = [_released(problem, cycle, facing, pressure, worn, end) for end in ends]
+    before, after = cycle.traced_slips
+    laws = cycle.law_at(problem, cycle.wear, 0.5 * (before + after)), friction
+    moved = [_released(problem, cycle, facing, pressure, worn, laws, end) for end in ends]
     starts = [half_cycle.image(moved[0], half_cycle.primary)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
     for end, there, here in zip(ends, starts, moved, strict=True):
@@ -45,24 +48,37 @@ def released_slip(
     return before, np.concatenate([fields[of][own] for of, own in zip(following, nodes, strict=True)])
 
 
-def _released(problem: ContactProblem, cycle: Cycle, face: Facing, pressure: Array, worn: Depths, end: int) -> Array:
-    """By how much (n, 3) all the primary's nodes move against what they face, from traced to these pressures, mm."""
+def _released(
+    problem: ContactProblem,
+    cycle: Cycle,
+    face: Facing,
+    pressure: Array,
+    worn: Depths,
+    laws: tuple[Friction, Friction],
+    end: int,
+) -> Array:
+    """By how much (n, 3) all the primary's nodes move against what they face, from traced to these pressures, mm.
+
+    laws: at the unknowns, as traced and now.
+    """
     position, orbits = cycle.positions[end], cycle.orbits
     own, rows = slice(orbits.start[end], orbits.start[end + 1]), orbits.rows[end]
     traction = position.state.traction[position.nodes[rows]]
     normals, frictions = face.normals[cycle.at(end)][rows], face.frictions[cycle.at(end)][rows]
     before = np.maximum(np.einsum("ij,ij->i", traction, position.pairing.frames[rows, 0, :]), 0.0)
     now = np.maximum(pressure[own], 0.0)
-    law = problem.law
-    change = (now - before)[:, None] * normals + (law.limit(now) - law.limit(before))[:, None] * frictions
+    more = (laws[1].among(own).limit(now) - laws[0].among(own).limit(before))[:, None]
+    change = (now - before)[:, None] * normals + more * frictions
     held = np.flatnonzero((before > 0.0) & ~frictions.any(axis=1))
     influence, weights = cycle.influences.dense(end), orbits.areas[own] * orbits.twice[own]
     moved = np.einsum("iajb,jb->ia", influence, change)
     sheared = _shear_compliance(problem.layers, cycle, worn, now, own)
     if len(sheared):
         tangential = traction - before[:, None] * position.pairing.frames[rows, 0, :]
-        moved += (sheared - _shear_compliance(cycle.layers, cycle, cycle.depths, before, own))[:, None] * tangential
-        moved += sheared[:, None] * (law.limit(now) - law.limit(before))[:, None] * frictions
+        moved += (sheared - _shear_compliance(cycle.layers, cycle, cycle.wear.depths, before, own))[
+            :, None
+        ] * tangential
+        moved += sheared[:, None] * more * frictions
     compliance = problem.holder.compliance_at_contact_mm_per_N
     size = 2 * len(held)
     # Tractions of the core along x and y, and the holder's motion, so that the core stays and the forces balance.

@@ -17,12 +17,15 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
+from solvers.contact_state import WearState
 from solvers.errors import NotConvergedError
+from solvers.friction_law import Friction
+from solvers.wear import after_work
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.released import released_slip
 from solvers.wear_step.strokes import ends_of_strokes
-from solvers.wear_step.surfaces import Cycle, Depths, Facing
+from solvers.wear_step.surfaces import Cycle, Facing
 
 _MOST_ITERATIONS = 60
 # Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
@@ -40,64 +43,79 @@ class StageSolution:
     """What a stage comes to.
 
     pressure: (N,) MPa.  height: (positions,) of the holder, mm.  facing: the positions on the worn surfaces.
-    friction_work, wear_work: (N,) of one cycle per area, mJ/mm².  cycles: (N,) for which each pressure has worn.
-    depths: of the worn surfaces.  iterations: of the active set, on all surfaces.
+    friction: the law at the unknowns.  friction_work, wear_work: (N,) of one cycle per area, mJ/mm².
+    cycles: (N,) for which each pressure has worn.  iterations: of the active set, on all surfaces.
     """
 
     pressure: Array
     height: Array
     facing: Facing
+    friction: Friction
     friction_work: Array
     wear_work: Array
     cycles: Array
-    depths: Depths
     iterations: int
+
+    @property
+    def works(self) -> tuple[Array, Array]:
+        """Friction work and wear work."""
+        return self.friction_work, self.wear_work
 
 
 def solve_stage(
-    problem: ContactProblem, cycle: Cycle, before: Depths, lasting: Callable[[Array], Array], pressure: Array
+    problem: ContactProblem, cycle: Cycle, before: WearState, lasting: Callable[[Array], Array], pressure: Array
 ) -> StageSolution:
-    """Solve for the pressures on surfaces of depth `before` that each of them has worn for some cycles.
+    """Solve for the pressures on surfaces that each of them has worn for some cycles from a state `before`.
 
     lasting: how many (N,) under pressures (N,).  pressure: (N,) first guess.
     Raises NotConvergedError if no active set was found that fits.
     """
-    gaps, opening = cycle.gaps(problem, before), cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper))
+    gaps, opening = (
+        cycle.gaps(problem, before.depths),
+        cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper)),
+    )
     worn, active, cycles = before, pressure > 0.0, lasting(pressure)
     every = np.ones(cycle.orbits.count)
     stretch = every, every
+    friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch))
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         cycle.influences.know(active | cycle.sticks)
-        facing = cycle.facing(problem, worn)
+        facing, known = cycle.facing(problem, worn.depths), friction
         slip = _slip_lengths(cycle, stretch)
+        friction = cycle.law_at(problem, worn, slip)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn)
+        equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active
-        friction, wear = equations.works(np.maximum(pressure, 0.0))
-        worn = worn_by(problem, cycle.orbits, before, wear, cycles)
-        stretch = _stretch(problem, cycle, facing, pressure, worn)
+        works = equations.works(np.maximum(pressure, 0.0))
+        worn = worn_by(problem, cycle.orbits, before, works, cycles)
+        stretch = _stretch(problem, cycle, facing, pressure, worn, friction)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
-        if found.fits and iteration > 1 and change <= allowed:
-            return StageSolution(
-                np.maximum(pressure, 0.0), found.height, facing, friction, wear, cycles, worn, iteration
-            )
+        settled = change <= allowed and not friction.differs(known)
+        if found.fits and iteration > 1 and settled:
+            return StageSolution(np.maximum(pressure, 0.0), found.height, facing, friction, *works, cycles, iteration)
     raise NotConvergedError(
         f"the pressures of a cycle did not settle on the surface that they wear within {_MOST_ITERATIONS} iterations"
     )
 
 
-def worn_by(problem: ContactProblem, orbits: Orbits, before: Depths, wear_work: Array, cycles: Array) -> Depths:
-    """Depths after wear work per area (N,) of one cycle, repeated for so many cycles (N,)."""
-    rates = problem.wear.split(problem.primary_is_upper)
-    primary, secondary = orbits.deposited(cycles * wear_work)
-    return (
-        before[0] + rates[0] * primary.reshape(before[0].shape),
-        before[1] + rates[1] * secondary.reshape(before[1].shape),
-    )
+def worn_by(
+    problem: ContactProblem, orbits: Orbits, before: WearState, works: tuple[Array, Array], cycles: Array
+) -> WearState:
+    """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,)."""
+    shapes = before.primary_depth.shape, before.secondary_depth.shape
+
+    def spread(work: Array) -> tuple[Array, Array]:
+        primary, secondary = orbits.deposited(cycles * work)
+        return primary.reshape(shapes[0]), secondary.reshape(shapes[1])
+
+    energy = spread(works[0])
+    work = energy if works[1] is works[0] else spread(works[1])
+    totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
+    return after_work(before, problem.wear.split(problem.primary_is_upper), energy, work, totals)
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
@@ -110,24 +128,26 @@ def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
 
 
 def _stretch(
-    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths
+    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: WearState, friction: Friction
 ) -> tuple[Array, Array]:
     """By how much (N,) slips before and after each position are longer than traced."""
     if cycle.strained:
-        return released_slip(problem, cycle, facing, pressure, worn)
+        return released_slip(problem, cycle, facing, pressure, worn.depths, friction)
     position = cycle.orbits.position
-    before, after = _carried(problem, cycle, facing, pressure)
+    before, after = _carried(problem, cycle, facing, pressure, friction)
     return before[position], after[position]
 
 
-def _carried(problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array) -> tuple[Array, Array]:
+def _carried(
+    problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, friction: Friction
+) -> tuple[Array, Array]:
     """By how much (positions,) slips before and after each are longer because another friction force carries the
     holder to another place.
     """
     compliance, count = problem.holder.compliance_at_contact_mm_per_N, len(cycle.positions)
     if compliance == 0.0:
         return np.ones(count), np.ones(count)
-    forces = facing.pull[0] * pressure + facing.pull[1] * problem.law.limit(pressure)
+    forces = facing.pull[0] * pressure + facing.pull[1] * friction.limit(pressure)
     traced = [float(position.state.primary_force[:, 0].sum()) for position in cycle.positions]
     force = np.bincount(cycle.orbits.position, forces, count) + facing.stuck_pull
     shift = np.asarray(compliance * (force - traced))

@@ -10,7 +10,10 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_layer import ContactLayer, open_share
+from solvers.contact_state import WearState
+from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
+from solvers.local_state import LocalState
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
@@ -77,10 +80,10 @@ class CycleNodes(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycle:
-    """The positions of a cycle, traced on surfaces worn to `depths`, their unknowns, and both bodies' influence there.
+    """The positions of a cycle, traced in a state of wear, their unknowns, and both bodies' influence there.
 
     half_cycle: the mirror whose image of the positions is the other half of the cycle, where they are half of one.
-    wearing: (N,) factor on the wear coefficients.
+    wearing: (N,) factor on the wear coefficients, or one for all.
     layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
     pressures.
     """
@@ -88,9 +91,9 @@ class Cycle:
     positions: tuple[Position, ...]
     orbits: Orbits
     influences: Influences
-    depths: Depths
+    wear: WearState
     half_cycle: Mirror | None
-    wearing: Array
+    wearing: float | Array
     layers: tuple[ContactLayer, ...] = ()
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
@@ -133,12 +136,30 @@ class Cycle:
         share, averaging, nodes = open_share(problem.layers), problem.surface.averaging, self.nodes
         primary, secondary = (
             -share * body.facing * gradient(new - old, body.patch) @ body.world_to_patch
-            for body, new, old in zip((problem.primary, problem.secondary), depths, self.depths, strict=True)
+            for body, new, old in zip((problem.primary, problem.secondary), depths, self.wear.depths, strict=True)
         )
         own = averaging.averaged(primary, nodes.nodes)
         weights = self.orbits.areas * self.orbits.twice
         influences = self.influences
         return Facing(*_faced(nodes, own, secondary, self.orbits.start, weights, influences.store, influences.at))
+
+    def law_at(self, problem: ContactProblem, wear: WearState, slip: Array) -> Friction:
+        """The friction law at the unknowns in a state of wear, where each slips (N,) mm about its position."""
+        orbits = self.orbits
+
+        def sliding() -> Array:
+            timing = problem.timing
+            shares = [timing.speed_mm_per_s(p.state.drive) / max(p.driven, 1e-300) for p in self.positions]
+            return np.asarray(np.array(shares)[orbits.position] * slip)
+
+        local = LocalState(
+            wear,
+            lambda field: orbits.primary @ field,
+            lambda field: orbits.secondary @ field / orbits.areas,
+            sliding,
+            problem.primary_is_upper,
+        )
+        return problem.law_at(local)
 
     def at(self, index: int) -> slice:
         """Where the nodes of a position stand."""
@@ -150,7 +171,8 @@ class Cycle:
             (p.pairing.gap + p.lever * p.state.holder_tilt)[rows]
             for p, rows in zip(self.positions, self.orbits.rows, strict=True)
         ]
-        opened = self.orbits.opening(depths[0] - self.depths[0], depths[1] - self.depths[1])
+        traced = self.wear.depths
+        opened = self.orbits.opening(depths[0] - traced[0], depths[1] - traced[1])
         return np.asarray(np.concatenate(fresh) + open_share(problem.layers) * opened)
 
 

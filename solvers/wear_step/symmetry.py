@@ -110,6 +110,7 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
         secondary_force=mirror.image(state.secondary_force, mirror.secondary),
         core=mirror.image(state.core, mirror.primary),
         pressed_ahead=mirror.sign_x * state.pressed_ahead,
+        slip_share=mirror.image(state.slip_share, mirror.primary),
     )
 
 

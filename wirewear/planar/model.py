@@ -17,7 +17,7 @@ from geometry import (
     TabledProfile,
     build_planar,
 )
-from solvers import ContactProblem, Holder, PlacedBody, WearRates, condense, place
+from solvers import ContactProblem, DriveTiming, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError
@@ -218,17 +218,17 @@ def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
 
 def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The pad on its rig above the specimen."""
-    rates = study.energy_coefficients()
+    rates, conditions = study.energy_coefficients(), study.conditions
+    amplitude_mm, triangular = 1e-3 * conditions.displacement_amplitude_um, conditions.motion == "triangular"
     return ContactProblem(
         upper=pad,
         lower=specimen,
-        holder=holder_of(study.holder, study.conditions.normal_load_N_per_mm),
+        holder=holder_of(study.holder, conditions.normal_load_N_per_mm),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
+        timing=DriveTiming(amplitude_mm, conditions.frequency_Hz, triangular),
         wear=WearRates(
-            upper_mm3_per_mJ=1e-3 * rates[0],
-            lower_mm3_per_mJ=1e-3 * rates[1],
-            frequency_Hz=study.conditions.frequency_Hz,
+            upper_mm3_per_mJ=1e-3 * rates[0], lower_mm3_per_mJ=1e-3 * rates[1], frequency_Hz=conditions.frequency_Hz
         ),
     )
 

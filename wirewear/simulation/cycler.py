@@ -208,7 +208,7 @@ class Cycler:
         how = (motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments)
         if motion.follows_force:
             # Where the contact wears, the next jump starts from the cycle that leads to the loop.
-            moved = None if problem.wear.none else self._traced(problem, state, done).trace
+            moved = None if problem.unchanging else self._traced(problem, state, done).trace
             after, trace = solvers.closed_adaptive_cycle(current, state, *how, moved=moved)
         else:
             after, trace = solvers.closed_cycle(current, state, *how)

@@ -48,7 +48,7 @@ class WearStepper(Protocol):
 
 def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
     """How a test's contact wears: not at all, in jumps of a given size, or with the error of each jump controlled."""
-    if problem.wear.none:
+    if problem.unchanging:
         return Unworn()
     if test.explicit_jump_cycles is not None:
         return ExplicitJumps(cycler, test.explicit_jump_cycles)

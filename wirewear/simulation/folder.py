@@ -26,7 +26,7 @@ from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_res
 Report = Callable[[str], None]  #: Told what is being prepared.
 
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
-_FORMAT = 4
+_FORMAT = 5
 
 
 @dataclass(frozen=True)

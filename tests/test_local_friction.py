@@ -1,0 +1,128 @@
+"""Friction laws that differ from place to place: of pressure, of sliding speed, of the energy that a place has taken."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import gamma, pi, sqrt
+
+import numpy as np
+import pytest
+from threadpoolctl import threadpool_limits
+
+import solvers
+from geometry.arrays import Array
+from tests.bodies import FRICTION, STEEL, driven, pressed
+from tests.wear_jumps import LINE_LOAD_N_per_mm, at_the_end, jumped, line_contact
+from wirewear.reference import Elastic, LineContact, contact_modulus, hertz_line
+
+pytestmark = pytest.mark.seconds
+
+STROKE_mm, FREQUENCY_Hz = 0.02, 2.0
+INCREMENTS = 64
+_ONE_THREAD = {"limits": 1, "user_api": "blas"}
+
+
+@pytest.fixture(scope="module")
+def line() -> solvers.ContactProblem:
+    """A cylinder on a flat, neither of which wears."""
+    return replace(line_contact(), wear=solvers.WearRates(), timing=solvers.DriveTiming(STROKE_mm, FREQUENCY_Hz))
+
+
+@pytest.fixture(scope="module")
+def hertz() -> LineContact:
+    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
+    return hertz_line(LINE_LOAD_N_per_mm, 6.0, contact_modulus(steel, steel))
+
+
+def loop(problem: solvers.ContactProblem, state: solvers.ContactState, increments: int) -> solvers.CycleTrace:
+    with threadpool_limits(**_ONE_THREAD):
+        return solvers.closed_cycle(problem, state, STROKE_mm, increments)[1]
+
+
+@pytest.mark.parametrize("exponent", [2.0 / 3.0, 1.2])
+def test_friction_by_a_power_of_the_pressure_is_its_integral_over_a_hertz_pressure(
+    line: solvers.ContactProblem, hertz: LineContact, exponent: float
+) -> None:
+    reference = 500.0
+    law = solvers.PowerOfPressure(reference, exponent)
+    last = driven(replace(line, friction_law=law), pressed(line)[0], np.array([0.005, 0.01]))[1][-1][-1]
+    of_shape = sqrt(pi) * gamma(0.5 * exponent + 1.0) / gamma(0.5 * exponent + 1.5)
+    peak = hertz.peak_pressure_MPa
+    expected = FRICTION * reference ** (1.0 - exponent) * peak**exponent * hertz.half_width_mm * of_shape
+    assert last.sticking == 0
+    assert last.tangential_force == pytest.approx(expected, rel=4e-3)
+
+
+@pytest.mark.parametrize(
+    "law", [solvers.Rate(0.6, 0.08), solvers.LogarithmicRate(0.05, 0.08), solvers.LogarithmicRate(-0.05, 0.08)]
+)
+def test_friction_by_speed_follows_the_drive_and_its_work_is_the_loops_area(
+    line: solvers.ContactProblem, law: solvers.FrictionLaw
+) -> None:
+    problem = replace(line, friction_law=law)
+    trace = loop(problem, at_the_end(problem, STROKE_mm), INCREMENTS)
+    speed = 2.0 * pi * FREQUENCY_Hz * np.sqrt(STROKE_mm**2 - trace.drive**2)
+    slides = np.abs(trace.drive) < 0.75 * STROKE_mm
+    nowhere = np.zeros((1, 1))
+    rest = solvers.WearState(nowhere, nowhere, nowhere, nowhere)
+    known = solvers.LocalState(rest, np.ravel, np.ravel, lambda: speed, primary_is_upper=True)
+    expected = FRICTION * LINE_LOAD_N_per_mm * np.asarray(law.factor(known))
+    assert np.ptp(expected[slides]) > 0.01 * expected.max()
+    # Bodies that give way to a falling friction slide a little faster than the drive.
+    assert np.abs(trace.tangential_force)[slides] == pytest.approx(expected[slides], rel=5e-3)
+    drive, force = trace.drive, trace.tangential_force
+    area = 0.5 * abs(float(np.sum(drive * np.roll(force, -1) - np.roll(drive, -1) * force)))
+    assert trace.friction_work == pytest.approx(area, rel=7e-3)
+
+
+def run_in(hertz: LineContact, law: solvers.RunningIn, cycles: float, slip: Callable[[float], float]) -> float:
+    """Friction force after so many cycles by the ordinary differential equations of the energies of both surfaces,
+    under a Hertz pressure that slides as far as `slip` of the force says.
+    """
+    half, peak = hertz.half_width_mm, hertz.peak_pressure_MPa
+    x = np.linspace(-half - STROKE_mm, half + STROKE_mm, 801)
+    pressure = peak * np.sqrt(np.clip(1.0 - (x / half) ** 2, 0.0, None))
+    passed = (np.arange(40) + 0.5) / 40 * pi
+
+    def friction(energy: Array) -> Array:
+        fresh = np.exp(-energy / law.energy_mJ_per_mm2)
+        return np.asarray(FRICTION * (law.final_ratio + (1.0 - law.final_ratio) * fresh) * pressure)
+
+    def rates(energies: Array) -> Array:
+        amplitude = slip(float(np.trapezoid(friction(0.5 * energies.sum(axis=0)), x)))
+        found = np.zeros_like(energies)
+        for along in passed:
+            moved, path = -amplitude * np.cos(along), 2.0 * amplitude * np.sin(along) * pi / 40
+            work = friction(0.5 * (energies[0] + np.interp(x - moved, x, energies[1]))) * path
+            found += [work, np.interp(x + moved, x, work)]
+        return found
+
+    energies, steps = np.zeros((2, len(x))), 200
+    for _ in range(steps):
+        middle = energies + 0.5 * cycles / steps * rates(energies)
+        energies = energies + cycles / steps * rates(middle)
+    return float(np.trapezoid(friction(0.5 * energies.sum(axis=0)), x))
+
+
+def test_friction_that_runs_in_follows_the_energies_of_both_surfaces(
+    line: solvers.ContactProblem, hertz: LineContact
+) -> None:
+    law = solvers.RunningIn(0.5, 1000.0)
+    problem = replace(line, friction_law=law)
+    state, done = at_the_end(problem, STROKE_mm), 0.0
+    fresh = loop(line, at_the_end(line, STROKE_mm), INCREMENTS)
+    force = float(np.abs(fresh.tangential_force).max())
+    # What bodies give way by is lost to the slip.
+    compliance = (STROKE_mm - fresh.friction_work / (4.0 * force)) / force
+    controller, wanted = solvers.JumpController(0.01), 1.0
+
+    def attempt(state: solvers.ContactState, _before: float, cycles: float) -> tuple[solvers.ContactState, float]:
+        jump = jumped(problem, state, cycles, stroke_mm=STROKE_mm)
+        return jump.state, jump.pressure_change
+
+    for end in (20.0, 60.0, 200.0):
+        while done < end:
+            step = solvers.take_step(controller, state, wanted, done, (end,), end, attempt)
+            state, wanted, done = step.state, step.next_jump, done + step.jump
+        found = abs(float(loop(problem, state, 32).middle.primary_force[:, 0].sum()))
+        expected = run_in(hertz, law, end, lambda force: STROKE_mm - compliance * force)
+        assert found == pytest.approx(expected, rel=2e-3)
