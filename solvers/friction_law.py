@@ -92,7 +92,7 @@ class Friction:
         return bool(np.max(apart, initial=0.0) > _SETTLED * np.max(self.coefficient, initial=0.0))
 
     def change_since(self, other: "Friction", load: Array) -> float:
-        """Half the mean difference of local coefficients over their mean, weighted by (k,); 0 where one holds for all."""
+        """Half the mean difference of local coefficients over their mean, weighted by (k,); 0 where one is for all."""
         now, then = self.coefficient, other.coefficient
         if isinstance(now, float) or isinstance(then, float):
             return 0.0

@@ -1,4 +1,4 @@
-"""Friction laws that differ from place to place: of pressure, of sliding speed, of the energy that a place has taken."""
+"""Friction laws that differ by place: of pressure, of sliding speed, of the energy that a place has taken."""
 
 from collections.abc import Callable
 from dataclasses import replace
