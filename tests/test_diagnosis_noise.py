@@ -157,3 +157,14 @@ def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_wel
         for one in (observed, replace(observed, values=shaken))
     )
     assert np.median(doubted / believed) > 1.5
+
+
+def test_numbers_between_the_same_two_samples_share_their_noise_and_yet_can_be_weighed() -> None:
+    of_samples = np.random.default_rng(3).uniform(size=(2 * COUNT, 2))
+    of_samples /= np.linalg.norm(of_samples, axis=1)[:, None]
+    shared = replace(observations(1.0), alike=np.stack([of_samples @ of_samples.T] * 3))
+    covariance = shared.noise_covariance(0, np.arange(2 * COUNT))
+    assert covariance == pytest.approx(1e-4 * of_samples @ of_samples.T, abs=1e-9)
+    inverse = np.linalg.inv(covariance)
+    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T))[0] > 0.0
+    assert covariance @ inverse == pytest.approx(np.eye(2 * COUNT), abs=1e-6)

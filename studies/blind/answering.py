@@ -26,14 +26,18 @@ def answered(folder: Path) -> bool:
 
 
 def answer(record: Path, left_out: Sequence[str], diagnoses: Path) -> None:
-    """Diagnose a record without the effects left out; a refusal is kept as its sentence, the CPU time beside it."""
+    """Diagnose a record without the effects left out; a refusal is kept as its sentence, the CPU time beside it.
+
+    An answer that breaks down is a refusal, too: the other records of the batch want theirs.
+    """
     folder, name = diagnoses / record.name, record.name
     folder.mkdir(parents=True, exist_ok=True)
     started = time.process_time(), time.perf_counter()
     try:
         diagnosed = _diagnosed(record, left_out)
-    except WirewearError as problem:
-        write_text(folder / FAILURE, f"{problem}\n")
+    except Exception as problem:  # noqa: BLE001 - whatever it is, it counts
+        told = "" if isinstance(problem, WirewearError) else f"broke down by {type(problem).__name__}: "
+        write_text(folder / FAILURE, f"{told}{problem}\n")
         return
     spent = {"cpu_s": time.process_time() - started[0], "wall_s": time.perf_counter() - started[1]}
     for baseline, verdict in baseline_answers(diagnosed).items():

@@ -57,6 +57,11 @@ LIBRARY: tuple[type[Observable], ...] = (
 )
 
 
+#: Of a number's noise variance, what no other number shares: far below what any is known by, it keeps sums of shared
+#: noise regular.
+OWN_NOISE = 1e-6
+
+
 @dataclass(frozen=True, eq=False)
 class Observations:
     """Observables of every repeat: values and standard deviations of their noise (r, n); NaN where missing.
@@ -82,11 +87,15 @@ class Observations:
     alike: Array | None = None
 
     def noise_covariance(self, repeat: int, seen: NDArray[np.intp], factors: Array | float = 1.0) -> Array:
-        """Covariance (k, k) of the noise of one repeat's numbers (k,), by factors (n,) on its variances."""
+        """Covariance (k, k) of the noise of one repeat's numbers (k,), by factors (n,) on its variances.
+
+        Numbers that lie between the same few samples share their noise, but none follows from others exactly.
+        """
         deviations = (np.sqrt(factors) * self.noise[repeat])[seen]
         if self.alike is None:
             return np.diag(deviations**2)
-        return np.asarray(np.outer(deviations, deviations) * self.alike[repeat][np.ix_(seen, seen)])
+        shared = np.outer(deviations, deviations) * self.alike[repeat][np.ix_(seen, seen)]
+        return np.asarray(shared + np.diag(OWN_NOISE * deviations**2))
 
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
