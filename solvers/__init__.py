@@ -5,7 +5,7 @@ from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import misaligned
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
-from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.contact_state import ContactState, Guide, Holder, IncrementReport, WearState
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
@@ -21,7 +21,6 @@ from solvers.friction_law import (
     friction_law,
     friction_laws,
 )
-from solvers.holder import Guide, Holder
 from solvers.holder_measurement import HolderElements, measured_holder
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.local_state import DriveTiming, LocalState

@@ -14,9 +14,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
-from solvers.contact_state import ContactState, IncrementReport
+from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.fretting import CycleTrace, Watch, settled
-from solvers.holder import Guide, guide_from
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
 #: Allowed distance of the force from the straight lines between increments, over the friction force.

@@ -11,8 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
-from solvers.contact_state import ContactState, IncrementReport
-from solvers.holder import Guide, guide_from
+from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.wear_path import wear_path
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.

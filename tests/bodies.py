@@ -10,8 +10,7 @@ from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, GradedAxis, HexM
 from geometry.arrays import Array
 from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
-from solvers.contact_state import ContactState, IncrementReport
-from solvers.holder import Holder
+from solvers.contact_state import ContactState, Holder, IncrementReport
 from solvers.placement import PlacedBody, place
 from solvers.wear import WearRates
 from wirewear.simulation import problem as wires

@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.records import ExperimentRecord, LineRecord, MeasuredLoop, MeasuredProfile, MeasuredScar
-from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.contact_tables import LineRecordTables
 
 LBF, MIL = 4.4482216152605, 25.4
 

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import solvers
 from geometry.arrays import Array
-from solvers.holder import Guide
+from solvers.contact_state import Guide
 from solvers.wear_path import Stroke, wear_path
 from solvers.wear_step.symmetry import Mirror, with_images
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed

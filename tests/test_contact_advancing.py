@@ -15,8 +15,8 @@ from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
 from solvers.contact.advancing import IncrementFailedError
 from solvers.contact.linearisation import faced
+from solvers.contact_state import FirstGuess
 from solvers.fretting import anew
-from solvers.holder import FirstGuess
 from solvers.newton import iteration
 from tests.bodies import LOAD_N, condensed_wire, crossed_wires, driven, pressed
 from tests.studies import MINIMAL

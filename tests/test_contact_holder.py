@@ -9,10 +9,9 @@ import pytest
 
 from solvers.contact import ContactProblem
 from solvers.contact.problem import misaligned
-from solvers.contact_state import ContactState, IncrementReport
+from solvers.contact_state import ContactState, Holder, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
 from solvers.fretting import first_quarter, run_cycle
-from solvers.holder import Holder
 from solvers.holder_measurement import measured_holder
 from solvers.wear import WearRates
 from studies.diagnosis.oddities import FURTHER, ODDITIES, RIGS

@@ -9,9 +9,8 @@ from threadpoolctl import threadpool_limits
 from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
-from solvers.contact_state import ContactState, WearState
+from solvers.contact_state import ContactState, Holder, WearState
 from solvers.fretting import first_quarter
-from solvers.holder import Holder
 from solvers.wear import WearRates
 from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear.loops.signals import enclosed_area

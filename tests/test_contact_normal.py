@@ -11,9 +11,8 @@ from click.testing import CliRunner
 from geometry import GradedAxis, WireGeometry, build_body
 from solvers.condensation import condense
 from solvers.contact import ContactProblem, press, unloaded_state
-from solvers.contact_state import IncrementReport
+from solvers.contact_state import Holder, IncrementReport
 from solvers.errors import SolverError
-from solvers.holder import Holder
 from solvers.placement import place
 from solvers.wear import WearRates
 from tests import bodies

@@ -10,17 +10,15 @@ from hypothesis import strategies as st
 
 from geometry.arrays import Array
 from tests.diagnosis_cases import nominal, record, states
-from wirewear.diagnosis.infer.covariance import Covariance, estimate
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, remainder, solver_covariance, tolerated
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.infer.solver_differences import remainder, solver_covariance, tolerated
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import Observable, Site, channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
-from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
-from wirewear.diagnosis.observe.reduction import Observations, all_observables, reduce
+from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records.tables import Tolerance

@@ -13,10 +13,10 @@ from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at, knee_index
 from wirewear.diagnosis.observe.mending import without_spikes
+from wirewear.diagnosis.observe.observable import Sites
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reading import read
 from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.sites import Sites
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick, travel_between
 from wirewear.records import ExperimentRecord
 

@@ -17,8 +17,8 @@ from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.evolution import loop_area
+from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
-from wirewear.diagnosis.observe.sites import ModelLoops, Scale
 from wirewear.records import ExperimentRecord, RecordTables
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.

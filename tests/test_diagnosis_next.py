@@ -8,10 +8,8 @@ import pytest
 
 from tests.diagnosis_cases import nominal, record, states
 from wirewear import RecordError
-from wirewear.diagnosis.beginning import require_of_one_rig
-from wirewear.diagnosis.diagnose import judged
-from wirewear.diagnosis.infer.search import Search, search
-from wirewear.diagnosis.infer.updating import updated
+from wirewear.diagnosis.diagnose import judged, require_of_one_rig
+from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.records import ExperimentRecord

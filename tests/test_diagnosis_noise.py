@@ -10,11 +10,10 @@ from scipy.signal import lfilter
 from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive, nominal, record, states
 from wirewear.diagnosis.infer.covariance import EXPECTED_NUMBERS, estimate, noise_factors
-from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
+from wirewear.diagnosis.observe.observable import Site
 from wirewear.diagnosis.observe.plateau import PlateauForce
-from wirewear.diagnosis.observe.reduction import Observations, reduce
-from wirewear.diagnosis.observe.sites import Site
+from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.loops.noise import (
     correlated_noise,

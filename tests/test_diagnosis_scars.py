@@ -17,11 +17,10 @@ from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.channels import Amplitude
-from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.observable import Site
 from wirewear.diagnosis.observe.plateau import PlateauForce
-from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.observe.reduction import Layout, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures
-from wirewear.diagnosis.observe.sites import Site
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.records import ExperimentRecord, MeasuredScar
 

@@ -12,10 +12,9 @@ from scipy.stats import binom
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.inference import Fit, Problem
-from wirewear.diagnosis.infer.recognised import SCALE, Remainder, remainder_of, without
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.infer.sets import LEVEL, REACH, before_truth, in_order, plausible, reach_of
-from wirewear.diagnosis.infer.weighing import Weighed, weigh
+from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of, weigh, without
 from wirewear.diagnosis.observe.reduction import reduce
 
 #: A lean of the holder, and a force cell that reads 1.6 % of the load: 0.03 N of 1.2 N.

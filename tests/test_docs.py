@@ -21,13 +21,13 @@ from tools.reference import pages
 from wirewear.effects import all_effects
 from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
+from wirewear.records.contact_tables import LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
-from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.study.keys import table_of
 from wirewear.study.tables import StudyTables
-from wirewear.sweeps.tables import SweepTables, Vary
+from wirewear.sweeps.signature import SweepTables, Vary
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

@@ -12,7 +12,7 @@ from solvers.interior import Interior
 from solvers.strain import hydrostatic, integration_points, principal, turned, von_mises
 from tests import bodies
 from tests.interior_runs import CYCLE, run_with_forces
-from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
+from wirewear.interior.state import averaging, crossland, smith_watson_topper
 from wirewear.interior.strength import strength_of, yield_sentence
 
 

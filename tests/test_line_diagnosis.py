@@ -10,13 +10,13 @@ import pytest
 from geometry import Cylinder
 from tests.test_line_fitting import record_of
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.beginning import beginning_of
+from wirewear.diagnosis.diagnose import beginning_of
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.effects import Effect, effect_named
 from wirewear.planar.tables import of_whole_contact, per_mm
 from wirewear.records import LineRecord, read_record
-from wirewear.records.line_tables import LineStated
+from wirewear.records.contact_tables import LineStated
 from wirewear.reference import hertz_line
 
 

@@ -17,9 +17,9 @@ from wirewear.fitting import FittedTest, fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.records import LineRecord, check_record, read_record, record_of_result
+from wirewear.records.contact_tables import LineStated
 from wirewear.records.importing import import_record
 from wirewear.records.importing.profilometry import levelled
-from wirewear.records.line_tables import LineStated
 
 CYCLES = 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}

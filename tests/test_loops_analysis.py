@@ -20,7 +20,7 @@ from tests.synthetic_loops import (
     share_off,
 )
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.clipping import clipped
+from wirewear.loops.noise import clipped
 from wirewear.loops.signals import enclosed_area, enclosed_areas
 from wirewear.records import read_record
 

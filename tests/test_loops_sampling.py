@@ -14,9 +14,8 @@ from tests.synthetic_loops import HOOKED, Recipe, SyntheticLoop, assert_known, d
 from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
-from wirewear.loops.clipping import rounding_noise, step_of
 from wirewear.loops.drive import period_of
-from wirewear.loops.noise import correlated_noise
+from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
 from wirewear.loops.timing import lag_of
 
 

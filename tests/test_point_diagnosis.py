@@ -14,7 +14,7 @@ from tests.test_point_records import SHAPES, run_of
 from wirewear import record_of_result
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.beginning import beginning_of
+from wirewear.diagnosis.diagnose import beginning_of
 from wirewear.diagnosis.model.candidates import library, nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_study

@@ -18,8 +18,13 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.signals import enclosed_area
 from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import GuessedMapping, crossed_wires, guessed_mapping, mapping_text
-from wirewear.records.importing.line_guessing import line_contact
+from wirewear.records.importing.guessing import (
+    GuessedMapping,
+    crossed_wires,
+    guessed_mapping,
+    line_contact,
+    mapping_text,
+)
 from wirewear.records.importing.reader import open_lines
 from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops

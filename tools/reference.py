@@ -10,20 +10,19 @@ from pydantic.fields import FieldInfo
 
 import wirewear
 from studies.blind.commands import exam
-from wirewear.base.quantity import UNIT_SYMBOLS, Quantity, unit_of, words_of
+from wirewear.base.errors import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import Parameter, all_effects
 from wirewear.faces import cli
 from wirewear.planar.tables import PlanarStudy
+from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
-from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.point_tables import BallRecordTables
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.tables import StudyTables
-from wirewear.sweeps.tables import SweepTables, Vary
+from wirewear.sweeps.signature import SweepTables, Vary
 
 #: Files that commands leave, and which page says more.
 FILES = (

@@ -9,9 +9,8 @@ from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
 from solvers.contact.linearisation import faced, law_at, levers, linearised, paired_before, vertical_gaps
 from solvers.contact.problem import ContactProblem
-from solvers.contact_state import ContactState, IncrementReport
+from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
-from solvers.holder import FirstGuess
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
 
 

@@ -9,10 +9,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact_layer import ContactLayer, open_share
-from solvers.contact_state import ContactState, WearState
+from solvers.contact_state import ContactState, Holder, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
-from solvers.holder import Holder
 from solvers.local_state import DriveTiming, LocalState
 from solvers.pairing import PrimarySurface, primary_surface
 from solvers.placement import PlacedBody

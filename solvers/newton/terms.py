@@ -9,8 +9,8 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from solvers.compliance import PairedCompliance
 from solvers.contact_layer import LayersAtNodes
+from solvers.contact_state import Holder
 from solvers.friction_law import Friction
-from solvers.holder import Holder
 from solvers.kept_code import inlined
 from solvers.pairing import Pairing
 

@@ -15,10 +15,9 @@ from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
 from solvers.contact.linearisation import faced, levers, vertical_gaps
-from solvers.contact_state import ContactState, WearState
+from solvers.contact_state import ContactState, Guide, WearState, guide_from
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
-from solvers.holder import Guide, guide_from
 from solvers.wear import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position, facing_nodes, orbits_of, positions_of

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from solvers.contact import ContactProblem
-from solvers.contact_state import ContactState
+from solvers.contact_state import ContactState, Guide
 from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
-from solvers.holder import Guide
 from solvers.wear_step.orbits import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
 

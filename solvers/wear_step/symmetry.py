@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
-from solvers.contact_state import ContactState
-from solvers.holder import Guide
+from solvers.contact_state import ContactState, Guide
 from solvers.placement import PlacedBody
 
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.

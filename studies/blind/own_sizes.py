@@ -25,7 +25,7 @@ from studies.blind.scoring.answers import read_answers, require_any
 from studies.blind.scoring.score import judge_all
 from studies.blind.sealing import opened, read_key_file
 from wirewear import WirewearError, read_record
-from wirewear.diagnosis.beginning import reduced_record
+from wirewear.diagnosis.diagnose import reduced_record
 from wirewear.diagnosis.infer.covariance import Covariance, estimate
 from wirewear.diagnosis.infer.inference import Problem, fit
 from wirewear.diagnosis.model.candidates import Candidate, effect_of, library

@@ -13,16 +13,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import WirewearError, read_record
-from wirewear.diagnosis.infer.covariance import SCATTER, SHARED, wandering, wandering_apart
-from wirewear.diagnosis.infer.solver_differences import OWN, components, derivatives
+from wirewear.diagnosis.infer.covariance import (
+    OWN,
+    SCATTER,
+    SHARED,
+    components,
+    derivatives,
+    wandering,
+    wandering_apart,
+)
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
-from wirewear.diagnosis.observe.layout import Layout
 from wirewear.diagnosis.observe.mending import read_at_corners, without_spikes
-from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
 from wirewear.records import RecordTables
 
 Array = NDArray[np.float64]

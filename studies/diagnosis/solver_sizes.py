@@ -7,7 +7,7 @@
 Every record of PAIRS is one solver's view of a test without a gap; the other is the diagnosis' own nominal run. RIGS
 are gap-free ones with scatter between specimens, or those of spent blind batches. Their
 difference is a normal deviate whose covariance has a size for each numerical freedom of the fast model and for each
-kind of observable (wirewear/diagnosis/infer/solver_differences.py). The sizes that make all pairs likeliest, with a
+kind of observable (wirewear/diagnosis/infer/covariance.py). The sizes that make all pairs likeliest, with a
 weak expectation that they are what calibration.toml says now, are printed beside those, and what tests left out of the
 fit say of them. `--write` puts them into calibration.toml.
 """

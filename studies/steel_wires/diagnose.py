@@ -17,11 +17,11 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirewear import read_record
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
-from wirewear.diagnosis.infer.physical import physical_gap
+from wirewear.diagnosis.infer.shrink import physical_gap
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.faces.study_script import StudyScript, wide_console

@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding
 from wirewear.results import RunResult, Scar
 

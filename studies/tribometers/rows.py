@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.delimited import read_delimited
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import as_sentence, shown
+from wirewear.base.errors import RecordError, as_sentence, shown
 from wirewear.planar.contact_stiffness import ASSUMED
 from wirewear.reference import Elastic
 from wirewear.study.materials import material_named

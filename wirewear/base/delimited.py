@@ -18,8 +18,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import shown
+from wirewear.base.errors import RecordError, shown
 from wirewear.base.reading import read_bytes, utf8
 from wirewear.base.spreadsheets import is_spreadsheet, refuse_other_sheets, sheet_text
 

@@ -8,7 +8,7 @@ from math import isfinite
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 
 HERE = Path(__file__).parent
 

@@ -9,8 +9,7 @@ from pathlib import Path
 
 from geometry.arrays import Array
 from wirewear.base import delimited
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
+from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, RecordError
 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.

@@ -16,8 +16,7 @@ from pathlib import Path
 import h5py
 
 from wirewear.base.budget import MOST_EXPANSION
-from wirewear.base.errors import WirewearError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import WirewearError, counted
 from wirewear.base.reading import read_bytes
 
 _SIGNATURE = b"\x89HDF\r\n\x1a\n"

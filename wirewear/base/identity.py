@@ -25,7 +25,7 @@ CONDENSATION_CODE = (
 
 #: What a run of crossed wires comes from.
 RUN_CODE = (
-    "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/quantity.py",
+    "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
     "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
 )  # fmt: skip
 

@@ -11,8 +11,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.errors import WirewearError
-from wirewear.base.quantity import shown
+from wirewear.base.errors import WirewearError, shown
 
 #: What the table of a record and the file of a result are called.
 TABLE_FILE_NAME, RESULT_FILE_NAME = "experiment.toml", "result.h5"

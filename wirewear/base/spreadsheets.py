@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.budget import free_memory, require_room
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import RecordError, counted
 
 CELL_bytes = 200  #: What a cell takes in memory at most while its sheet becomes text, in bytes.
 

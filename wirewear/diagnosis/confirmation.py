@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import RecordError, counted
 from wirewear.base.writing import temporary_folder
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import fit

@@ -1,6 +1,6 @@
 """Effects that the nominal model lacks: each a small object that changes exactly one seam of the model."""
 
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity
 from wirewear.effects.effect import Chain, Effect, Size, UnforeseenError
 from wirewear.effects.listing import all_measurements, splits, told_apart_by
 from wirewear.effects.measurements import Answer, Measurement

@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers import RoughLayer, ThirdBody
 from wirewear.base.course import Course
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Chain, Effect
 from wirewear.effects.parameter import (

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from solvers import Holder, WearRates
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import shown
+from wirewear.base.errors import StudyError, shown
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens

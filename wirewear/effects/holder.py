@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from math import radians
 
 from solvers import Holder
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity
 from wirewear.effects import measurements
 from wirewear.effects.effect import Effect
 from wirewear.effects.parameter import AT_A_POINT, RIGID, parameter

@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity, StudyError
 
 RIGID = "rigid"  #: Stands for an infinite stiffness in files.
 Stated = Mapping[str, float]  #: Numbers that a study states, by their keys, such as "contact.friction".

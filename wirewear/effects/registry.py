@@ -6,8 +6,7 @@ from functools import cache
 from typing import Any
 
 from solvers.plugins import installed
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import shown
+from wirewear.base.errors import StudyError, shown
 from wirewear.effects.contact import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
 from wirewear.effects.effect import Effect
 from wirewear.effects.holder import (

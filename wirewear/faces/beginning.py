@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wirewear.base.errors import RecordError, StudyError
-from wirewear.base.quantity import as_sentence
+from wirewear.base.errors import RecordError, StudyError, as_sentence
 from wirewear.base.writing import is_special, json_text
 from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
 from wirewear.kinds import KINDS, Kind

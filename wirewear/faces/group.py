@@ -15,8 +15,7 @@ import click
 from click.core import ParameterSource
 
 from wirewear.base.budget import MOST_MEMORY_GB
-from wirewear.base.errors import WirewearError, tell_plainly
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity, WirewearError, tell_plainly
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C

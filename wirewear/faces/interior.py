@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, TypeVar
 
 import click
 
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import usable_folder
 from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
 from wirewear.results import POSITIONS

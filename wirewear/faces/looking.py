@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirewear.base import notebook
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted, unit_of, words_of
+from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain

@@ -48,8 +48,14 @@ def loops_command(
     from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.pictures import require_picture_name
-    from wirewear.views.loops_picture import draw_loops
-    from wirewear.views.loops_report import analyse_loops, loops_json, loops_table, real_loops_table, remarks
+    from wirewear.views.loops_report import (
+        analyse_loops,
+        draw_loops,
+        loops_json,
+        loops_table,
+        real_loops_table,
+        remarks,
+    )
     from wirewear.views.loops_sources import Spelling, read_loops
 
     spelling = Spelling(encoding, delimiter, decimal, header_lines, lines_after_names)

@@ -11,9 +11,8 @@ from rich.table import Table
 from rich.text import Text
 
 from wirewear.base import frame
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, counted
 from wirewear.base.frame import figure, number, numbers
-from wirewear.base.quantity import counted
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.faces.maps_reading import REGIMES, MappedTest, lines_of
 from wirewear.views.run_maps import TRANSITION, FreshContact, RegressionLine, tension_lines, transition

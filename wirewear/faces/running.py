@@ -13,8 +13,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from wirewear.base import notebook
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import StudyError, counted
 from wirewear.faces.looking import Run
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain

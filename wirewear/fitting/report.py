@@ -7,8 +7,7 @@ import numpy as np
 from rich import box
 from rich.table import Table
 
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import UNIT_SYMBOLS, counted
+from wirewear.base.errors import UNIT_SYMBOLS, RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME, parsed_toml, read_text, toml_text
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.fit import CheckedRun, stated_by

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from scipy.stats import t as students_t
 
 from wirewear.base import notebook
-from wirewear.base.quantity import UNIT_SYMBOLS
+from wirewear.base.errors import UNIT_SYMBOLS
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -25,7 +25,7 @@ _OPEN = float(students_t.ppf(0.975, 1))
 class FittedParameter:
     """A fitted number with the interval that holds the true one with a probability of 95 %.
 
-    unit: a key of `wirewear.base.quantity.UNIT_SYMBOLS`.  repeats: tests that it rests on.
+    unit: a key of `wirewear.base.errors.UNIT_SYMBOLS`.  repeats: tests that it rests on.
     """
 
     value: float

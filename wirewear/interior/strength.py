@@ -12,11 +12,9 @@ from scipy.spatial import cKDTree
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.strain import von_mises
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import ResultError, counted
 from wirewear.interior.bodies import body_grid, body_states
-from wirewear.interior.fatigue import averaging, crossland, smith_watson_topper
-from wirewear.interior.state import InnerState
+from wirewear.interior.state import InnerState, averaging, crossland, smith_watson_topper
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 

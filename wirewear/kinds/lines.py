@@ -15,9 +15,9 @@ if TYPE_CHECKING:
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
+    from wirewear.records.contact_tables import LineRecordTables
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.records.line_tables import LineRecordTables
     from wirewear.results import RunResult
     from wirewear.study.template import Template
 
@@ -115,8 +115,7 @@ class LineContacts:
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """The specimen may be of another material than the pad."""
-        from wirewear.records.importing.guessing import guessed_mapping
-        from wirewear.records.importing.line_guessing import line_contact
+        from wirewear.records.importing.guessing import guessed_mapping, line_contact
 
         return guessed_mapping(files, dict(known), line_contact(known, own, pad))
 

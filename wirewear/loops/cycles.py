@@ -4,8 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
-from wirewear.loops.clipping import step_of
-from wirewear.loops.noise import sample_noise
+from wirewear.loops.noise import sample_noise, step_of
 
 #: A drive has turned once it has come back by so many noises of a sample, and so many of its steps.
 NOISES, STEPS = 8.0, 1.5

@@ -9,8 +9,14 @@ from typing import TYPE_CHECKING
 from geometry.late import loaded_late
 
 if TYPE_CHECKING:
-    from wirewear.pictures.gallery import drawings, show
-    from wirewear.pictures.loops import amplitude_evolution, evolution_panels, loops_by_cycle, loops_by_run
+    from wirewear.pictures.gallery import (
+        amplitude_evolution,
+        drawings,
+        evolution_panels,
+        loops_by_cycle,
+        loops_by_run,
+        show,
+    )
     from wirewear.pictures.mesh import body_meshes, surface_fields
     from wirewear.pictures.scar_maps import contact_maps, scar_sections, scar_series, scars_from_above
     from wirewear.pictures.scar_surfaces import scars_in_3d

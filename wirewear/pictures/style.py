@@ -16,8 +16,7 @@ from matplotlib.colors import Colormap, LinearSegmentedColormap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import in_one_step, writing
 
 INK = "#1a1a1a"

@@ -20,8 +20,7 @@ from geometry import (
 from solvers import ContactProblem, DriveTiming, Holder, PlacedBody, WearRates, condense, place
 from wirewear import reference
 from wirewear.base.budget import free_memory, size_text
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import StudyError, counted
 from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors

@@ -14,7 +14,7 @@ from geometry import PlanarMesh, build_planar
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.pictures import style
-from wirewear.pictures.loops import loops_by_run
+from wirewear.pictures.gallery import loops_by_run
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.planar.model import plan, require_affordable_meshes

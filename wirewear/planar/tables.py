@@ -8,8 +8,7 @@ from pydantic import Field, PlainValidator, PrivateAttr
 
 from geometry import Elastic, PlanarGeometry
 from solvers import Coulomb
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
 from wirewear.study.consistency import log_within, merged

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks

@@ -12,12 +12,11 @@ import numpy as np
 from geometry import Flat, Profile
 from geometry.arrays import Array
 from wirewear.base.budget import free_memory, size_text
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.base.writing import prepared_folder, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
-from wirewear.records.point_tables import TABLES, AnyTables
+from wirewear.records.contact_tables import TABLES, AnyTables
 from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of

@@ -8,9 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
-from wirewear.loops.clipping import clipped, step_of
 from wirewear.loops.drive import uneven
-from wirewear.loops.noise import noises, outside_neighbours, sample_noise
+from wirewear.loops.noise import clipped, noises, outside_neighbours, sample_noise, step_of
 from wirewear.loops.signals import enclosed_areas
 from wirewear.records.values import MeasuredLoop
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal, get_args
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.quantity import Quantity, shown
+from wirewear.base.errors import Quantity, shown
 from wirewear.study.keys import Table, checked_text, one_of
 
 

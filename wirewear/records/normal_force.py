@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import FIELD_UNITS
+from wirewear.base.errors import FIELD_UNITS, RecordError
 
 if TYPE_CHECKING:
     from wirewear.records.values import MeasuredLoop

@@ -14,9 +14,8 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, shown
 from wirewear.base.locks import occupied
-from wirewear.base.quantity import shown
 from wirewear.base.reading import (
     TABLE_FILE_NAME,
     Held,
@@ -30,9 +29,8 @@ from wirewear.base.reading import (
 )
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.columns import Column, ColumnTable, read_columns
-from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
 from wirewear.records.normal_force import pressing
-from wirewear.records.point_tables import TABLES, AnyTables, BallRecordTables
 from wirewear.records.surfaces import SCARS, MeasuredProfile, MeasuredScar, WornSurfaces
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import BoolArray
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.loops import LoopFigures
 from wirewear.records.loop_statistics import LoopStatistics
 from wirewear.records.values import AnyRecord

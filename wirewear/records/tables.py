@@ -6,8 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import Quantity, shown
+from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.metadata import Metadata
 from wirewear.records.of_test import OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar

@@ -11,8 +11,7 @@ from typing_extensions import TypeVar
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
-from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.point_tables import AnyTables
+from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
 

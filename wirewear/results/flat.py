@@ -15,8 +15,7 @@ from xml.etree import ElementTree as ET
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import unit_of, words_of
+from wirewear.base.errors import ResultError, unit_of, words_of
 from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled

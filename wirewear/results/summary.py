@@ -9,8 +9,7 @@ from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
 from wirewear.results.scar import called, flagged
 from wirewear.results.values import PRESSURE_LENGTH

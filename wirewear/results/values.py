@@ -10,8 +10,7 @@ from typing import Any, NoReturn, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import NoColumnError, ResultError, StudyError
-from wirewear.base.quantity import as_sentence, counted
+from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.results.contact_forces import ContactForces

@@ -11,7 +11,7 @@ from typing import Protocol
 from threadpoolctl import threadpool_limits
 
 from solvers import ContactProblem, ContactState, JumpController, JumpStep, PatchLeftError, SolverError, take_step
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest
 from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore

@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, SpinnerColumn, TaskID, TextColumn, TimeElapsedColumn
 
 from solvers import ContactState
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.results import RunResult
 
 

@@ -12,9 +12,9 @@ from queue import Empty
 from threading import Event
 from typing import Any, Protocol, TypeVar
 
+from wirewear.base.budget import end_with_parent
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
 from wirewear.base.errors import LostTaskError, RunError
-from wirewear.base.processes import end_with_parent
 from wirewear.base.writing import prepared_folder
 from wirewear.results import RESULT_FILE_NAME, RunResult
 from wirewear.simulation.folder import Found, RunFolder, occupied_by_runs

@@ -8,9 +8,8 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.base.guessing import known_columns
-from wirewear.base.quantity import Quantity, shown
 from wirewear.study.keys import Table
 
 Face = Cylinder | RoundedFlat | TabledProfile

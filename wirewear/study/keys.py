@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, NamedTuple, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
 
-from wirewear.base.quantity import Quantity, shown
+from wirewear.base.errors import Quantity, shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.study.materials import material_named
 

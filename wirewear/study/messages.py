@@ -9,8 +9,7 @@ from pydantic import BaseModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from wirewear.base.errors import WirewearError
-from wirewear.base.quantity import UNIT_NAMES, as_sentence, shown, words_of
+from wirewear.base.errors import UNIT_NAMES, WirewearError, as_sentence, shown, words_of
 from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.tables import StudyTables
 

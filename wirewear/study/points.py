@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PlainValidator
 
 from geometry import TabledProfile
-from wirewear.base.quantity import Quantity
+from wirewear.base.errors import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line

@@ -5,8 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import shown
+from wirewear.base.errors import StudyError, shown
 from wirewear.base.reading import Held, parsed_toml, read_toml, require_no_other
 from wirewear.study.consistency import checked_tables, merged
 from wirewear.study.study import Study

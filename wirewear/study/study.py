@@ -8,8 +8,7 @@ from functools import cached_property
 from typing import Any, TypeVar, cast
 
 from wirewear.base import notebook
-from wirewear.base.errors import StudyError
-from wirewear.base.quantity import as_sentence, counted, shown
+from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.bodies import Body
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged

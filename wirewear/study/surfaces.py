@@ -11,9 +11,8 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError
 from wirewear.base.guessing import known_columns
-from wirewear.base.quantity import FIELD_UNITS, Quantity
 from wirewear.study.keys import Table, one_of
 
 #: Lines of a kept map, at most, each way: more than a contact's elements.

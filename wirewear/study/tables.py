@@ -9,7 +9,7 @@ import numpy as np
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
 from solvers import Coulomb, FrictionLaw, SolverError, friction_law
-from wirewear.base.quantity import shown
+from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.programme import CycleBlock

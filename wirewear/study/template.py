@@ -8,7 +8,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
-from wirewear.base.quantity import UNIT_SYMBOLS
+from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from wirewear.base.quantity import shown
+from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
 from wirewear.study.surfaces import StatedSurface

@@ -16,14 +16,13 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.frame import figure as written
-from wirewear.base.quantity import counted, unit_of, words_of
 from wirewear.base.writing import in_one_step, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.running import SweepResult
+from wirewear.sweeps.signature import LATIN_HYPERCUBE, SOBOL
 from wirewear.sweeps.sweep import DEPTH, Design, Sweep, SweepRow, VariedInput, figures_named
-from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
 
 if TYPE_CHECKING:
     import polars as pl

@@ -13,10 +13,9 @@ import numpy as np
 
 from wirewear.base.budget import free_disk, free_memory, size_text
 from wirewear.base.engine import Engine
-from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, WirewearError
+from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, WirewearError, counted
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import occupied
-from wirewear.base.quantity import counted
 from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.simulation import discretise
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case

@@ -14,9 +14,8 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.errors import StudyError, WirewearError
+from wirewear.base.errors import StudyError, WirewearError, counted
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
-from wirewear.base.quantity import counted
 from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
@@ -24,7 +23,7 @@ from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write
 from wirewear.simulation import simulate
 from wirewear.study import Study, load_study
 from wirewear.study.messages import validated
-from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
+from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
 

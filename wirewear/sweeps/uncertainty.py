@@ -17,16 +17,15 @@ from matplotlib.figure import Figure
 from geometry.arrays import Array, IntArray
 from wirewear.base import frame
 from wirewear.base.engine import Engine
-from wirewear.base.errors import ResultError, StudyError
-from wirewear.base.quantity import unit_of, words_of
+from wirewear.base.errors import ResultError, StudyError, unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
 from wirewear.sweeps.page import SLIP, depth_among, label_of
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
+from wirewear.sweeps.signature import LATIN_HYPERCUBE
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
-from wirewear.sweeps.tables import LATIN_HYPERCUBE
 
 if TYPE_CHECKING:
     from rich.table import Table

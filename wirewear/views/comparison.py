@@ -13,8 +13,7 @@ from rich.text import Text
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import counted
+from wirewear.base.errors import RecordError, counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
 from wirewear.records import AnyRecord
 from wirewear.records.checking import problems_told

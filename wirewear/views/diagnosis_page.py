@@ -6,8 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from wirewear.base import frame
-from wirewear.base.errors import ResultError
-from wirewear.base.quantity import counted, unit_of, words_of
+from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.reading import with_checksum
 from wirewear.base.writing import finite, json_text, write_text, writing
 from wirewear.views.diagnosis_values import program

@@ -8,16 +8,15 @@ from itertools import combinations
 from math import floor, inf, log10
 
 from wirewear.base import notebook
+from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure
-from wirewear.base.quantity import unit_of, words_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.recognised import ForceZero
 from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.weighing import Weighed
+from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance
 from wirewear.diagnosis.model.candidates import effect_of, unforeseen
 from wirewear.diagnosis.model.setup import Setup

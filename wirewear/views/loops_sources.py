@@ -11,9 +11,8 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.base.delimited import CSV
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
-from wirewear.base.quantity import FIELD_UNITS, nearest, shown
 from wirewear.base.reading import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.cycles import split_cycles

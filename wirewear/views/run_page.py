@@ -9,9 +9,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base import frame
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, counted
 from wirewear.base.frame import figure, number, numbers
-from wirewear.base.quantity import counted
 from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION

@@ -19,8 +19,7 @@ from studies.blind.generators.nominal import Nominal
 from wirewear.base.reading import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
-from wirewear.records.line_tables import LineRecordTables
-from wirewear.records.point_tables import BallRecordTables
+from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
 from wirewear.records.tables import PointRecordTables
 
 Array = NDArray[np.float64]

@@ -13,7 +13,7 @@ from scipy.stats import gamma
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.recognised import log_surprise
+from wirewear.diagnosis.infer.weighing import log_surprise
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.model.setup import Setup

@@ -15,13 +15,12 @@ from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance
-from wirewear.diagnosis.infer.solver_differences import free_covariance
+from wirewear.diagnosis.infer.covariance import Covariance, free_covariance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.layout import Layout
+from wirewear.diagnosis.observe.reduction import Layout
 
 _KNOWN = constants("infer.inference")
 

@@ -6,16 +6,16 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.families import SPOTTED
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe import AlongBranch, ReducedLoop
-from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.profiles import ProfileDepths
+from wirewear.diagnosis.observe.reduction import Part
 from wirewear.diagnosis.observe.stick import Stick
 from wirewear.effects import Seam
 

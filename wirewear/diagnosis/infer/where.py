@@ -8,13 +8,13 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.stats import chi2, false_discovery_control
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base.quantity import counted
+from wirewear.base.errors import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.layout import Part
 from wirewear.diagnosis.observe.observable import Observable
+from wirewear.diagnosis.observe.reduction import Part
 
 _KNOWN = constants("infer.where")
 

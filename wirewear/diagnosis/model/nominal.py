@@ -8,9 +8,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from wirewear.base.errors import RecordError, ResultError, RunError, StudyError
+from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
 from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, identity_of
-from wirewear.base.quantity import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
 from wirewear.results.scar import called

@@ -7,9 +7,20 @@ from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.observable import AlongBranch, Observable, OfLoops, Zone
+from wirewear.diagnosis.observe.observable import (
+    AlongBranch,
+    ModelLoops,
+    Observable,
+    OfLoops,
+    Scale,
+    Site,
+    Sites,
+    Smoothness,
+    SolverSize,
+    Zone,
+    rows_of,
+)
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize, rows_of
 
 #: As packages know it that were written when numbers of one zone had a class of their own.
 OfWholeLoops = Observable

@@ -13,9 +13,8 @@ from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import SLIDING
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.observable import OfLoops, Zone
+from wirewear.diagnosis.observe.observable import OfLoops, Site, Sites, Zone, rows_of
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import Site, Sites, rows_of
 
 _OF_NORMAL_FORCE = constants("observe.normal_force")
 

@@ -10,9 +10,8 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
-from wirewear.diagnosis.observe.observable import Observable, Zone
+from wirewear.diagnosis.observe.observable import ModelLoops, Observable, Site, Sites, SolverSize, Zone, rows_of
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
-from wirewear.diagnosis.observe.sites import ModelLoops, Site, Sites, SolverSize, rows_of
 from wirewear.loops.signals import enclosed_areas
 
 _KNOWN = constants("observe.evolution")

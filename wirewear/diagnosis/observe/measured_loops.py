@@ -12,13 +12,14 @@ from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at, kne
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop
-from wirewear.loops.clipping import rounding_noise, step_of
 from wirewear.loops.drive import even_period, period_of, series
 from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,
     correlation_of_neighbours,
     noise_of_neighbours,
+    rounding_noise,
+    step_of,
     stretch_of,
 )
 from wirewear.loops.signals import enclosed_area

@@ -14,19 +14,21 @@ from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, Zone
-from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import (
+from wirewear.diagnosis.observe.observable import (
     ROUGH,
+    ByLocalLines,
     ModelLoops,
+    OfLoops,
     Scale,
     Site,
     Sites,
     Smoothness,
     SolverSize,
+    Zone,
     along_branches,
     rows_of,
 )
+from wirewear.diagnosis.observe.reading import Reading
 from wirewear.loops.noise import noise_factor
 
 _KNOWN = constants("observe.plateau")

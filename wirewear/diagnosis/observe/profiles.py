@@ -11,9 +11,17 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import crossings
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.observable import Observable, Zone
+from wirewear.diagnosis.observe.observable import (
+    ModelLoops,
+    Observable,
+    Scale,
+    Site,
+    Sites,
+    Smoothness,
+    SolverSize,
+    Zone,
+)
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 from wirewear.records import MeasuredProfile
 
 _KNOWN = constants("observe.profiles")

@@ -8,9 +8,17 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures, scar_skew
-from wirewear.diagnosis.observe.observable import Observable, Zone
+from wirewear.diagnosis.observe.observable import (
+    ModelLoops,
+    Observable,
+    Scale,
+    Site,
+    Sites,
+    Smoothness,
+    SolverSize,
+    Zone,
+)
 from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import ModelLoops, Scale, Site, Sites, Smoothness, SolverSize
 from wirewear.records import MeasuredScar
 
 _KNOWN = constants("observe.scars")

@@ -9,18 +9,20 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import ByLocalLines, OfLoops, Zone
-from wirewear.diagnosis.observe.reading import Reading
-from wirewear.diagnosis.observe.sites import (
+from wirewear.diagnosis.observe.observable import (
+    ByLocalLines,
     ModelLoops,
+    OfLoops,
     Scale,
     Site,
     Sites,
     Smoothness,
     SolverSize,
+    Zone,
     along_branches,
     travel_um,
 )
+from wirewear.diagnosis.observe.reading import Reading
 from wirewear.loops.noise import noise_factor
 
 _KNOWN = constants("observe.stick")

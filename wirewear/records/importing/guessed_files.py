@@ -11,9 +11,8 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, GuessedLayout, guessed_layout
-from wirewear.base.quantity import FIELD_UNITS
 from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.reader import OPEN, TextReader

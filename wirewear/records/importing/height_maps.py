@@ -16,9 +16,8 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.budget import require_room
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
-from wirewear.base.quantity import FIELD_UNITS
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
 
 Map = tuple[Array, Array, Array]  #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.

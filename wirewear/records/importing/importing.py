@@ -18,13 +18,12 @@ from wirewear.loops.cycles import split_cycles
 from wirewear.loops.digitised import outline
 from wirewear.loops.signals import enclosed_area
 from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
+from wirewear.records.contact_tables import TABLES, LineRecordTables
 from wirewear.records.importing import sources
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
 from wirewear.records.importing.reader import require_mapping
-from wirewear.records.line_tables import LineRecordTables
 from wirewear.records.normal_force import pressing
-from wirewear.records.point_tables import TABLES
 from wirewear.records.reading import EVOLUTION_COLUMNS, read_tables, tables_of_file
 from wirewear.records.remarks import listed, plural
 from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar

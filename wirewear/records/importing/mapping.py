@@ -6,15 +6,13 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
+from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, RecordError, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.planar.tables import LineLoad
+from wirewear.records.contact_tables import BallTest, LineConditions, LineNoise, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
-from wirewear.records.line_tables import LineConditions, LineNoise, LineTest
 from wirewear.records.metadata import Metadata
-from wirewear.records.point_tables import BallTest, ShapesTest
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
 from wirewear.study.keys import NormalLoad, Table, checked_text
 

@@ -11,10 +11,10 @@ from scipy.optimize import least_squares
 from geometry import Barrel, Cylinder, Flat
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
+from wirewear.records.contact_tables import LineTest
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
-from wirewear.records.line_tables import LineTest
 from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body, Wire

@@ -14,8 +14,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
-from wirewear.base.errors import RecordError
-from wirewear.base.quantity import nearest, shown
+from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.reading import Held, read_text, require_no_other
 
 OPEN = "?"  #: What stands in a guessed mapping for what only the user can tell.

@@ -6,9 +6,8 @@ from pathlib import Path
 
 from solvers.plugins import installed
 from wirewear.base.errors import RecordError
-from wirewear.records.importing.matlab import MatlabReader
+from wirewear.records.importing.matlab import MatlabReader, TdmsReader
 from wirewear.records.importing.reader import Reader, TextReader
-from wirewear.records.importing.tdms import TdmsReader
 
 ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package names its subclasses of `Reader`.
 

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.budget import within
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
-from wirewear.base.processes import within
 from wirewear.base.reading import DELIMITERS, require_within
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
 from wirewear.records.importing.reader import TextReader

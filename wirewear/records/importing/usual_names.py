@@ -4,8 +4,8 @@ import re
 import unicodedata
 from collections.abc import Sequence
 
+from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH
 from wirewear.base.guessing import KNOWN_UNITS, plain, usual_unit
-from wirewear.base.quantity import FIELD_UNITS, UNITS_PER_LENGTH
 
 #: Usual names of a channel, without their unit and accents, in order of preference: English, German, Spanish, French,
 #: Italian, Portuguese and Chinese, then those that may also name something else.

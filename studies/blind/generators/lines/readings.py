@@ -15,7 +15,7 @@ from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops import LoopSignals, Sensor
-from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.contact_tables import LineRecordTables
 from wirewear.results import Loop, RunResult
 
 Array = NDArray[np.float64]

@@ -32,7 +32,7 @@ from studies.blind.generators.others.tests_drawn import (
 from studies.blind.generators.others.world import World
 from wirewear.base.errors import RunError
 from wirewear.records import AnyRecord, ExperimentRecord, MeasuredProfile, MeasuredScar, RecordTables
-from wirewear.records.line_tables import LineRecordTables
+from wirewear.records.contact_tables import LineRecordTables
 
 Contact = HalfSpaceWires | FoundationWires | StripWires | LinePair
 
