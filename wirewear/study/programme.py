@@ -9,7 +9,7 @@ from typing import Annotated, Any, Generic, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from wirewear.base.quantity import counted, shown
+from wirewear.base.errors import counted, shown
 from wirewear.study import keys
 
 AnyStudy = TypeVar("AnyStudy")
