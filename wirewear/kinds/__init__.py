@@ -55,7 +55,7 @@ def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
 
     named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), next(iter(KINDS.values())))
     if any(surfaces_in(tables)):
-        from wirewear.kinds.kind import with_levelled
+        from wirewear.kinds.surfaces import with_levelled
 
         tables = with_levelled(tables, where, named.study_from_tables)
     study: Study | PlanarStudy = named.study_from_tables(tables, where)

@@ -1,0 +1,87 @@
+"""Surfaces that a study names as heights: levelled against the bodies' unworn shapes, as the importer levels scars."""
+
+from collections.abc import Callable, Mapping
+from copy import deepcopy
+from functools import reduce
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry import Flat
+from geometry.arrays import Array
+from wirewear.base.errors import StudyError, WirewearError
+from wirewear.base.guessing import known_columns
+from wirewear.planar import PlanarStudy
+from wirewear.records.importing.height_maps import MapScale, height_map, is_map
+from wirewear.records.importing.mapping import ScarSource
+from wirewear.records.importing.profilometry import MapOfBody, levelled, scar_of_heights, scar_of_map
+from wirewear.study import Study
+from wirewear.study.messages import validated
+from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
+
+#: Lines x (n_x,) and y (n_y,) along and across the motion, and depths (n_x, n_y), all in µm.
+Map = tuple[Array, Array, Array]
+
+#: Depths of a surface whose own are still to be found.
+_LEVEL = kept(np.zeros(2), np.zeros(2), np.zeros((2, 2)))
+
+
+def with_levelled(
+    tables: Mapping[str, Any], where: str, read: Callable[[Mapping[str, Any], str], Study | PlanarStudy]
+) -> Mapping[str, Any]:
+    """A study's tables with depths in place of files of heights; `read` makes a study of tables.
+    Raises StudyError if a file cannot be read, or its surface is not that of the body.
+    """
+    unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
+    files = {place: Path(table["file"]) for place, table in surfaces_in(tables) if isinstance(table.get("file"), str)}
+    heights = {place: file for place, file in files.items() if _has_heights(file)}
+    for *place, key in heights:
+        reduce(dict.__getitem__, place, unworn).pop(key)
+    study = read(unworn, where)
+    for (*place, key), file in heights.items():
+        holder = reduce(dict.__getitem__, place, whole)
+        told = {name: value for name, value in holder[key].items() if name != "file"}
+        stated = validated(StatedSurface, told | _LEVEL, where, StudyError)
+        try:
+            of = _of_line if isinstance(study, PlanarStudy) else _of_body
+            x, y, depth = of(study, place[-1], file, stated)
+        except WirewearError as problem:
+            raise StudyError(f"the surface of {place[-1]} in {where} cannot be taken: {problem}") from None
+        if stated.centred_on == "map":
+            x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
+        holder[key] = {"frame": "test", **kept(x, y, depth)}
+    return whole
+
+
+def _has_heights(file: Path) -> bool:
+    """Whether a file is a map or a table of heights; of one that cannot be read its reader tells."""
+    try:
+        return file.is_file() and (is_map(file) or "depth_um" not in known_columns(file, COLUMNS))
+    except WirewearError:
+        return False
+
+
+def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
+    """Of a body of a contact at a point."""
+    told = stated.model_dump(include={"step_um", "height_unit"}, exclude_none=True)
+    told |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
+    source = ScarSource.model_validate(told)
+    of = MapOfBody(file, source, next(body for body in study.bodies if body.name == name), 1)
+    columns = {} if is_map(file) else known_columns(file, COLUMNS)
+    points = [columns[key] for key in ("x_um", "y_um", "height_um") if key in columns]
+    scar = scar_of_heights(of, (points[0], points[1], points[2])) if len(points) == 3 else scar_of_map(of)
+    return scar.x_um, scar.y_um, scar.depth_um
+
+
+def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
+    """Of the pad or the specimen of a line contact: the mean over the lines of a map."""
+    columns = {} if is_map(file) else known_columns(file, COLUMNS)
+    if "x_um" in columns and "height_um" in columns:
+        x, height = columns["x_um"], columns["height_um"]
+    else:
+        x, _, heights = height_map(file, MapScale(stated.step_um, None, stated.height_unit))
+        height = np.nanmean(heights, axis=1)
+    face = study.pad.profile if name == "pad" else Flat()
+    found = levelled(file, 1, name, face, (x, height), subtract=True)
+    return found.x_um, np.zeros(1), found.depth_um[:, None]
