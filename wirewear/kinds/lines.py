@@ -115,8 +115,7 @@ class LineContacts:
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """The specimen may be of another material than the pad."""
-        from wirewear.records.importing.guessing import guessed_mapping
-        from wirewear.records.importing.guessing import line_contact
+        from wirewear.records.importing.guessing import guessed_mapping, line_contact
 
         return guessed_mapping(files, dict(known), line_contact(known, own, pad))
 
