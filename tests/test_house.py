@@ -250,8 +250,8 @@ BUDGETS = {
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
-    "lines of geometry, solvers and wirewear": 62_752,
-    "lines of wirewear": 50_765,
+    "lines of geometry, solvers and wirewear": 62_751,
+    "lines of wirewear": 50_764,
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
