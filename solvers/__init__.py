@@ -6,6 +6,7 @@ from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import misaligned
 from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
 from solvers.contact_state import ContactState, Guide, Holder, IncrementReport, WearState
+from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
 from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
@@ -31,13 +32,13 @@ from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
-    "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace",
+    "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive",
     "DriveTiming", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController",
-    "JumpStep", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenSupply", "PatchLeftError", "PlacedBody",
-    "PowerOfPressure", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError",
-    "StuckMotion", "Symmetry", "ThirdBody", "WearRates", "WearState", "advance", "change_by_work",
-    "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
-    "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned",
-    "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred",
-    "transferred_wear", "unloaded_state",
+    "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenSupply", "PatchLeftError",
+    "PlacedBody", "PowerOfPressure", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
+    "Symmetry", "ThirdBody", "Waveform", "WearRates", "WearState", "advance", "change_by_work", "closed_adaptive_cycle",
+    "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened", "friction_law", "friction_laws",
+    "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press",
+    "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal",
+    "triangular", "unloaded_state",
 ]  # fmt: skip

@@ -15,6 +15,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
+from solvers.drive import Drive, phases
 from solvers.fretting import CycleTrace, Watch, settled
 from solvers.wear_step.symmetry import Mirror, kept_by, mirrored, symmetry_of
 
@@ -43,7 +44,7 @@ _PATIENCE = 2.0
 def closed_adaptive_cycle(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     watch: Watch | None = None,
     guide: Guide | None = None,
@@ -53,16 +54,16 @@ def closed_adaptive_cycle(
 ) -> tuple[ContactState, CycleTrace]:
     """A closed loop with the wear frozen, as `closed_cycle` gives it, but with increments where the force bends.
 
-    increments: of a cosine than whose steps none is longer.  tolerance: allowed distance of the force from the
-    straight lines between increments, over the friction force or, in partial slip, over the largest force or
-    the half height of a rectangular loop of as much friction work, whichever is least; nearly without friction, over a
-    share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop is to start; else
-    half a cycle is moved first.
+    The load stays as it is.  increments: of a cosine than whose steps none is longer.  tolerance: allowed distance of
+    the force from the straight lines between increments, over the friction force or, in partial slip, over the largest
+    force or the half height of a rectangular loop of as much friction work, whichever is least; nearly without
+    friction, over a share of the load.  moved: a cycle, or half of one, with the wear frozen that ends where the loop
+    is to start; else half a cycle is moved first.
 
     Bodies of which a part has stuck ever since they were pressed together go both ways: strokes do not wipe out what it
     remembers.
     """
-    trace = moved or settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)[1]
+    trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]
     friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
@@ -71,7 +72,7 @@ def closed_adaptive_cycle(
     height, least = min(friction, largest, opening), _LEAST_FRICTION * float(trace.normal_force.max())
     walk = _Walk(
         problem,
-        amplitude_mm,
+        drive.amplitude_mm,
         tolerance * (height if min(friction, largest) > least else max(height, least)),
         increments,
     )
@@ -92,7 +93,7 @@ def closed_adaptive_cycle(
             for step in solved:
                 for report in step.reports:
                     watch(step.after, report)
-        trace = _trace(start, steps, amplitude_mm)
+        trace = _trace(start, steps, drive)
         if abs(_force(state) - _force(start)) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
     return state, trace
@@ -226,17 +227,18 @@ def _force(state: ContactState) -> float:
     return float(state.primary_force[:, 0].sum())
 
 
-def _trace(start: ContactState, steps: Sequence[_Step], amplitude: float) -> CycleTrace:
+def _trace(start: ContactState, steps: Sequence[_Step], driven: Drive) -> CycleTrace:
     states = [step.after for step in steps]
     drive = np.array([state.drive for state in states])
     falling = np.array([step.before.drive > step.after.drive for step in steps])
-    angle = np.array([acos(max(-1.0, min(1.0, x / amplitude))) for x in drive]) / (2.0 * pi)
-    phase = np.where(falling, angle, 1.0 - angle)
+    places = drive / driven.amplitude_mm
+    phase = np.where(falling, phases(places, falling=True), phases(places, falling=False))
     middle = next(state for state, down in zip(states, falling, strict=True) if state.drive == 0.0 and not down)
     end = states[-1]
     return CycleTrace(
         drive=drive,
         phase=phase,
+        time=driven.waveform.times(places, phase),
         holder_x=np.array([state.holder_x for state in states]),
         tangential_force=np.array([step.reports[-1].tangential_force for step in steps]),
         normal_force=np.array([step.reports[-1].normal_force for step in steps]),

@@ -1,6 +1,6 @@
 """What a contact simulation remembers between increments, and the rig that holds the upper body."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -46,7 +46,8 @@ class ContactState:
     primary_slid, secondary_slid: (n,) distance that each node of a patch has slid under pressure so far, mm.
     core: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     pressed_ahead: drive less holder_x when they were.
-    slip_share: (n,) slip of the primary's nodes over the last increment, as a share of the drive's motion.
+    slip_share: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
+    load_share: what presses the holder down, but for its loading spring, over the test's normal load.
     """
 
     wear: WearState
@@ -65,6 +66,7 @@ class ContactState:
     core: BoolArray
     pressed_ahead: float
     slip_share: Array
+    load_share: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -158,7 +160,7 @@ class Guide:
 
 def guide_from(phases: Array, states: list[ContactState]) -> Guide:
     """The guide that the states at the given phases of a cycle make."""
-    order = np.argsort(phases)
+    order = np.argsort(phases, kind="stable")
     return Guide(
         phase=phases[order],
         drive=np.array([states[i].drive for i in order]),
@@ -224,6 +226,10 @@ class Holder:
         if self.rotational_compliance_rad_per_N_mm == 0.0 or self.pivot_height_mm == 0.0:
             return 0.0
         return self.rotational_compliance_rad_per_N_mm * self.pivot_height_mm / self.compliance_at_contact_mm_per_N
+
+    def under(self, load_share: float) -> "Holder":
+        """The holder under that share of its normal load."""
+        return self if load_share == 1.0 else replace(self, normal_load_N=load_share * self.normal_load_N)
 
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
         """Load at the holder's height, given its height when the bodies had just been pressed together."""

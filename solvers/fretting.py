@@ -1,6 +1,6 @@
 """Fretting cycles: the drive's path, and simulated cycles along it.
 
-Cycles start and end at either end of the stroke; the drive is a cosine, so increments are short near the
+Cycles start and end at either end of the stroke; increments are those of a cosine, short near the
 reversals, where the contact changes from slip to stick and back.
 """
 
@@ -12,6 +12,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
+from solvers.drive import Drive, Path
 from solvers.wear_path import wear_path
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
@@ -25,13 +26,15 @@ Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every i
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
 
-    phase: share of the cycle passed since +amplitude, in (0, 1].
-    drive, holder_x in mm, forces in N, work in mJ (of the increment, for one cycle).  guide: first guesses for a
-    similar cycle.  slid: distance that each node of the primary and the secondary patch slid under pressure, mm.
-    start: the state before.  middle: that when the drive passes zero moving towards +x.  states: n, at the same ends.
+    phase: share of its cycle that a cosine from +amplitude has passed at that place, in (0, 1].  time: share of the
+    cycle passed, by the drive's waveform.  drive, holder_x in mm, forces in N, work in mJ (of the increment, for one
+    cycle).  guide: first guesses for a similar cycle.  slid: distance that each node of the primary and the secondary
+    patch slid under pressure, mm.  start: the state before.  middle: that when the drive passes zero moving towards +x.
+    states: n, at the same ends.
     """
 
     phase: Array
+    time: Array
     drive: Array
     holder_x: Array
     tangential_force: Array
@@ -50,33 +53,28 @@ class CycleTrace:
         return float(self.work.sum())
 
 
-def drive_path(amplitude_mm: float, increments: int) -> Array:
-    """Drive at the ends of the increments of a cycle from +amplitude and back, shape (increments,).
+def cosine_places(amplitude_mm: float, increments: int) -> Array:
+    """Places at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
 
-    Mirrored quarter by quarter, so that both strokes are the same to the last bit.
+    Mirrored in the middle, so that both quarters are the same to the last bit.
     """
-    quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 4 + 1) / (increments // 4))
+    quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 2 + 1) / (increments // 2))
     quarter[-1] = 0.0
-    fall = np.concatenate([quarter, -quarter[-2::-1], [-amplitude_mm]])
-    return np.concatenate([fall, -fall])
+    return np.concatenate([quarter, -quarter[-2::-1], [-amplitude_mm]])
 
 
 def first_quarter(
-    problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
+    problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
     """Move from mid-stroke to +amplitude without wear."""
-    quarter = increments // 4
-    path = _Path(
-        drive_path(amplitude_mm, increments)[-quarter:],
-        np.arange(increments - quarter + 1, increments + 1) / increments,
-    )
+    path = _cosine_stroke(drive, -1.0, increments).from_middle
     return _follow(problem, state, path, 0.0, watch, None)[0]
 
 
 def run_cycle(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     cycles: float,
     watch: Watch | None = None,
@@ -86,13 +84,13 @@ def run_cycle(
 
     guide: of a cycle with the same stroke and little wear since.
     """
-    return _follow(problem, state, _path_from(state, amplitude_mm, increments), cycles, watch, guide)
+    return _follow(problem, state, _path_from(state, drive, increments), cycles, watch, guide)
 
 
 def traced_cycle(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     *,
     half: bool,
@@ -103,25 +101,21 @@ def traced_cycle(
 
     Its increments are those by which surfaces wear: spread evenly over the slip of the guide, see `wear_path`.
     """
-    side = 1.0 if state.drive > 0.0 else -1.0
-    count = increments // 2
-    first = 0.0 if side > 0.0 else 0.5
-    phase = np.arange(1, count + 1) / increments
+    side, count = _side(state), increments // 2
     out = None if guide is None else guide.stroke(side)
-    there = _Path(side * wear_path(amplitude_mm, side * state.holder_x, count, out), first + phase)
+    there = drive.stroke(side, side * wear_path(drive.amplitude_mm, side * state.holder_x, count, out))
     if half:
         return _follow(problem, state, there, 0.0, watch, guide)
     home = None if guide is None else guide.stroke(-side)
     carried = side * state.holder_x if out is None else -float(out.holder_x[-1])
-    back = _Path(-side * wear_path(amplitude_mm, carried, count, home), 0.5 - first + phase)
-    both = _Path(np.concatenate([there.drive, back.drive]), np.concatenate([there.phase, back.phase]))
-    return _follow(problem, state, both, 0.0, watch, guide)
+    back = drive.stroke(-side, -side * wear_path(drive.amplitude_mm, carried, count, home))
+    return _follow(problem, state, there + back, 0.0, watch, guide)
 
 
 def closed_cycle(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     watch: Watch | None = None,
     guide: Guide | None = None,
@@ -133,10 +127,10 @@ def closed_cycle(
     1/settling_increments of a cycle (default: 1/increments), removes their memory. Where the contact sticks almost
     throughout, cycles are repeated until the loop closes.
     """
-    state, trace = settled(problem, state, amplitude_mm, settling_increments or increments, watch, guide)
+    state, trace = settled(problem, state, drive, settling_increments or increments, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
-        state, trace = run_cycle(problem, state, amplitude_mm, increments, 0.0, watch, guide)
+        state, trace = run_cycle(problem, state, drive, increments, 0.0, watch, guide)
         guide = trace.guide
         if abs(float(trace.tangential_force[-1]) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
@@ -146,7 +140,7 @@ def closed_cycle(
 def settled(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     watch: Watch | None = None,
     guide: Guide | None = None,
@@ -155,12 +149,11 @@ def settled(
 
     Where the contact sticks in its middle all the way, it cannot: the contact is then moved anew from mid-stroke.
     """
-    path = _path_from(state, amplitude_mm, increments)
-    half = _Path(path.drive[: increments // 2], path.phase[: increments // 2])
+    half = _cosine_stroke(drive, _side(state), increments)
     end, trace = _follow(problem, state, half, 0.0, watch, guide)
     if not sticks_throughout(state, end):
         return end, trace
-    return _follow(problem, anew(problem, state, amplitude_mm, increments, watch), half, 0.0, watch, None)
+    return _follow(problem, anew(problem, state, drive, increments, watch), half, 0.0, watch, None)
 
 
 def sticks_throughout(start: ContactState, end: ContactState) -> bool:
@@ -170,7 +163,7 @@ def sticks_throughout(start: ContactState, end: ContactState) -> bool:
 
 
 def anew(
-    problem: ContactProblem, state: ContactState, amplitude_mm: float, increments: int, watch: Watch | None = None
+    problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
     """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.
 
@@ -181,31 +174,25 @@ def anew(
     blank = replace(unloaded_state(problem), wear=state.wear, core=state.core)
     pressed, _ = press(problem, blank)
     pressed = replace(pressed, pressed_z=state.pressed_z)
-    side = 1.0 if state.drive > 0.0 else -1.0
-    quarter = increments // 4
-    drive = side * drive_path(amplitude_mm, increments)[-quarter:]
-    phase = np.arange(increments - quarter + 1, increments + 1) / increments - (0.0 if side > 0.0 else 0.5)
-    return _follow(problem, pressed, _Path(drive, phase), 0.0, watch, None)[0]
+    path = _cosine_stroke(drive, -_side(state), increments).from_middle
+    return _follow(problem, pressed, path, 0.0, watch, None)[0]
 
 
-@dataclass(frozen=True)
-class _Path:
-    """Drive (m,) at the ends of increments and the share of the cycle passed since +amplitude, (m,) in (0, 1]."""
-
-    drive: Array
-    phase: Array
+def _side(state: ContactState) -> float:
+    return 1.0 if state.drive > 0.0 else -1.0
 
 
-def _path_from(state: ContactState, amplitude_mm: float, increments: int) -> _Path:
-    drive = drive_path(amplitude_mm, increments)
-    phase = np.arange(1, increments + 1) / increments
-    if state.drive > 0.0:
-        return _Path(drive, phase)
-    return _Path(-drive, np.roll(phase, -(increments // 2)))
+def _cosine_stroke(drive: Drive, side: float, increments: int) -> Path:
+    return drive.stroke(side, side * cosine_places(drive.amplitude_mm, increments // 2))
+
+
+def _path_from(state: ContactState, drive: Drive, increments: int) -> Path:
+    there, back = (_cosine_stroke(drive, side * _side(state), increments) for side in (1.0, -1.0))
+    return there + back
 
 
 def _follow(
-    problem: ContactProblem, state: ContactState, path: _Path, cycles: float, watch: Watch | None, guide: Guide | None
+    problem: ContactProblem, state: ContactState, path: Path, cycles: float, watch: Watch | None, guide: Guide | None
 ) -> tuple[ContactState, CycleTrace]:
     rows: list[tuple[float, float, float, float]] = []
     everything: list[IncrementReport] = []
@@ -214,10 +201,10 @@ def _follow(
     # What has been gathered before decides about round-off: a resumed run is to end with the very same numbers.
     for body in (problem.primary, problem.secondary):
         body.latest_block.clear()
-    for drive, phase in zip(path.drive, path.phase, strict=True):
+    for drive, phase, _time, load in path:
         rising = drive > state.drive
         guess = guide.at(float(phase), float(drive)) if guide is not None else None
-        state, reports = advance(problem, state, float(drive), cycles, guess)
+        state, reports = advance(problem, state, float(drive), cycles, guess, float(load))
         states.append(state)
         everything.extend(reports)
         if watch:
@@ -230,6 +217,7 @@ def _follow(
     holder_x, tangential, normal, work_done = np.array(rows).T
     trace = CycleTrace(
         phase=path.phase,
+        time=path.time,
         drive=path.drive,
         holder_x=holder_x,
         tangential_force=tangential,

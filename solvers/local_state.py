@@ -1,29 +1,26 @@
 """What a law may know of the nodes where it acts: how fast they slide, and what both surfaces have been through."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from math import pi, sqrt
+from dataclasses import dataclass, field
 
 from geometry.arrays import Array
 from solvers.contact_state import WearState
+from solvers.drive import Drive
 
 
 @dataclass(frozen=True)
 class DriveTiming:
-    """How fast the drive moves along its stroke; one of amplitude 0 is so slow that its speed counts for nothing.
+    """How fast the drive moves along its stroke; one of amplitude 0 is so slow that its speed counts for nothing."""
 
-    triangular: whether it moves evenly, and not as a sine of time.
-    """
-
-    amplitude_mm: float = 0.0
+    drive: Drive = field(default_factory=lambda: Drive(0.0))
     frequency_Hz: float = 1.0
-    triangular: bool = False
 
-    def speed_mm_per_s(self, drive_mm: float) -> float:
-        """Its speed where it is displaced by so much; at rest at the ends of the stroke unless it moves evenly."""
-        if self.triangular:
-            return 4.0 * self.frequency_Hz * self.amplitude_mm
-        return 2.0 * pi * self.frequency_Hz * sqrt(max(self.amplitude_mm**2 - drive_mm**2, 0.0))
+    def speed_mm_per_s(self, drive_mm: float, *, falling: bool) -> float:
+        """Its speed where it is displaced by so much, on its way back or out."""
+        amplitude = self.drive.amplitude_mm
+        if amplitude == 0.0:
+            return 0.0
+        return amplitude * self.frequency_Hz * self.drive.waveform.speed(drive_mm / amplitude, falling=falling)
 
 
 @dataclass(frozen=True)

@@ -147,14 +147,14 @@ def with_holder(wires: solvers.ContactProblem, name: str) -> solvers.ContactProb
 @pytest.mark.parametrize("holder", ["rigid", "spring", "free play"])
 def test_straight_lines_between_increments_follow_a_loop_of_400(wires: solvers.ContactProblem, holder: str) -> None:
     problem = with_holder(wires, holder)
-    state = solvers.first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
-    _, fine = solvers.closed_cycle(problem, state, AMPLITUDE_mm, 400)
-    _, loop = solvers.closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(AMPLITUDE_mm), INCREMENTS)
+    _, fine = solvers.closed_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), 400)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), INCREMENTS)
     assert distance(loop, fine) <= 0.005 * SLIDING_N
     assert len(loop.drive) <= 120
     # As many increments on a cosine do not.
     count = 4 * (len(loop.drive) // 4)
-    _, cosine = solvers.closed_cycle(problem, state, AMPLITUDE_mm, count)
+    _, cosine = solvers.closed_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), count)
     assert distance(cosine, fine) > distance(loop, fine)
     area = abs(enclosed_area(loop.drive, loop.tangential_force))
     assert loop.friction_work == pytest.approx(area, rel=1e-3)
@@ -171,9 +171,9 @@ def test_straight_lines_between_increments_follow_a_loop_of_400(wires: solvers.C
 @pytest.mark.slow
 def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: solvers.ContactProblem) -> None:
     problem, amplitude = with_holder(wires, "rigid"), 0.0004
-    state = solvers.first_quarter(problem, pressed(problem)[0], amplitude, INCREMENTS)
-    _, fine = solvers.closed_cycle(problem, state, amplitude, 400)
-    _, loop = solvers.closed_adaptive_cycle(problem, state, amplitude, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(amplitude), INCREMENTS)
+    _, fine = solvers.closed_cycle(problem, state, solvers.Drive(amplitude), 400)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, solvers.Drive(amplitude), INCREMENTS)
     largest = float(np.abs(fine.tangential_force).max())
     assert largest < 0.9 * SLIDING_N
     assert distance(loop, fine) <= 0.005 * largest
@@ -183,8 +183,8 @@ def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: solvers.
 @pytest.mark.parametrize("stroke_mm", [3.3e-4, 5.0e-4])
 def test_the_area_of_a_thin_loop_is_its_friction_work(wires: solvers.ContactProblem, stroke_mm: float) -> None:
     problem = with_holder(wires, "rigid")
-    state = solvers.first_quarter(problem, pressed(problem)[0], stroke_mm, INCREMENTS)
-    _, loop = solvers.closed_adaptive_cycle(problem, state, stroke_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(stroke_mm), INCREMENTS)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, solvers.Drive(stroke_mm), INCREMENTS)
     force = float(np.abs(loop.tangential_force).max())
     assert 0.0 < loop.friction_work < 0.1 * 4.0 * stroke_mm * force
     assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=4e-4)
@@ -194,11 +194,11 @@ def test_no_step_is_refined_without_end_where_the_force_is_rough(
     wires: solvers.ContactProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = with_holder(wires, "spring")
-    state = solvers.first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
+    state = solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(AMPLITUDE_mm), INCREMENTS)
     random = np.random.default_rng(3)
     true_force = solvers.adaptive_loop._force
     monkeypatch.setattr(
         solvers.adaptive_loop, "_force", lambda at: true_force(at) + 0.003 * SLIDING_N * random.normal()
     )
-    _, loop = solvers.closed_adaptive_cycle(problem, state, AMPLITUDE_mm, INCREMENTS)
+    _, loop = solvers.closed_adaptive_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), INCREMENTS)
     assert len(loop.drive) < 600

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from threadpoolctl import threadpool_limits
 
-from solvers import NotConvergedError, place
+from solvers import Drive, NotConvergedError, place
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
 from solvers.contact.advancing import IncrementFailedError
@@ -37,7 +37,7 @@ def test_bodies_pressed_anew_around_worn_scars_leave_no_friction_on_what_sticks(
     worn = jumped(problem, at_the_end(problem, STROKE_mm), 2e4, stroke_mm=STROKE_mm).state
     assert worn.core.sum() > 4
     with threadpool_limits(limits=1, user_api="blas"):
-        state = anew(problem, worn, NEXT_TO_NOTHING_mm, INCREMENTS)
+        state = anew(problem, worn, Drive(NEXT_TO_NOTHING_mm), INCREMENTS)
     core = np.flatnonzero(worn.core)
     frames = faced(problem, state, core, state.drive, state.holder_x, state.holder_tilt).frames
     pressure, *friction = np.einsum("ikj,ij->ki", frames, state.traction[core])

@@ -10,6 +10,7 @@ import pytest
 from solvers.contact import ContactProblem
 from solvers.contact.problem import misaligned
 from solvers.contact_state import ContactState, Holder, IncrementReport
+from solvers.drive import Drive
 from solvers.errors import NotConvergedError, SolverError
 from solvers.fretting import first_quarter, run_cycle
 from solvers.holder_measurement import measured_holder
@@ -195,11 +196,11 @@ def test_penalty_and_augmented_lagrangian_agree_and_the_elastic_slip_is_reported
 
 
 def test_a_guide_from_before_load_and_friction_changed_leads_to_the_same_cycle(spring: ContactProblem) -> None:
-    quarter = first_quarter(spring, pressed(spring)[0], AMPLITUDE_mm, 16)
-    before, trace = run_cycle(spring, quarter, AMPLITUDE_mm, 16, 0.0)
+    quarter = first_quarter(spring, pressed(spring)[0], Drive(AMPLITUDE_mm), 16)
+    before, trace = run_cycle(spring, quarter, Drive(AMPLITUDE_mm), 16, 0.0)
     changed = replace(spring, friction=0.7 * FRICTION, holder=replace(spring.holder, normal_load_N=0.8 * LOAD_N))
-    _, guided = run_cycle(changed, before, AMPLITUDE_mm, 16, 0.0, None, trace.guide)
-    _, unguided = run_cycle(changed, before, AMPLITUDE_mm, 16, 0.0)
+    _, guided = run_cycle(changed, before, Drive(AMPLITUDE_mm), 16, 0.0, None, trace.guide)
+    _, unguided = run_cycle(changed, before, Drive(AMPLITUDE_mm), 16, 0.0)
     assert guided.tangential_force == pytest.approx(unguided.tangential_force, abs=1e-4 * LOAD_N)
     assert guided.normal_force == pytest.approx(np.full(16, 0.8 * LOAD_N), rel=1e-9)
     assert np.abs(guided.tangential_force).max() == pytest.approx(0.56 * FRICTION * LOAD_N, rel=0.02)

@@ -10,6 +10,7 @@ from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.contact_state import ContactState, Holder, WearState
+from solvers.drive import Drive
 from solvers.fretting import first_quarter
 from solvers.wear import WearRates
 from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
@@ -128,8 +129,8 @@ def test_roughness_makes_the_stick_branch_soft_and_stiffens_with_the_load(smooth
 def test_a_loop_through_a_thick_rough_layer_encloses_its_friction_work(smooth: ContactProblem) -> None:
     problem = replace(smooth, layers=(RoughLayer(4e-4, 100.0),))
     with threadpool_limits(1, user_api="blas"):
-        start = first_quarter(problem, pressed(problem)[0], 0.004, 16)
-        _, loop = closed_adaptive_cycle(problem, start, 0.004, 32)
+        start = first_quarter(problem, pressed(problem)[0], Drive(0.004), 16)
+        _, loop = closed_adaptive_cycle(problem, start, Drive(0.004), 32)
     assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=1e-2)
 
 

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from solvers import ContactProblem, ContactState, IncrementReport, OxygenSupply, SolverError, run_cycle
+from solvers import ContactProblem, ContactState, Drive, IncrementReport, OxygenSupply, SolverError, run_cycle
 from solvers.wear import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
@@ -160,7 +160,7 @@ def test_surfaces_that_recede_after_each_increment_and_a_cycle_jump_agree_where_
     start = at_the_end(problem)
     explicit = start
     for _ in range(3):
-        explicit, _ = run_cycle(problem, explicit, STROKE_mm, 2 * INCREMENTS, 10.0)
+        explicit, _ = run_cycle(problem, explicit, Drive(STROKE_mm), 2 * INCREMENTS, 10.0)
     jump = jumped(problem, start, 30.0).state
     assert depth_error(explicit, jump) < 0.03
     assert explicit.wear.energy_mJ == pytest.approx(jump.wear.energy_mJ, rel=0.01)

@@ -133,7 +133,7 @@ class ScriptedCycler:
 
     def entered(self, problem: Any, state: float, motion: Motion, done: float) -> tuple[Any, float]:
         self.motion = motion
-        ENTERED.append((done, motion.amplitude_mm))
+        ENTERED.append((done, motion.drive.amplitude_mm))
         return problem, state
 
     def aged(self, problem: Any, *_: object) -> Any:
@@ -193,7 +193,8 @@ def run(
     ENTERED.clear()
 
     def motion(amplitude_mm: float) -> Motion:
-        return Motion(amplitude_mm, 16, 16, follows_force=False, fresh=unasked, aged=unasked, under=lambda own: own)
+        asked = {"fresh": unasked, "aged": unasked, "under": lambda own: own}
+        return Motion(solvers.Drive(amplitude_mm), 16, 16, follows_force=False, **asked)
 
     test = FrettingTest(tuple((end, motion(own)) for end, own in blocks), Stages(limits), MILESTONES, 0.1)
     recorded: Any = record or Record()

@@ -24,7 +24,9 @@ _ONE_THREAD = {"limits": 1, "user_api": "blas"}
 @pytest.fixture(scope="module")
 def line() -> solvers.ContactProblem:
     """A cylinder on a flat, neither of which wears."""
-    return replace(line_contact(), wear=solvers.WearRates(), timing=solvers.DriveTiming(STROKE_mm, FREQUENCY_Hz))
+    return replace(
+        line_contact(), wear=solvers.WearRates(), timing=solvers.DriveTiming(solvers.Drive(STROKE_mm), FREQUENCY_Hz)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +37,7 @@ def hertz() -> LineContact:
 
 def loop(problem: solvers.ContactProblem, state: solvers.ContactState, increments: int) -> solvers.CycleTrace:
     with threadpool_limits(**_ONE_THREAD):
-        return solvers.closed_cycle(problem, state, STROKE_mm, increments)[1]
+        return solvers.closed_cycle(problem, state, solvers.Drive(STROKE_mm), increments)[1]
 
 
 @pytest.mark.parametrize("exponent", [2.0 / 3.0, 1.2])

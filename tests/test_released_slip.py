@@ -40,7 +40,8 @@ def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
 
 def work(problem: solvers.ContactProblem, state: solvers.ContactState, stroke_mm: float) -> float:
     with threadpool_limits(limits=1, user_api="blas"):
-        return solvers.closed_trace(problem, state, stroke_mm, INCREMENTS, solvers.Symmetry())[1].friction_work
+        drive, none = solvers.Drive(stroke_mm), solvers.Symmetry()
+        return solvers.closed_trace(problem, state, drive, INCREMENTS, none)[1].friction_work
 
 
 @pytest.mark.seconds

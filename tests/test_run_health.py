@@ -11,7 +11,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from geometry.arrays import Array
-from solvers import ContactProblem, CycleTrace, closed_cycle, first_quarter, mirror_error, symmetry_of
+from solvers import ContactProblem, CycleTrace, Drive, closed_cycle, first_quarter, mirror_error, symmetry_of
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.mending import of_own_definitions
@@ -66,8 +66,8 @@ def problem() -> ContactProblem:
 
 @pytest.fixture(scope="module")
 def cycle(problem: ContactProblem) -> CycleTrace:
-    start = first_quarter(problem, pressed(problem)[0], AMPLITUDE_mm, INCREMENTS)
-    return closed_cycle(problem, start, AMPLITUDE_mm, INCREMENTS)[1]
+    start = first_quarter(problem, pressed(problem)[0], Drive(AMPLITUDE_mm), INCREMENTS)
+    return closed_cycle(problem, start, Drive(AMPLITUDE_mm), INCREMENTS)[1]
 
 
 def test_a_closed_cycle_of_symmetric_bodies_is_its_own_mirror_image(problem: ContactProblem, cycle: CycleTrace) -> None:

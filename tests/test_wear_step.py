@@ -50,7 +50,7 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
     assert symmetry.order == (4 if angle_deg == 90.0 else 2)
     assert symmetry.half_cycle is not None
     with threadpool_limits(1, user_api="blas"):
-        start, half = solvers.closed_trace(posed, worn(posed, 50.0), STROKE_mm, INCREMENTS, symmetry)
+        start, half = solvers.closed_trace(posed, worn(posed, 50.0), solvers.Drive(STROKE_mm), INCREMENTS, symmetry)
         # A trace that has the symmetries to the last bit, which round-off in Newton's method does not leave.
         if symmetry.across is not None:
             half = replace(half, states=tuple(even_across(state, symmetry.across) for state in half.states))

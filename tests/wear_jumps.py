@@ -61,7 +61,7 @@ def at_the_end(
 ) -> solvers.ContactState:
     """Fresh bodies pressed together and moved to the end of the stroke."""
     with threadpool_limits(**_ONE_THREAD):
-        return solvers.first_quarter(problem, pressed(problem)[0], stroke_mm, increments)
+        return solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(stroke_mm), increments)
 
 
 def jumped(
@@ -77,7 +77,7 @@ def jumped(
     """One jump from the end of the stroke, by the symmetries that problem and state have unless some are given."""
     found = solvers.kept_by(solvers.symmetry_of(problem), state) if symmetry is None else symmetry
     with threadpool_limits(**_ONE_THREAD):
-        start, trace = solvers.closed_trace(problem, state, stroke_mm, increments, found)
+        start, trace = solvers.closed_trace(problem, state, solvers.Drive(stroke_mm), increments, found)
         return solvers.jump_cycles(problem_at or (lambda *_: problem), start, trace, found, 1.0, cycles)
 
 

@@ -38,7 +38,8 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 
     Doubles the approach until a first Newton solution under prescribed height carries the load.
     """
-    elastic = float(np.median(problem.primary.folded.diagonal())) * problem.holder.normal_load_N
+    load = problem.holder.under(state.load_share).normal_load_N
+    elastic = float(np.median(problem.primary.folded.diagonal())) * load
     # Bodies with a depth from the outset touch below the height at which unworn ones would.
     touch = max(float(vertical_gaps(problem, state, state.drive, state.holder_x).min()), 0.0)
     approach = 0.1 * elastic
@@ -55,8 +56,8 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
             approach *= 0.5
             continue
         force = float(pressed.primary_force[:, 2].sum())
-        if force > 0.3 * problem.holder.normal_load_N:
-            return -touch - approach * float((problem.holder.normal_load_N / force) ** (2.0 / 3.0))
+        if force > 0.3 * load:
+            return -touch - approach * float((load / force) ** (2.0 / 3.0))
         approach *= 1.6
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
 
@@ -146,7 +147,7 @@ def _slip_share(state: ContactState, nodes: IntArray, outcome: NewtonOutcome, dr
     """Slip (n,) of all the primary's nodes over an increment to `drive`, as a share of the drive's motion."""
     share = np.zeros_like(state.slip_share)
     if drive != state.drive:
-        share[nodes] = outcome.slip_length / abs(drive - state.drive)
+        share[nodes] = outcome.slip_length / (drive - state.drive)
     return share
 
 
@@ -216,17 +217,24 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
 _MOST_CUTS = 8
 
 _BARELY = 0.01  # Of a held approach.
+_NO_LOAD = 1e-3  # Of the normal load: less presses nothing, for a contact of so little has no elements.
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest."""
+    """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest.
+
+    What no load presses down stands just where the bodies would touch.
+    """
     stop = 0.5 * problem.holder.play_mm
-    holder_x = float(np.clip(state.holder_x, -stop, stop))
+    holder_x, height = float(np.clip(state.holder_x, -stop, stop)), state.holder_z
+    if problem.holder.approach_mm is None:
+        height = -float(vertical_gaps(problem, state, drive, holder_x).min())
     none = np.zeros_like(state.traction)
     apart = replace(
         state,
         drive=drive,
         holder_x=holder_x,
+        holder_z=height,
         holder_tilt=state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x),
         holder_rate=0.0,
         overlap_area=0.0,
@@ -259,35 +267,49 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
 
 
 def advance(
-    problem: ContactProblem, state: ContactState, drive: float, cycles: float, guess: FirstGuess | None = None
+    problem: ContactProblem,
+    state: ContactState,
+    drive: float,
+    cycles: float,
+    guess: FirstGuess | None = None,
+    load_share: float | None = None,
 ) -> tuple[ContactState, list[IncrementReport]]:
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 
     guess: what a cycle before came to at this drive, a better first guess than the last increment.
-    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail. Under a held
-    approach bodies may part, and meet again.
+    load_share: that of the normal load at the increment's end; without it the load stays. Under next to none, and under
+    a held approach, bodies may part, and meet again.
+    Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
     """
     reports: list[IncrementReport] = []
     pieces = 1
     done = 0.0
     start, current = state.drive, state
+    loaded, more = state.load_share, 0.0 if load_share is None else load_share - state.load_share
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
+        place = start + (done + share) * (drive - start)
+        current = replace(current, load_share=loaded + (done + share) * more)
+        if current.load_share < _NO_LOAD:
+            current, report = parted(problem, current, place)
+            done += share
+            reports.append(report)
+            continue
+        if more != 0.0 and not current.traction.any():
+            current = replace(current, holder_z=_height_under_load(replace(problem, friction=0.0), current))
         try:
             # An increment that had to be cut was led astray by its guess, too.
             expected = guess if pieces == 1 else None
-            current, report = solve_increment(
-                problem, current, start + (done + share) * (drive - start), cycles, expected=expected
-            )
+            current, report = solve_increment(problem, current, place, cycles, expected=expected)
         except IncrementFailedError as failure:
             pieces *= 2
             if pieces > 2**_MOST_CUTS:
                 if _may_part(problem, current, drive, failure):
                     current, report = _parted_or_met(problem, current, drive)
                     return current, [*reports, report]
-                place = 1e3 * (start + done * (drive - start))
+                stuck_um = 1e3 * (start + done * (drive - start))
                 raise NotConvergedError(
-                    f"the contact did not converge at a displacement of {place:.3f} um, even in steps of "
+                    f"the contact did not converge at a displacement of {stuck_um:.3f} um, even in steps of "
                     f"1/{pieces // 2} increment: {failure}"
                 ) from None
             continue

@@ -102,7 +102,7 @@ def linearised(
 
     before: the loaded nodes' pairing before the step.  slip_share: (n,) guess of the slip, see `ContactState`.
     """
-    holder = problem.holder
+    holder = problem.holder.under(state.load_share)
     if prescribed_height is None and holder.approach_mm is not None:
         prescribed_height = -holder.approach_mm
     compliance, old_displacement = paired_compliance(
@@ -144,7 +144,7 @@ def law_at(problem: ContactProblem, state: ContactState, pairing: Pairing, slip_
         state.wear,
         lambda field: field[nodes],
         lambda field: pairing.opposite.averaged(field) / pairing.areas,
-        lambda: timing.speed_mm_per_s(drive) * slip_share[nodes],
+        lambda: timing.speed_mm_per_s(drive, falling=bool(slip_share.min() < 0.0)) * np.abs(slip_share[nodes]),
         problem.primary_is_upper,
     )
     return problem.law_at(local)

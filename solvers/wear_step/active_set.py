@@ -94,11 +94,12 @@ class CycleEquations:
         known = facing.upward * self.gaps + facing.by_stuck + closure - softness * about
         if work_constant.any():
             known += opened * (self.opening @ (work_constant * wearing))
-        held, pressed_z = holder.approach_mm is not None, cycle.positions[0].state.pressed_z
+        states = [position.state for position in cycle.positions]
+        loads = [holder.under(state.load_share).load_N(0.0, state.pressed_z) for state in states]
         terms = _Terms(
             *(cycle.orbits.start, cycle.nodes.rows, on, cycle.influences.store, cycle.influences.at),
             *(self.opening.indptr, self.opening.indices, self.opening.data, opened, work_slope * wearing),
-            *(softness, slope, constant, known, nan if held else holder.load_N(0.0, pressed_z)),
+            *(softness, slope, constant, known, np.array(loads if holder.approach_mm is None else [nan] * len(loads))),
             *(holder.approach_mm or 0.0, holder.normal_stiffness_N_per_mm),
         )
         transposed, rhs, row, column, moved = _equations(terms, facing)
@@ -126,7 +127,7 @@ class _Terms(NamedTuple):
     start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact.  store, at:
     see `Influences`.  first, columns, opening: the sparse matrix of what opens; its rows count `opened` times, its
     columns `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which
-    gets what constant friction does.  load_N: at height 0, NaN under a held approach.
+    gets what constant friction does.  load_N: (positions,) at height 0, NaN under a held approach.
     """
 
     start: IntArray
@@ -143,7 +144,7 @@ class _Terms(NamedTuple):
     slope: Array
     constant: Array
     known: Array
-    load_N: float
+    load_N: Array
     approach_mm: float
     spring_N_per_mm: float
 
@@ -164,10 +165,10 @@ def _equations(terms: _Terms, facing: Facing) -> tuple[Array, Array, Array, Arra
             k += 1
         place[on[a]], position[a] = a, k
     moved = _elastic(terms, facing, position, place, transposed)
-    held = np.isnan(terms.load_N)
+    held = np.isnan(terms.load_N[0])
     for k in range(count):
         transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
-        rhs[size + k] = -terms.approach_mm if held else terms.load_N - facing.stuck_lift[k]
+        rhs[size + k] = -terms.approach_mm if held else terms.load_N[k] - facing.stuck_lift[k]
     for a in range(size):
         i, z = on[a], size + position[a]
         for entry in range(terms.first[i], terms.first[i + 1]):

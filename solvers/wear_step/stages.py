@@ -250,12 +250,12 @@ def _cycle(
     symmetry: Symmetry,
     work_mJ: float,
 ) -> tuple[list[int], Cycle]:
-    """The positions of the traced cycle that slide, and the last one, by their numbers.
+    """The positions of the traced cycle that slide, and the last one if the bodies touch there, by their numbers.
 
     work_mJ: friction work of the whole cycle.
     """
     every = positions_of(problem, start, states, nodes, symmetry.half_cycle)
-    kept = [k for k, position in enumerate(every) if position.slides or k == len(every) - 1]
+    kept = [k for k, own in enumerate(every) if own.slides or (k == len(every) - 1 and len(own.nodes))]
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
     influences = Influences(

@@ -6,6 +6,7 @@ import numpy as np
 
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
+from solvers.drive import Drive
 from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
 from solvers.wear_step.orbits import Position
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
@@ -18,7 +19,7 @@ _MOST_CYCLES = 4
 def closed_trace(
     problem: ContactProblem,
     state: ContactState,
-    amplitude_mm: float,
+    drive: Drive,
     increments: int,
     symmetry: Symmetry,
     watch: Watch | None = None,
@@ -33,11 +34,9 @@ def closed_trace(
     mirror, start = symmetry.half_cycle, state
     guide = None if guide is None else with_images(guide, mirror)
     for cycle in range(_MOST_CYCLES):
-        end, trace = traced_cycle(
-            problem, start, amplitude_mm, increments, half=mirror is not None, watch=watch, guide=guide
-        )
+        end, trace = traced_cycle(problem, start, drive, increments, half=mirror is not None, watch=watch, guide=guide)
         if cycle == 0 and sticks_throughout(start, end):
-            start, guide = anew(problem, start, amplitude_mm, increments, watch), None
+            start, guide = anew(problem, start, drive, increments, watch), None
             continue
         image = end if mirror is None else mirrored(end, mirror)
         if cycle == _MOST_CYCLES - 1 or _friction_difference(problem, start, image) <= _CLOSURE:

@@ -149,7 +149,8 @@ class Cycle:
 
         def sliding() -> Array:
             timing = problem.timing
-            shares = [timing.speed_mm_per_s(p.state.drive) / max(p.driven, 1e-300) for p in self.positions]
+            speeds = [timing.speed_mm_per_s(p.state.drive, falling=p.moved < 0.0) for p in self.positions]
+            shares = [speed / max(p.driven, 1e-300) for speed, p in zip(speeds, self.positions, strict=True)]
             return np.asarray(np.array(shares)[orbits.position] * slip)
 
         local = LocalState(

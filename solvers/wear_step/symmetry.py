@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
+from solvers.drive import Drive
 from solvers.placement import PlacedBody
 
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
@@ -71,6 +72,10 @@ class Symmetry:
         """How often what is traced comes by in a cycle: twice where it is half of one."""
         return 2 if self.half_cycle else 1
 
+    def under(self, drive: Drive) -> "Symmetry":
+        """Those that a cycle of this drive has: both halves must be loaded alike."""
+        return self if drive.symmetric else replace(self, half_cycle=None)
+
 
 def symmetry_of(problem: ContactProblem) -> Symmetry:
     """The symmetries that the bodies have, each tested on meshes, unworn shapes and compliances."""
@@ -109,7 +114,7 @@ def mirrored(state: ContactState, mirror: Mirror) -> ContactState:
         secondary_force=mirror.image(state.secondary_force, mirror.secondary),
         core=mirror.image(state.core, mirror.primary),
         pressed_ahead=mirror.sign_x * state.pressed_ahead,
-        slip_share=mirror.image(state.slip_share, mirror.primary),
+        slip_share=mirror.sign_x * mirror.image(state.slip_share, mirror.primary),
     )
 
 
@@ -136,7 +141,8 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
 
     The largest over the cycle of half the area-weighted difference, over the largest load of the cycle, 0 to 1:
     numerical error alone, where bodies, rig and effects are symmetric. Under a held approach bodies may nearly part on
-    their way: over the load of such a place a single node would count for much. None where there is no symmetry.
+    their way: over the load of such a place a single node would count for much. None where there is no symmetry, or
+    the load differs.
     Compared are states of the way out with those of the way back at the mirrored drive; where a way has more states
     than the other, those that it has alone are left out.
     """
@@ -152,6 +158,8 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     for state in states[: reversal + 1]:
         partner = later.get(round(mirror.sign_x * state.drive / unit))
         if partner is not None:
+            if abs(partner.load_share - state.load_share) > _SAME_DRIVE:
+                return None
             own, image = state.traction[:, 2], partner.traction[mirror.primary, 2]
             worst = max(worst, 0.5 * float(areas @ np.abs(own - image)))
     return worst / load if load > 0.0 else 0.0

@@ -218,14 +218,13 @@ def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
 def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The pad on its rig above the specimen."""
     rates, conditions = study.energy_coefficients(), study.conditions
-    amplitude_mm, triangular = 1e-3 * conditions.displacement_amplitude_um, conditions.motion == "triangular"
     return ContactProblem(
         upper=pad,
         lower=specimen,
         holder=holder_of(study.holder, conditions.normal_load_N_per_mm),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
-        timing=DriveTiming(amplitude_mm, conditions.frequency_Hz, triangular),
+        timing=DriveTiming(conditions.drive, conditions.frequency_Hz),
         wear=WearRates(
             upper_mm3_per_mJ=1e-3 * rates[0], lower_mm3_per_mJ=1e-3 * rates[1], frequency_Hz=conditions.frequency_Hz
         ),

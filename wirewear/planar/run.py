@@ -130,7 +130,7 @@ class PlanarRun:
 
         def motion(own: PlanarStudy) -> Motion:
             return Motion(
-                amplitude_mm=1e-3 * own.conditions.displacement_amplitude_um,
+                drive=own.conditions.drive,
                 increments=n,
                 wear_increments=n,
                 follows_force=own.mesh.increments_per_cycle is None,

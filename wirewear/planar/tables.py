@@ -7,11 +7,12 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator, PrivateAttr
 
 from geometry import Elastic, PlanarGeometry
-from solvers import Coulomb
+from solvers import Coulomb, Drive, Waveform
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
 from wirewear.study.consistency import log_within, merged
+from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, too_many, worked_cycles
@@ -111,10 +112,14 @@ class PlanarConditions(keys.Table):
         description="imposed displacement amplitude, half the stroke", examples=[35.0]
     )
     cycles: keys.Cycles = Field(description="length of the test", examples=[10000])
-    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(keys.one_of("triangular", "sinusoidal"))] = (
-        Field("sinusoidal", description='displacement over time: "sinusoidal" or "triangular"')
-    )
+    motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
+    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
     frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
+
+    @property
+    def drive(self) -> Drive:
+        """Displacement and load in the course of a cycle."""
+        return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
 class PlanarContact(keys.Table):

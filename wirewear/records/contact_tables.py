@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
+from solvers import Waveform
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen, planar_study_from_tables
@@ -17,6 +18,7 @@ from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, 
 from wirewear.results.scar import BODIES
 from wirewear.study import keys
 from wirewear.study.bodies import Body
+from wirewear.study.drive import MOTION, MotionKey
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
@@ -64,9 +66,7 @@ class RecordPad(PadFace, RecordBody):
 class LineConditions(tables.RecordConditions):
     """What was asked of the rig."""
 
-    motion: Annotated[Literal["triangular", "sinusoidal"], PlainValidator(keys.one_of("triangular", "sinusoidal"))] = (
-        Field("sinusoidal", description='displacement over time: "sinusoidal" or "triangular"')
-    )
+    motion: MotionKey = Field(Waveform(), description=MOTION)
 
 
 class LineStatedWear(keys.Table):

@@ -25,7 +25,7 @@ class Motion:
     the laws of these cycles.  aged: that as effects have made it at an age of the test.
     """
 
-    amplitude_mm: float
+    drive: solvers.Drive
     increments: int
     wear_increments: int
     follows_force: bool
@@ -111,7 +111,8 @@ class Cycler:
         problem = motion.under(problem)
         side = 1.0 if state.drive > 0.0 else -1.0
         current = self.aged(problem, state, done)
-        state, reports = solvers.advance(current, state, side * motion.amplitude_mm, 0.0)
+        end = motion.drive.end(side)
+        state, reports = solvers.advance(current, state, float(end.drive[-1]), 0.0, load_share=float(end.load[-1]))
         for report in reports:
             self._watch(state, report)
         return problem, state
@@ -132,7 +133,7 @@ class Cycler:
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """From mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
-        return solvers.first_quarter(fresh, state, motion.amplitude_mm, motion.increments, self._watch)
+        return solvers.first_quarter(fresh, state, motion.drive, motion.increments, self._watch)
 
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
@@ -146,7 +147,7 @@ class Cycler:
         """One cycle that wears as `cycles` cycles after `before` (0: frozen), at the age in their middle."""
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
         state, trace = solvers.run_cycle(
-            current, state, motion.amplitude_mm, motion.wear_increments, cycles, self._watch, self.guide
+            current, state, motion.drive, motion.wear_increments, cycles, self._watch, self.guide
         )
         self._took(trace)
         return state, trace
@@ -183,14 +184,15 @@ class Cycler:
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion
-        symmetry, reports = solvers.kept_by(solvers.symmetry_of(current), state), list[solvers.IncrementReport]()
+        symmetry = solvers.kept_by(solvers.symmetry_of(current).under(motion.drive), state)
+        reports = list[solvers.IncrementReport]()
 
         def watch(passed: solvers.ContactState, report: solvers.IncrementReport) -> None:
             reports.append(report)
             self._tell(passed, self.now)
 
         start, trace = solvers.closed_trace(
-            current, state, motion.amplitude_mm, motion.wear_increments, symmetry, watch, self.guide
+            current, state, motion.drive, motion.wear_increments, symmetry, watch, self.guide
         )
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
@@ -205,8 +207,8 @@ class Cycler:
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
-        how = (motion.amplitude_mm, motion.increments, self._watch, guide, motion.wear_increments)
-        if motion.follows_force:
+        how = (motion.drive, motion.increments, self._watch, guide, motion.wear_increments)
+        if motion.follows_force and motion.drive.load.steady:
             # Where the contact wears, the next jump starts from the cycle that leads to the loop.
             moved = None if problem.unchanging else self._traced(problem, state, done).trace
             after, trace = solvers.closed_adaptive_cycle(current, state, *how, moved=moved)
@@ -229,7 +231,7 @@ class Cycler:
         before, after = (self.aged(either, state, done) for either in (problem, onto))
         state, report = solvers.remeshed(before, state, after)
         self.tally.counters.count(report)
-        state, trace = solvers.settled(after, state, self.motion.amplitude_mm, self.motion.wear_increments, self._watch)
+        state, trace = solvers.settled(after, state, self.motion.drive, self.motion.wear_increments, self._watch)
         self.guide = trace.guide
         return state
 

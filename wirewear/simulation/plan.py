@@ -212,7 +212,7 @@ class RunPlan:
     def _motion(self, study: Study) -> Motion:
         """That of a block."""
         return Motion(
-            amplitude_mm=1e-3 * study.conditions.displacement_amplitude_um,
+            drive=study.conditions.drive,
             increments=self.discretisation.increments_per_cycle,
             wear_increments=self.discretisation.increments_per_wear_cycle,
             follows_force=study.fidelity(self.fidelity).increments_per_cycle is None,

@@ -126,7 +126,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         holder=holder_of(study),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
-        timing=solvers.DriveTiming(1e-3 * study.conditions.displacement_amplitude_um, study.conditions.frequency_Hz),
+        timing=solvers.DriveTiming(study.conditions.drive, study.conditions.frequency_Hz),
         wear=wear_rates(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,

@@ -69,19 +69,15 @@ def _sticking(trace: CycleTrace) -> IntArray:
     return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
 
 
-def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float, motion: str = "sinusoidal") -> Loop:
+def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
     rising = np.diff(trace.drive, prepend=trace.drive[-1]) > 0.0
     turn = -int(np.flatnonzero((trace.drive == 0.0) & rising)[0])
-    # The drive is a cosine; the loop begins where it passes mid-stroke, three quarters of a cycle after +amplitude.
-    phase = np.roll((trace.phase - 0.75) % 1.0, turn)
-    if motion == "triangular":
-        # The increments are those of a sine; Coulomb friction and wear know no rate, only the time differs.
-        drive = np.roll(trace.drive, turn)
-        phase = _triangular_phase(drive / np.abs(drive).max(), phase)
+    # Of a cosine and of what is as symmetric, mid-stroke comes three quarters of a cycle after +amplitude.
+    time = np.roll((trace.time - trace.time[-turn]) % 1.0, turn)
     return Loop(
         cycle=cycle,
-        time_s=phase / frequency_Hz,
+        time_s=time / frequency_Hz,
         displacement_um=1e3 * np.roll(trace.drive, turn),
         relative_displacement_um=1e3 * np.roll(trace.drive - trace.holder_x, turn),
         tangential_force_N=np.roll(trace.tangential_force, turn),
@@ -89,12 +85,6 @@ def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float, motion: str = "s
         friction_work_mJ=np.cumsum(np.roll(trace.work, turn)),
         tilt_deg=np.roll(np.degrees([state.holder_tilt for state in trace.states]), turn),
     )
-
-
-def _triangular_phase(x: Array, sine_phase: Array) -> Array:
-    """Share of the cycle passed when a triangular motion of amplitude 1 is where the sine is at that phase."""
-    rise, fall = 0.25 * x, 0.5 - 0.25 * x
-    return np.where(sine_phase <= 0.25, rise, np.where(sine_phase < 0.75, fall, 1.0 + rise))
 
 
 def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Study) -> tuple[Scar, Scar]:
@@ -252,7 +242,7 @@ class Recorded(ABC):
         """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
         block = self.schedule.at(done)
         cycle, conditions = round(done), block.study.conditions
-        loop = loop_of(trace, cycle, conditions.frequency_Hz, getattr(conditions, "motion", "sinusoidal"))
+        loop = loop_of(trace, cycle, conditions.frequency_Hz)
         scars = self.scars(problem, trace, cycle)
         pressures = pressure_figures(problem, trace, self._pressure_length_mm)
         row = evolution_row(problem, state, trace, scars, pressures, done, jump)

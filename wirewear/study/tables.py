@@ -8,10 +8,11 @@ from typing import Annotated, Any, Literal
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
-from solvers import Coulomb, FrictionLaw, SolverError, friction_law
+from solvers import Coulomb, Drive, FrictionLaw, SolverError, Waveform, friction_law
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
+from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.programme import CycleBlock
 from wirewear.study.wires import BothWires
 
@@ -92,6 +93,13 @@ class Conditions(keys.Table):
     )
     frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
     cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
+    motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
+    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
+
+    @property
+    def drive(self) -> Drive:
+        """Displacement and load in the course of a cycle."""
+        return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
 class Contact(keys.Table):

@@ -51,6 +51,7 @@ _FRICTION = 0.6
 _APPROACH_mm = CONTACT_RADIUS_mm**2 / RADIUS_mm
 #: About two thirds of the fresh contact stick.
 _AMPLITUDE_mm = 2.0e-4
+_DRIVE = solvers.Drive(_AMPLITUDE_mm)
 _RATE_mm3_per_mJ = 1.5e-7
 _INCREMENTS = 16
 #: Jumps of growing size until next to nothing wears.
@@ -125,16 +126,14 @@ def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:
 def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
     """The state at the end of the stroke after all jumps."""
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
-    state, done, guide = solvers.first_quarter(problem, pressed, _AMPLITUDE_mm, _INCREMENTS), 1.0, None
+    state, done, guide = solvers.first_quarter(problem, pressed, _DRIVE, _INCREMENTS), 1.0, None
     symmetry = solvers.symmetry_of(problem)
     for cycles in _JUMPS:
         kept = solvers.kept_by(symmetry, state)
-        start, trace = solvers.closed_trace(problem, state, _AMPLITUDE_mm, _INCREMENTS, kept, guide=guide)
+        start, trace = solvers.closed_trace(problem, state, _DRIVE, _INCREMENTS, kept, guide=guide)
         jump = solvers.jump_cycles(lambda *_: problem, start, trace, kept, done, cycles)
         state, guide, done = jump.state, jump.guide, done + cycles
-    return solvers.closed_trace(
-        problem, state, _AMPLITUDE_mm, _INCREMENTS, solvers.kept_by(symmetry, state), guide=guide
-    )[0]
+    return solvers.closed_trace(problem, state, _DRIVE, _INCREMENTS, solvers.kept_by(symmetry, state), guide=guide)[0]
 
 
 FRICTION = 0.6

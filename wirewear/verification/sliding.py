@@ -59,12 +59,12 @@ def book_keeping_rows(level: Level) -> tuple[Row, ...]:
     """Worn volumes after a cycle jump, and a closed loop on the worn wires with the wear frozen."""
     problem = sliding_wires(level.loop_resolution, wear=_RATES)
     fresh = at_end_of_stroke(problem)
-    _, first = solvers.closed_adaptive_cycle(problem, fresh, AMPLITUDE_mm, INCREMENTS)
+    _, first = solvers.closed_adaptive_cycle(problem, fresh, solvers.Drive(AMPLITUDE_mm), INCREMENTS)
     worn = jumped(problem, fresh, _CYCLES)
     wear, energy = worn.wear, worn.wear.energy_mJ
     upper = float((problem.upper.patch.node_areas() * wear.primary_depth.ravel()).sum())
     lower = float((problem.lower.patch.node_areas() * wear.secondary_depth.ravel()).sum())
-    _, closed = solvers.closed_adaptive_cycle(problem, worn, AMPLITUDE_mm, INCREMENTS)
+    _, closed = solvers.closed_adaptive_cycle(problem, worn, solvers.Drive(AMPLITUDE_mm), INCREMENTS)
     name = f"Book-keeping, {_CYCLES:g} cycles"
     before, area = (abs(enclosed_area(loop.drive, loop.tangential_force)) for loop in (first, closed))
     mirror = solvers.mirror_error(problem, (closed.start, *closed.states), solvers.symmetry_of(problem))
@@ -96,19 +96,19 @@ def sliding_wires(
 def at_end_of_stroke(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.ContactState:
     """Pressed together and moved from mid-stroke to `amplitude_mm`, which may be negative."""
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
-    return solvers.first_quarter(problem, pressed, amplitude_mm, INCREMENTS)
+    return solvers.first_quarter(problem, pressed, solvers.Drive(amplitude_mm), INCREMENTS)
 
 
 def whole_loop(problem: solvers.ContactProblem, amplitude_mm: float = AMPLITUDE_mm) -> solvers.CycleTrace:
     """The first full cycle from the end of the stroke at `amplitude_mm`, without wear."""
     start = at_end_of_stroke(problem, amplitude_mm)
-    return solvers.run_cycle(problem, start, abs(amplitude_mm), INCREMENTS, 0.0)[1]
+    return solvers.run_cycle(problem, start, solvers.Drive(abs(amplitude_mm)), INCREMENTS, 0.0)[1]
 
 
 def jumped(problem: solvers.ContactProblem, start: solvers.ContactState, cycles: float) -> solvers.ContactState:
     """The state after so many cycles in one jump from the end of the stroke."""
     symmetry = solvers.symmetry_of(problem)
-    begin, trace = solvers.closed_trace(problem, start, AMPLITUDE_mm, INCREMENTS, symmetry)
+    begin, trace = solvers.closed_trace(problem, start, solvers.Drive(AMPLITUDE_mm), INCREMENTS, symmetry)
     return solvers.jump_cycles(lambda *_: problem, begin, trace, symmetry, 1.0, cycles).state
 
 

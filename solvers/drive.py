@@ -1,0 +1,280 @@
+"""How a fretting cycle is driven: displacement and normal load over the share of the cycle that has passed.
+
+A quasi-static contact does not feel how fast it is moved: the places of a stroke, and the load at each of them, are all
+that matters to it. Time says which load meets which place, and how fast the bodies slide.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from math import acos, ceil, pi, sqrt
+from typing import NamedTuple
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.errors import SolverError
+
+Points = tuple[tuple[float, float], ...]
+
+_SAME = 1e-9  # Shares that differ by less are the same.
+_LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to one where the load bends give way to it.
+_SAMPLES = 720  # Places of a cycle at which loads are compared.
+
+
+def _curve(points: Sequence[tuple[float, float]], what: str) -> tuple[Array, Array]:
+    """Times and values of a closed cycle's points.
+    Raises SolverError, in one sentence, unless times grow from 0 to 1 and the last value is the first.
+    """
+    times, values = np.array(points, dtype=float).T
+    if times[0] != 0.0 or times[-1] != 1.0 or not (np.diff(times) > 0.0).all() or abs(values[-1] - values[0]) > _SAME:
+        raise SolverError(f"the points of {what} must begin at a time of 0, grow to 1, and end with their first value")
+    return times, values
+
+
+def _along(points: Points, times: Array) -> Array:
+    """Values (m,) on the lines between a cycle's points at times (m,), of any cycle."""
+    known, values = np.array(points).T
+    return np.asarray(np.interp(times % 1.0, known, values))
+
+
+@dataclass(frozen=True)
+class Waveform:
+    """Displacement over its amplitude in the course of a cycle: a cosine, or straight lines between points.
+
+    points: (share of the cycle passed, displacement over amplitude), none for a cosine.
+    Raises SolverError unless the displacement goes from 1 to -1 and back once, and rests at these ends only: bodies are
+    pressed together in the middle of their stroke.
+    """
+
+    points: Points = ()
+
+    def __post_init__(self) -> None:
+        if self.points:
+            for sign, stroke in zip((1.0, -1.0), self._strokes, strict=True):
+                if len(stroke.places) < 2 or not (np.diff(sign * stroke.places) < 0.0).all():
+                    raise SolverError(_NO_STROKES)
+
+    @cached_property
+    def _strokes(self) -> "tuple[_Stroke, _Stroke]":
+        """That from 1 to -1 and that back."""
+        times, places = _curve(self.points, "a displacement over time")
+        times, places = times[:-1], places[:-1]
+        top, count = places >= 1.0 - _SAME, len(places)
+        if not top.any() or top.all() or np.abs(places).max() > 1.0 + _SAME:
+            raise SolverError(_NO_STROKES)
+        order = int(np.flatnonzero(top & ~np.roll(top, -1))[0]) + np.arange(count + 1)
+        times, places = times[order % count] + order // count, places[order % count]
+        bottom, back = np.flatnonzero(places <= _SAME - 1.0), int(np.flatnonzero(places[1:] >= 1.0 - _SAME)[0]) + 1
+        if not len(bottom) or np.ptp(bottom) != len(bottom) - 1 or (places[back:] < 1.0 - _SAME).any():
+            raise SolverError(_NO_STROKES)
+        leaves = int(bottom[-1])
+        falls = _Stroke(times[: bottom[0] + 1], places[: bottom[0] + 1], float(times[leaves]))
+        return falls, _Stroke(times[leaves : back + 1], places[leaves : back + 1], float(times[-1]))
+
+    def times(self, places: Array, phases: Array) -> Array:
+        """Share of the cycle (m,) when it passes places (m,), at which a cosine has these phases (m,)."""
+        if not self.points:
+            return phases
+        falls, rises = self._strokes
+        return np.where(
+            phases <= 0.5, np.interp(-places, -falls.places, falls.times), np.interp(places, rises.places, rises.times)
+        )
+
+    def places(self, times: Array) -> Array:
+        """Displacement over amplitude (m,) at shares of the cycle (m,)."""
+        return _along(self.points, times) if self.points else np.cos(2.0 * np.pi * times)
+
+    def speed(self, place: float, *, falling: bool) -> float:
+        """How fast it goes there, amplitudes per cycle; at rest at the ends of a cosine alone."""
+        if not self.points:
+            return 2.0 * pi * sqrt(max(1.0 - place**2, 0.0))
+        own = self._strokes[0 if falling else 1]
+        segment = np.searchsorted(np.abs(own.places[1:-1] - own.places[0]), abs(place - own.places[0]))
+        return float(abs(np.diff(own.places)[segment] / np.diff(own.times)[segment]))
+
+    def stroke(self, *, falling: bool) -> tuple[float, float, float]:
+        """When a stroke begins, when it reaches its other end, and when the next one begins."""
+        if not self.points:
+            return (0.0, 0.5, 0.5) if falling else (0.5, 1.0, 1.0)
+        own = self._strokes[0 if falling else 1]
+        return float(own.times[0]), float(own.times[-1]), own.leaves
+
+
+class _Stroke(NamedTuple):
+    """Times (m,) and places (m,) of a displacement from one end to the other, and when it leaves that."""
+
+    times: Array
+    places: Array
+    leaves: float
+
+
+_NO_STROKES = (
+    "a displacement over time must go from 1 to -1 and back once in a cycle, without turning or resting on its way: it "
+    "is that from mid-stroke, where the bodies are pressed together, over its amplitude"
+)
+
+
+def triangular() -> Waveform:
+    """Straight from end to end, from 1 on."""
+    return Waveform(((0.0, 1.0), (0.5, -1.0), (1.0, 1.0)))
+
+
+def trapezoidal(dwell: float) -> Waveform:
+    """Straight from end to end, with a rest of that share of the cycle at either, the first of which is half over.
+    Raises SolverError if no time is left to move.
+    """
+    if not 0.0 < dwell < 0.5:
+        raise SolverError(f"a drive rests at each end for a share of the cycle between 0 and 0.5, not for {dwell:g}")
+    half = 0.5 * dwell
+    return Waveform(((0.0, 1.0), (half, 1.0), (0.5 - half, -1.0), (0.5 + half, -1.0), (1.0 - half, 1.0), (1.0, 1.0)))
+
+
+@dataclass(frozen=True)
+class LoadCycle:
+    """Normal load over that of the test in the course of a cycle: 1 + amplitude cos(2 pi ratio t - lag), or straight
+    lines between points (share of the cycle passed, share of the load). Nothing presses where that is below 0.
+
+    Raises SolverError for a ratio below 1, points that are none of a cycle, or a load that presses at no time.
+    """
+
+    amplitude: float = 0.0
+    lag_rad: float = 0.0
+    ratio: int = 1
+    points: Points = ()
+
+    def __post_init__(self) -> None:
+        if self.points:
+            _curve(self.points, "a load over time")
+        if self.ratio < 1 or not self.largest > 0.0:
+            raise SolverError("a load must press at some time of its cycle, and repeat a whole number of times in it")
+
+    @property
+    def steady(self) -> bool:
+        """Whether the load stays as it is."""
+        return self.amplitude == 0.0 and not self.points
+
+    def shares(self, times: Array) -> Array:
+        """The load (m,) at shares of the cycle (m,), never below 0."""
+        if self.points:
+            return np.maximum(_along(self.points, times), 0.0)
+        return np.maximum(1.0 + self.amplitude * np.cos(2.0 * np.pi * self.ratio * times - self.lag_rad), 0.0)
+
+    def bends(self, start: float, end: float) -> Array:
+        """Shares of the cycle between two such at which straight lines of the load meet, or it comes to nothing."""
+        if self.points:
+            (times, loads), within = np.array(self.points).T, list[float]()
+            for (t0, p0), (t1, p1) in pairwise(zip(times, loads, strict=True)):
+                within += [t0] if p0 * p1 >= 0.0 else [t0, t0 + (t1 - t0) * p0 / (p0 - p1)]
+        elif abs(self.amplitude) > 1.0:
+            opens = np.arccos(-1.0 / self.amplitude)
+            turns = np.arange(self.ratio)[:, None] + (np.array([opens, -opens]) + self.lag_rad) / (2.0 * np.pi)
+            within = list(turns.ravel() / self.ratio)
+        else:
+            within = []
+        every = np.add.outer([-1.0, 0.0, 1.0, 2.0], np.array(within) % 1.0).ravel()
+        return np.sort(every[(every > start + _SAME) & (every < end - _SAME)])
+
+    @cached_property
+    def _sampled(self) -> Array:
+        times = np.arange(_SAMPLES) / _SAMPLES
+        return self.shares(np.append(times, self.bends(-_SAME, 1.0)))
+
+    @property
+    def largest(self) -> float:
+        """The largest load of the cycle."""
+        return float(self._sampled.max())
+
+    @property
+    def mean(self) -> float:
+        """Mean load of the cycle."""
+        return float(self._sampled[:_SAMPLES].mean())
+
+
+@dataclass(frozen=True)
+class Path:
+    """Where m increments of a cycle end, (m,) each.
+
+    drive: mm.  phase: share of its cycle that a cosine from +amplitude has passed there, in (0, 1].  time: share of the
+    cycle passed by the drive's own waveform.  load: over the test's.
+    """
+
+    drive: Array
+    phase: Array
+    time: Array
+    load: Array
+
+    def __add__(self, other: "Path") -> "Path":
+        return Path(*(np.concatenate(both) for both in zip(self._arrays, other._arrays, strict=True)))
+
+    def __iter__(self) -> Iterator[tuple[float, ...]]:
+        return zip(*self._arrays, strict=True)
+
+    @property
+    def from_middle(self) -> "Path":
+        """What of a stroke comes after mid-stroke."""
+        middle = int(np.flatnonzero(self.drive == 0.0)[0])
+        return Path(*(values[middle + 1 :] for values in self._arrays))
+
+    @property
+    def _arrays(self) -> tuple[Array, Array, Array, Array]:
+        return self.drive, self.phase, self.time, self.load
+
+
+@dataclass(frozen=True)
+class Drive:
+    """A cycle's displacement, of an amplitude and a waveform, and its normal load."""
+
+    amplitude_mm: float
+    waveform: Waveform = Waveform()
+    load: LoadCycle = LoadCycle()
+
+    def stroke(self, side: float, places: Array) -> Path:
+        """The path from side x amplitude through places (m,) in mm to the other end.
+
+        It stops wherever the load bends as well, and goes on at its end while the load changes there.
+        """
+        falling = side > 0.0
+        start, reached, leaves = self.waveform.stroke(falling=falling)
+        waits = np.zeros(0)
+        if not self.load.steady:
+            bends = self.amplitude_mm * self.waveform.places(self.load.bends(start, reached))
+            bends = bends[np.abs(np.abs(bends) - self.amplitude_mm) > _LEAST_STEP * self.amplitude_mm]
+            near = np.abs(np.subtract.outer(places, bends)).min(axis=1, initial=np.inf)
+            fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
+            bends = bends[np.abs(np.subtract.outer(bends, places[fixed])).min(axis=1) > _LEAST_STEP * self.amplitude_mm]
+            kept = places[fixed | (near > _LEAST_STEP * self.amplitude_mm)]
+            places = -side * np.sort(-side * np.concatenate([kept, bends]))
+            waits = self._waits(reached, leaves, len(places) / (reached - start))
+        phase = phases(places / self.amplitude_mm, falling=falling)
+        time = self.waveform.times(places / self.amplitude_mm, phase)
+        time, count = np.concatenate([time, waits]), len(waits)
+        drive, phase = (np.concatenate([own, np.full(count, own[-1])]) for own in (places, phase))
+        return Path(drive, phase, time, np.ones(len(time)) if self.load.steady else self.load.shares(time))
+
+    def end(self, side: float) -> Path:
+        """The path from mid-stroke to side x amplitude in one increment, and what the load does there."""
+        return self.stroke(-side, np.array([0.0, side * self.amplitude_mm])).from_middle
+
+    def _waits(self, reached: float, leaves: float, per_time: float) -> Array:
+        """Times at which increments end while the drive rests from one time to another and the load changes."""
+        count = ceil(per_time * (leaves - reached) - _SAME * per_time)
+        times = np.union1d(np.linspace(reached, leaves, count + 1)[1:], self.load.bends(reached, leaves))
+        changes = count > 0 and np.ptp(self.load.shares(np.append(times, reached))) > 0.0
+        return times if changes else np.zeros(0)
+
+    @cached_property
+    def symmetric(self) -> bool:
+        """Whether both strokes, with what the load does at their ends, are mirror images of each other."""
+        if self.load.steady:
+            return True
+        places = self.amplitude_mm * np.cos(np.pi * np.arange(1, _SAMPLES + 1) / _SAMPLES)
+        there, back = (self.stroke(side, side * places).load for side in (1.0, -1.0))
+        return there.shape == back.shape and bool(np.abs(there - back).max() <= _SAME)
+
+
+def phases(places: Array, *, falling: bool) -> Array:
+    """Share of its cycle that a cosine has passed at places (m,) of a stroke, each over the amplitude."""
+    angle = np.array([acos(max(-1.0, min(1.0, place))) for place in places]) / (2.0 * np.pi)
+    return angle if falling else 1.0 - angle
