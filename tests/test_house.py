@@ -250,6 +250,7 @@ BUDGETS = {
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
+    # 450 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     "lines of geometry, solvers and wirewear": 62_751,
     "lines of wirewear": 50_764,
     # 90 draw bodies of any shapes at random.
