@@ -12,7 +12,7 @@ per node as a brick has.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -78,6 +78,7 @@ _CORNERS = {
     4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
 }
 _PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
+_LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
 TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
 
 
@@ -138,6 +139,16 @@ class IntegrationPoints:
                 stress[..., k] += trace
         return stress
 
+    def around(self, nodes: IntArray) -> IntegrationPoints:
+        """Those of so many layers of cells about nodes (k,) that fields projected to these are as by all cells."""
+        cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
+        near[nodes] = True
+        for _ in range(_LAYERS):
+            chosen = near[cells].any(axis=1)
+            near[cells[chosen]] = True
+        mesh = replace(self.mesh, cells=cells[chosen])
+        return replace(self, mesh=mesh, gradients=self.gradients[chosen], volumes=self.volumes[chosen])
+
     def internal_forces(self, stresses: Array) -> Array:
         """Nodal forces (n, 3) in N with which stresses (m, q, 6) hold against what acts on the body."""
         tensor = tensors(stresses) * self.volumes[..., None, None]
@@ -147,7 +158,8 @@ class IntegrationPoints:
     def at_nodes(self, values: Array) -> Array:
         """The field on nodes (n, k) that lies closest, in the mean square, to values (m, q, k) at integration points.
 
-        Of all fields that the elements can represent it is the best one, without the smoothing of a plain average.
+        Of all fields that the elements can represent it is the best one, without the smoothing of a plain average. It
+        is zero at nodes without cells.
         """
         from scipy.sparse.linalg import cg
 
@@ -163,13 +175,14 @@ class IntegrationPoints:
 
     @cached_property
     def _mass(self) -> tuple[csr_matrix, dia_matrix]:
-        """Integrals of products of shape functions, and the inverse of its diagonal."""
+        """Integrals of products of shape functions, and the inverse of the diagonal where nodes have cells."""
         cells, size = self.mesh.cells, len(self.mesh.points)
         masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
         corners = cells.shape[1]
         rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
         mass = coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-        return mass, diags(1.0 / mass.diagonal())
+        own = mass.diagonal()
+        return mass, diags(np.divide(1.0, own, out=np.zeros(size), where=own > 0.0))
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:

@@ -65,6 +65,15 @@ def test_a_linear_displacement_has_the_exact_stress_everywhere_on_a_distorted_me
     assert points.volumes.sum() == pytest.approx(mesh.volume_mm3(), rel=1e-12)
 
 
+def test_stresses_near_a_place_are_projected_as_those_of_the_whole_body(wire: BodyMesh) -> None:
+    points, nodes = integration_points(wire.mesh), wire.patch.nodes.ravel()
+    beside = points.around(nodes)
+    assert len(beside.mesh.cells) < 0.8 * len(wire.mesh.cells)
+    moved = np.random.default_rng(5).normal(size=(len(wire.mesh.points), 3))
+    whole, part = (own.at_nodes(own.stresses(bodies.STEEL, moved))[nodes] for own in (points, beside))
+    np.testing.assert_allclose(part, whole, atol=1e-4 * np.abs(whole).max())
+
+
 def test_an_elastic_grip_becomes_a_rigid_one_as_it_stiffens_and_keeps_the_symmetry(wire: BodyMesh) -> None:
     mesh, nodes = wire.mesh, wire.patch.nodes.ravel()
     grip = mesh.surface_nodes("grip")

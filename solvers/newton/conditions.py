@@ -72,11 +72,14 @@ class Scales(NamedTuple):
 
 @dataclass(frozen=True)
 class ContactConditions:
-    """The conditions on the k nodes of a pairing."""
+    """The conditions on the k nodes of a pairing.
+
+    going_round: what is left to iterate does not settle, so that Newton's method finds the directions of all nodes.
+    """
 
     system: Linearisation
     scales: Scales
-    near_stick: float = _NEAR_STICK
+    going_round: bool = False
 
     @classmethod
     def of(cls, system: Linearisation, loaded: BoolArray) -> "ContactConditions":
@@ -137,7 +140,7 @@ class ContactConditions:
         elastic, limit = self.system.compliance.displacement(self.world(normal, tangential)), friction.limit(normal)
         gap, slip, largest, (touch, stick, verge, near, follows), direction, augmentation = _judged(
             *(elastic, self.nodes, self.scales, normal, tangential, height, holder_x, tilt),
-            *(closure, softness, shear, limit, self.near_stick, friction.none),
+            *(closure, softness, shear, limit, np.inf if self.going_round else _NEAR_STICK, friction.none),
             *(self._nowhere if active is None else active, active is not None),
         )
         state = Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)

@@ -225,14 +225,14 @@ def newton_step(
     friction: FrictionStatus,
     stop: int,
     *,
-    layer_pressure: Array,
+    about: Array,
 ) -> Solution | None:
     """The next tractions and holder position, of nodes of this status; None where the equations are singular.
 
-    layer_pressure: (k,) about which layers are linearised.
+    about: pressures (k,) about which friction and layers are linearised.
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
-    slope, offset = system.friction.tangent(state.normal)
+    slope, offset = system.friction.tangent(about)
     terms = FrictionTerms(
         stick=friction.stick,
         follows=friction.follows,
@@ -251,7 +251,7 @@ def newton_step(
     if stop not in conditions.holders:
         conditions.holders[stop] = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
     loaded = Loaded(responses.matrix, responses.known, responses.place, system.compliance.layer, follow)
-    layers, holder = layer_terms(system, layer_pressure), conditions.holders[stop]
+    layers, holder = layer_terms(system, about), conditions.holders[stop]
     transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
     if info != 0:

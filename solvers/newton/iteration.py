@@ -149,12 +149,13 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
 
 _MOST_ITERATIONS = 60
 _PATIENCE = 15  # Iterations without progress after which the increment is given up.
-_ROUND = 8  # The same after which directions go round, as behind a soft rig: Newton's method then finds those of all.
+_ROUND = 8  # The same after which it seems to go round: see `ContactConditions`.
 #: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
 _GAP_TOLERANCE = 1e-5
 #: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
 _DIRECTION_TOLERANCE, _SLANTED = 1e-4, 1e-3
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
+# Friction that bends with it is too steep where it is low: linearised there, it is too much where it should be high.
 _LARGEST_FALL = 0.2
 # Fewer nodes than this do not describe a contact.
 _FEW_NODES = 10
@@ -168,25 +169,26 @@ def solve_contact(
     if system.prescribed_height is not None:
         height = system.prescribed_height
     conditions = ContactConditions.of(system, active)
-    of_all = replace(conditions, near_stick=np.inf)
+    going_round = replace(conditions, going_round=True)
     normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
     tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
-    layer_pressure = normal
+    linear = normal
     state, status = _met(conditions, (normal, tangential, height, holder_x, system.old_tilt), active)
     best, best_at, once_more = np.inf, 0, True
     for iteration in range(1, _MOST_ITERATIONS + 1):
         if not status.active.any():
             return failed_outcome(conditions, state, iteration, LOST_CONTACT)
-        solution = newton_step(
-            conditions, state, status.active, status.friction, status.stop, layer_pressure=layer_pressure
-        )
+        now = conditions
+        if iteration - best_at > _ROUND:
+            # Friction that moves a rig may part nodes that it closes, but only while they are little pressed.
+            now, linear = going_round, np.where(linear > 0.0, linear, conditions.scales.pressure)
+        solution = newton_step(now, state, status.active, status.friction, status.stop, about=linear)
         if solution is None:
             singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        about, (state, after) = state, _met(conditions if iteration - best_at <= _ROUND else of_all, solution)
-        if system.layers is not None:
-            layer_pressure = np.maximum(state.normal, _LARGEST_FALL * layer_pressure)
-        change = _Change.between(conditions, status, after, about, state)
+        state, after = _met(now, solution)
+        change = _Change.between(conditions, status, after, linear, state)
+        linear = np.maximum(state.normal, _LARGEST_FALL * linear)
         if change.converged:
             outcome = converged_outcome(conditions, state, status.active, status.friction, iteration)
             # Where nodes barely slip, a slip turns much more than the friction that has settled.
@@ -234,7 +236,7 @@ class _Change(NamedTuple):
     gap_error: relative.
     bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
-    snaps: whether the load may fall along a stroke on a rig that gives way.
+    snaps: whether friction may fall along a stroke on a rig that gives way: under a held approach, or with the area.
     """
 
     after: _Status
@@ -249,7 +251,7 @@ class _Change(NamedTuple):
 
     @classmethod
     def between(
-        cls, conditions: ContactConditions, before: _Status, after: _Status, about: Iterate, state: Iterate
+        cls, conditions: ContactConditions, before: _Status, after: _Status, about: Array, state: Iterate
     ) -> "_Change":
         opening, sticking, changing, gap, turned = _changed(
             before.active,
@@ -265,7 +267,7 @@ class _Change(NamedTuple):
         bend = 0.0
         if not conditions.system.friction.law.proportional:
             slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
-            bend = _bend(conditions, about.normal, state.normal, slipping)
+            bend = _bend(conditions, about, state.normal, slipping)
         return cls(
             after=after,
             opening=opening,
@@ -275,7 +277,8 @@ class _Change(NamedTuple):
             turned=turned,
             bend=bend,
             settled=changing == 0 and after.stop == before.stop,
-            snaps=conditions.system.prescribed_height is not None and conditions.scales.rig > 0.0,
+            snaps=conditions.scales.rig > 0.0
+            and (conditions.system.prescribed_height is not None or not conditions.system.friction.law.proportional),
         )
 
     @property
@@ -304,8 +307,8 @@ class _Change(NamedTuple):
         if self.sticking > self.opening:
             if self.snaps:
                 return (
-                    "most likely friction under the held approach falls along the stroke faster than the rig's spring "
-                    "follows, so that the rig would snap: take a stiffer rig or a load in place of the approach"
+                    "most likely friction falls along the stroke faster than the rig's spring follows, so that the rig "
+                    "would snap: take a stiffer rig or, if the approach is held, a load in its place"
                 )
             return (
                 "most likely the nodes flicker between stick and slip because the increments are long against the "

@@ -52,13 +52,14 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     number[on_patch] = np.arange(patch.size)
     on_surface = np.flatnonzero(number[nodes] >= 0)
     grid = patch.grid()[number[nodes[on_surface]]]
-    history = np.array([state.stress[nodes] for state in states])
+    stresses = _stresses(states, np.append(nodes, states[0].loaded_nodes))
+    history = stresses[:, nodes]
     for k, one in enumerate(loaded):
         history[k, on_surface] += one.correction(grid)
     edges = np.vstack([one.edge() for one in loaded])
-    at_edges = np.array(
-        [_elements_stress(state, edges) + one.correction(edges) for state, one in zip(states, loaded, strict=True)]
-    )
+    corners, weights, _ = patch.locate(edges)
+    between = np.einsum("kc,skcv->skv", weights, stresses[:, on_patch[corners]])
+    at_edges = between + np.array([one.correction(edges) for one in loaded])
     nearest = cKDTree(grid).query(edges)[1]
     return MaterialPoints(
         np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
@@ -67,10 +68,11 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     )
 
 
-def _elements_stress(state: InnerState[Any], plane_mm: Array) -> Array:
-    """The projected stress at points (k, 2) of the patch, (k, 6)."""
-    nodes, weights, _ = state.body.patch.locate(plane_mm)
-    return np.asarray(np.einsum("kc,kcs->ks", weights, state.stress[state.patch_nodes[nodes]]))
+def _stresses(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
+    """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
+    body = states[0].body
+    points = body.points.around(nodes)
+    return np.array([points.at_nodes(points.stresses(body.material, state.displacement)) for state in states])
 
 
 @dataclass(frozen=True)
@@ -241,7 +243,9 @@ def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: flo
     """Means over balls, or discs, about nodes. They keep the elements' means, so nothing is to be corrected."""
     first = states[0]
     mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
-    return MaterialPoints(first.places_mm[nodes], np.array([mean @ state.stress for state in states]), nodes)
+    return MaterialPoints(
+        first.places_mm[nodes], np.array([mean @ one for one in _stresses(states, mean.indices)]), nodes
+    )
 
 
 def yield_sentence(course: Sequence[Strength]) -> str:
