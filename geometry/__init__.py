@@ -12,13 +12,12 @@ if TYPE_CHECKING:
     from geometry.body import BodyGeometry, BodyMesh, build_body
     from geometry.errors import GeometryError
     from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
-    from geometry.hexmesh import HexMesh
     from geometry.material import Elastic
+    from geometry.mesh import HexMesh, QuadMesh
     from geometry.mesh_motion import mirror_images
     from geometry.patch import ContactPatch
     from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
     from geometry.profiles import Barrel, Cylinder, Flat, LoweredSurface, Profile, RoundedFlat, TabledProfile, Turned
-    from geometry.quadmesh import QuadMesh
     from geometry.wire import WireGeometry
 
 __all__ = [

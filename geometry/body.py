@@ -15,7 +15,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, Layering, graded_layers
-from geometry.hexmesh import HexMesh
+from geometry.mesh import HexMesh
 from geometry.mesh_motion import lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile

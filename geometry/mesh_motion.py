@@ -13,8 +13,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags
 
 from geometry.arrays import Array, IntArray
 from geometry.errors import GeometryError
-from geometry.hexmesh import HexMesh
-from geometry.quadmesh import QuadMesh
+from geometry.mesh import HexMesh, QuadMesh
 
 _EDGES = np.array(
     [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64

@@ -7,9 +7,9 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import EdgeGradedAxis, GradedAxis, graded_layers
+from geometry.mesh import QuadMesh
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
-from geometry.quadmesh import QuadMesh
 
 _LEAST_QUALITY = 0.2
 

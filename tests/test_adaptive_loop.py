@@ -13,7 +13,7 @@ from solvers.contact_state import Guide
 from solvers.wear_path import Stroke, wear_path
 from solvers.wear_step.symmetry import Mirror, with_images
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 amplitudes = st.floats(1e-4, 10.0)
 #: Share of the amplitude by which the contact has carried its holder along.

@@ -14,7 +14,7 @@ from solvers.drive import Drive
 from solvers.fretting import first_quarter
 from solvers.wear import WearRates
 from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 pytestmark = pytest.mark.seconds
 

@@ -17,9 +17,8 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import Observable, Site, channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
-from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
-from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
+from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records.tables import Tolerance
 

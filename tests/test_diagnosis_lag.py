@@ -12,7 +12,7 @@ from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.model.readings import late_forces, late_places
 from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
 from wirewear.loops import LoopSignals, Sensor

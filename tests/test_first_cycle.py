@@ -13,7 +13,7 @@ from tests.studies import steel_wires
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
 from wirewear.faces import cli
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult

@@ -21,7 +21,7 @@ from tests.synthetic_loops import (
 )
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.noise import clipped
-from wirewear.loops.signals import enclosed_area, enclosed_areas
+from wirewear.loops.sensor import enclosed_area, enclosed_areas
 from wirewear.records import read_record
 
 LOOP = SyntheticLoop(Recipe())

@@ -13,8 +13,8 @@ from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.interior.strength import StrengthAsked, yield_sentence
 from wirewear.planar import run_planar_study
-from wirewear.planar.fields import planar_states, planar_strength, state_grid
 from wirewear.planar.model import placed_body, plan
+from wirewear.planar.pictures import planar_states, planar_strength, state_grid
 from wirewear.results import read_result
 
 pytestmark = pytest.mark.slow

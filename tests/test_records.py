@@ -18,7 +18,7 @@ from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.faces import cli
 from wirewear.records.columns import Column, read_columns
-from wirewear.records.loop_statistics import loop_statistics
+from wirewear.records.remarks import loop_statistics
 
 EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")

@@ -16,7 +16,7 @@ from tests.strangers_loggers import LOGGERS
 from tests.strangers_maps import MAPS, DEPTH_um, volume_mm3
 from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import (
     GuessedMapping,

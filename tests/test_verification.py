@@ -12,7 +12,7 @@ from geometry import ContactPatch, Cylinder
 from solvers import CondensedBody
 from wirewear import reference
 from wirewear.faces import cli
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.verification import QUICK, Level, Row, run
 from wirewear.verification.hertz import STEEL, bulk_compliance, ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows

@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
     from wirewear.faces.looking import Run, read_result, read_results
     from wirewear.faces.running import Record, load, read_record, run, run_variants
-    from wirewear.loops.sensor import Sensor, SensorNoise, sensor_held_stroke
-    from wirewear.loops.signals import LoopSignals
+    from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.simulation import run_study

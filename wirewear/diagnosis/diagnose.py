@@ -14,7 +14,6 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.resembling import Resemblance, resemblances, rippling, with_ripple
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
@@ -28,7 +27,17 @@ from wirewear.diagnosis.infer.weighing import (
     weigh,
     without,
 )
-from wirewear.diagnosis.infer.where import Place, changes, findings, places, relevance_of
+from wirewear.diagnosis.infer.where import (
+    Place,
+    Resemblance,
+    changes,
+    findings,
+    places,
+    relevance_of,
+    resemblances,
+    rippling,
+    with_ripple,
+)
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study
 from wirewear.diagnosis.model.setup import Setup

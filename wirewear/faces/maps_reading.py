@@ -29,7 +29,7 @@ from wirewear.views.run_maps import (
 
 if TYPE_CHECKING:
     from wirewear.loops import LoopFigures
-    from wirewear.records.metadata import Source
+    from wirewear.records.of_test import Source
     from wirewear.records.values import MeasuredLoop
     from wirewear.views.run_maps import FreshContact
 

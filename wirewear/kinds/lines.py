@@ -129,20 +129,20 @@ class LineContacts:
 
     def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """With a picture of the section at each position."""
-        from wirewear.planar.fields import write_planar_fields
+        from wirewear.planar.pictures import write_planar_fields
 
         del shown
         return write_planar_fields(result, folder, **asked | {"cycle": round(asked["cycle"])})
 
     def assessable(self, result: RunResult, body: str, cycle: float, asked: StrengthAsked) -> int:
         """Where contact forces are recorded, of a body that is large enough."""
-        from wirewear.planar.fields import planar_assessable
+        from wirewear.planar.pictures import planar_assessable
 
         return planar_assessable(result, body, round(cycle), asked)
 
     def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """At all positions of the cycle, averaged over discs."""
-        from wirewear.planar.fields import planar_strength
+        from wirewear.planar.pictures import planar_strength
 
         return planar_strength(result, body, cycle, asked)
 

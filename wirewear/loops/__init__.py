@@ -8,8 +8,7 @@ if TYPE_CHECKING:
     from wirewear.loops.analysis import analyse_loop
     from wirewear.loops.figures import LoopError, LoopFigures, Measured, MicroSlipBranch, StickSlip
     from wirewear.loops.friction import PositionResolvedFriction, position_resolved_friction
-    from wirewear.loops.sensor import Sensor, SensorNoise
-    from wirewear.loops.signals import LoopSignals
+    from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise
 
 __all__ = [
     "LoopError", "LoopFigures", "LoopSignals", "Measured", "MicroSlipBranch", "PositionResolvedFriction", "Sensor",

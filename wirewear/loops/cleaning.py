@@ -11,7 +11,7 @@ from wirewear.loops.digitised import outline, signal_among
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import LoopError
 from wirewear.loops.noise import clipped, outliers, sample_noise
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 FEWEST_SAMPLES = 16
 

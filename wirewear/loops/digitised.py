@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no chance.
 

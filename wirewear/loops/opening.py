@@ -11,7 +11,7 @@ from wirewear.loops.branches import Branch, MicroSlip
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured, mean_of
 from wirewear.loops.robust import fit_linear
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 MICROJOULE_IN_MILLIJOULE = 1e-3
 

@@ -7,7 +7,7 @@ import numpy as np
 from wirewear.loops.branches import Branch, split_branches
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 
 #: Levels of the force's rise at which travels are compared, below a play's shelf; the travel at the second over that at
 #: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.

@@ -9,8 +9,7 @@ from wirewear.base.errors import RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
-from wirewear.records.loop_statistics import loop_statistics
-from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, plural
+from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.values import AnyRecord, MeasuredLoop

@@ -11,8 +11,7 @@ from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen, planar_study_from_tables
 from wirewear.records import tables
-from wirewear.records.metadata import Metadata
-from wirewear.records.of_test import OfRecord
+from wirewear.records.of_test import Metadata, OfRecord
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.results.scar import BODIES

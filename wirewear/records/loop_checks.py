@@ -8,9 +8,8 @@ import numpy as np
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUNS_ON
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
-from wirewear.records.loop_statistics import COURSE, FEWEST_SAMPLES, coarse_step_of
 from wirewear.records.normal_force import impossible_loads
-from wirewear.records.remarks import CheckedRecord, Remark, plural, where
+from wirewear.records.remarks import COURSE, FEWEST_SAMPLES, CheckedRecord, Remark, coarse_step_of, plural, where
 
 #: What of the analysis' notes nothing here has words of its own for.
 NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)

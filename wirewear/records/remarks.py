@@ -1,16 +1,222 @@
-"""What a check says of a record, and what the single checks look at."""
+"""What a check says of a record and what single checks look at: figures of all loops by plain array arithmetic."""
 
-from collections.abc import Mapping, Sequence
+from collections import Counter
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
 import numpy as np
+from numpy.typing import NDArray
 
-from geometry.arrays import BoolArray
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import counted
 from wirewear.loops import LoopFigures
-from wirewear.records.loop_statistics import LoopStatistics
-from wirewear.records.values import AnyRecord
+from wirewear.loops.drive import uneven
+from wirewear.loops.noise import clipped, noises, outside_neighbours, sample_noise, step_of
+from wirewear.loops.sensor import enclosed_areas
+from wirewear.records.values import AnyRecord, MeasuredLoop
+
+FEWEST_SAMPLES = 16  #: A loop with fewer complete samples is no loop.
+OUTLIER_NOISES = 8.0  #: An outlier is this many standard deviations of noise outside what its neighbours bracket.
+
+#: Noise, as a share of the amplitude, that a loop's own course between so many samples resembles at most: its
+#: curvature and, in exported simulations, the corners of straight lines. Of such, 24 to 64 samples of a noiseless loop
+#: scattered by up to 3.5e-3, 92 to 128 by up to 6e-4, 200 and more by up to 2e-5; fewer samples tell no noise.
+COURSE = ((200, 1e-4), (90, 1e-3), (24, 5e-3), (0, np.inf))
+
+ONE_SIGN = 0.1  #: A force that keeps its sign falls below zero by noise alone, a share of its largest.
+
+#: Start and end of a loop, led on, scatter by some two standard deviations of noise; this many open no loop.
+GAP_NOISES = 8.0
+
+CHUNK = 256  #: Loops that are worked on at once; bounds the memory needed.
+
+
+def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
+    """Groups of complete loops whose samples lie at the same times within a microsecond, largest group first."""
+    groups: dict[bytes, list[MeasuredLoop]] = {}
+    for loop in loops:
+        if loop.complete is loop:
+            groups.setdefault(np.round(loop.time_s - loop.time_s[0], 6).tobytes(), []).append(loop)
+    return sorted(groups.values(), key=len, reverse=True)
+
+
+@dataclass(frozen=True, eq=False)
+class LoopStatistics:
+    """One row for each loop, in the record's order; NaN for loops of too few samples.
+
+    `time_error` is the number of samples whose time does not increase, `period_s` the time of a cycle. Amplitudes are
+    half the distance of the 1 % and the 99 % quantile, offsets the middle between them. `*_gap` is the part of the
+    range by which the loop's end misses its start beyond the usual step between samples, `displacement_jump` the
+    largest step over the range. Outliers count samples of either channel. `force_folded` is 1 where the force never
+    changes its sign, but falls to nothing and rises again twice in a cycle.
+    """
+
+    repeat: IntArray
+    cycle: IntArray
+    samples: IntArray
+    missing: IntArray
+    time_errors: Array
+    period_s: Array
+    displacement_amplitude_um: Array
+    displacement_offset_um: Array
+    displacement_noise_um: Array
+    displacement_gap: Array
+    displacement_jump: Array
+    displacement_saturated: Array
+    force_amplitude_N: Array
+    force_offset_N: Array
+    force_noise_N: Array
+    force_gap: Array
+    force_saturated: Array
+    force_folded: Array
+    normal_force_N: Array
+    normal_saturated: Array
+    energy_mJ: Array
+    outliers: Array
+
+
+def loop_statistics(loops: Sequence[MeasuredLoop]) -> LoopStatistics:
+    """Statistics of all loops of a record."""
+    complete = [loop.complete for loop in loops]
+    samples = np.array([loop.time_s.size for loop in complete], dtype=np.int64)
+    columns = {name: np.full(len(loops), np.nan) for name in _COMPUTED}
+    for places in _alike(samples):
+        for name, values in _chunk([complete[place] for place in places]).items():
+            columns[name][places] = values
+    return LoopStatistics(
+        repeat=np.array([loop.repeat for loop in loops], dtype=np.int64),
+        cycle=np.array([loop.cycle for loop in loops], dtype=np.int64),
+        samples=samples,
+        missing=np.array([loop.time_s.size for loop in loops], dtype=np.int64) - samples,
+        **columns,
+    )
+
+
+_COMPUTED = tuple(
+    name for name in LoopStatistics.__annotations__ if name not in ("repeat", "cycle", "samples", "missing")
+)
+
+
+def _alike(samples: IntArray) -> Iterator[NDArray[np.intp]]:
+    """Places of loops of equal length, a chunk at a time."""
+    for size in np.unique(samples[samples >= FEWEST_SAMPLES]):
+        places = np.flatnonzero(samples == size)
+        for start in range(0, places.size, CHUNK):
+            yield places[start : start + CHUNK]
+
+
+def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
+    time, x, q = (
+        np.stack([getattr(loop, n) for loop in loops]) for n in ("time_s", "displacement_um", "tangential_force_N")
+    )
+    step = np.diff(time, axis=1)
+    x_outliers, x_noise = _outliers(x)
+    q_outliers, q_noise = _outliers(q)
+    x_low, x_high = np.percentile(x, [1, 99], axis=1)
+    q_low, q_high = np.percentile(q, [1, 99], axis=1)
+    clean_x, clean_q = (_healed(v, bad) for v, bad in ((x, x_outliers), (q, q_outliers)))
+    normal = [np.nan if loop.normal_force_N is None else float(np.median(loop.normal_force_N)) for loop in loops]
+    return {
+        "time_errors": np.count_nonzero(step <= 0.0, axis=1).astype(float),
+        "period_s": _periods(time),
+        "displacement_amplitude_um": 0.5 * (x_high - x_low),
+        "displacement_offset_um": 0.5 * (x_high + x_low),
+        "displacement_noise_um": _in_time(x_noise, x, time),
+        "displacement_gap": _gap(clean_x, x_noise, x_high - x_low),
+        "displacement_jump": np.abs(np.diff(clean_x, axis=1)).max(axis=1) / np.maximum(np.ptp(clean_x, axis=1), 1e-300),
+        "displacement_saturated": _saturated(x, beside=q),
+        "force_amplitude_N": 0.5 * (q_high - q_low),
+        "force_offset_N": 0.5 * (q_high + q_low),
+        "force_noise_N": _in_time(q_noise, q, time),
+        "force_gap": _gap(clean_q, q_noise, q_high - q_low),
+        "force_saturated": _saturated(q, beside=x),
+        "force_folded": np.array([_folded(*loop) for loop in zip(clean_x, clean_q, strict=True)], dtype=float),
+        "normal_force_N": np.array(normal),
+        "normal_saturated": _saturated([loop.normal_force_N for loop in loops], beside=x),
+        "energy_mJ": 1e-3 * enclosed_areas(clean_x, clean_q),
+        "outliers": np.count_nonzero(x_outliers | q_outliers, axis=1).astype(float),
+    }
+
+
+def _periods(time: Array) -> Array:
+    """How long the cycle of each loop (l, n) lasts: a loop ends one step before it begins anew.
+
+    By the median step where steps are alike: one wrong time or a missing end does not matter. Simulations, and loggers
+    that store turns densely, have steps that are not.
+    """
+    step = np.diff(time, axis=1)
+    spanned = (time[:, -1] - time[:, 0]) * time.shape[1] / step.shape[1]
+    return np.asarray(np.where(uneven(time), spanned, np.median(step, axis=1) * time.shape[1]))
+
+
+def _in_time(noise: Array, values: Array, time: Array) -> Array:
+    """The noise (l,) of loops (l, n), told anew by their own times where these are uneven.
+
+    There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
+    """
+    told = noise.copy()
+    for place in np.flatnonzero(uneven(time)):
+        told[place] = sample_noise(values[place], time[place])
+    return told
+
+
+def _outliers(values: Array) -> tuple[BoolArray, Array]:
+    """Samples (l, n) beyond what their neighbours bracket, and the noise of each loop (l,)."""
+    noise = noises(values)
+    return outside_neighbours(values, lambda steps: OUTLIER_NOISES * noise[:, None] + 2.5 * steps[2]), noise
+
+
+def _healed(values: Array, bad: BoolArray) -> Array:
+    """The samples with outliers replaced by the median of their neighbours."""
+    if not bad.any():
+        return values
+    neighbours = np.stack([np.roll(values, shift, axis=1) for shift in (-2, -1, 1, 2)])
+    return np.where(bad, np.median(neighbours, axis=0), values)
+
+
+def _gap(values: Array, noise: Array, extent: Array) -> Array:
+    """How far start and end, each led on by half a step, miss each other beyond noise and a step, per extent (l,)."""
+    step = np.diff(values, axis=1)
+    end, start = values[:, -1] + 0.5 * step[:, -1], values[:, 0] - 0.5 * step[:, 0]
+    usual = GAP_NOISES * noise + np.percentile(np.abs(step), 99, axis=1)
+    share: Array = np.maximum(np.abs(end - start) - usual, 0.0) / np.where(extent > 0.0, extent, np.inf)
+    return share
+
+
+def _saturated(channels: Iterable[Array | None], beside: Array) -> Array:
+    """1 for channels of loops (l, n) that ran into the end of their range, by what scatters beside them (l, n).
+
+    Where a plateau may as well lie within one step, most loops end at the same value, as a stop stays where it is.
+    """
+    pairs = zip(channels, beside, strict=True)
+    found = [None if one is None else clipped(one, beside=other) for one, other in pairs]
+    ends = Counter(value for one in found if one is not None for value in one.values)
+    stop = 0.5 * len(found)
+    return np.array([float(one is not None and (one.sure or any(ends[v] > stop for v in one.values))) for one in found])
+
+
+def coarse_step_of(values: Array) -> float:
+    """The step in which a channel (n,) is read; 0 where a third of its samples differ, as those of an even drive do."""
+    known = values[np.isfinite(values)]
+    return step_of(known) if 3 <= np.unique(known).size <= known.size / 3 else 0.0
+
+
+def _folded(x: Array, q: Array) -> bool:
+    """Whether the force keeps its sign and rises from nothing twice while the displacement rises once."""
+    size = np.abs(q)
+    peak = float(size.max())
+    low, high = float(q.min()), float(q.max())
+    one_signed = low > -ONE_SIGN * peak or high < ONE_SIGN * peak
+    return one_signed and _rises(size / max(peak, 1e-300)) == 2 and _rises((x - x.min()) / max(np.ptp(x), 1e-300)) == 1
+
+
+def _rises(share: Array) -> int:
+    """How often a closed course between 0 and 1 comes from its lowest to its highest third."""
+    ends = np.where(share > 2.0 / 3.0, 1, np.where(share < 1.0 / 3.0, -1, 0))
+    ends = ends[ends != 0]
+    return int(np.count_nonzero((ends > 0) & (np.roll(ends, 1) < 0)))
+
 
 MOST_LISTED = 8
 

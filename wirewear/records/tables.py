@@ -7,8 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import Quantity, RecordError, shown
-from wirewear.records.metadata import Metadata
-from wirewear.records.of_test import OfRecord, OfTest
+from wirewear.records.of_test import Metadata, OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.results.scar import WIRES, called
 from wirewear.study import Study, keys, study_from_tables

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory

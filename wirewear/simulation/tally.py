@@ -9,7 +9,7 @@ import numpy as np
 
 from solvers import ContactProblem, CycleTrace, IncrementReport, mirror_error, symmetry_of
 from wirewear.base.course import enclosed_energy
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.results.scar import ENERGIES_AGREE
 
 QUALITY = (

@@ -10,7 +10,7 @@ from geometry import Elastic, build_body
 from geometry.arrays import Array
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
 from wirewear import reference
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.verification import hertz
 from wirewear.verification.hertz import LOAD_N, STEEL, crossed, scaled, wire_geometry
 from wirewear.verification.rows import Level, Row, compared

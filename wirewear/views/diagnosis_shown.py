@@ -15,9 +15,8 @@ from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
-from wirewear.diagnosis.observe.profiles import read_profile
 from wirewear.diagnosis.observe.reduction import row_labels
-from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground
+from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground, read_profile
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
 from wirewear.results.scar import called

@@ -12,9 +12,8 @@ from geometry.arrays import Array
 from wirewear.base.identity import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
-from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import GapFinding, Relevance
+from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.effects import Parameter
 from wirewear.records.remarks import Remark

@@ -13,11 +13,10 @@ from wirewear.base.frame import figure
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.resembling import Resemblance
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
-from wirewear.diagnosis.infer.where import GapFinding, Relevance
+from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
 from wirewear.diagnosis.model.candidates import effect_of, unforeseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates

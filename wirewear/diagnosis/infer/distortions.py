@@ -18,8 +18,8 @@ from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.infer.shapes import Branches, Family, Shape
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Layout
+from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.effects import Age, Ageing, Chain, Seam
 
 _KNOWN = constants("infer.families")

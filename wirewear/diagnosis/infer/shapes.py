@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.model.readings import KNEE, SLIDING
 from wirewear.effects import Seam
 

@@ -23,8 +23,8 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.observable import AlongBranch
 from wirewear.diagnosis.observe.plateau import PlateauForce
-from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
+from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.results.scar import called
 
 _KNOWN = constants("infer.shrink")

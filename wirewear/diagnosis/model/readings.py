@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array, ComplexArray
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Chain
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study.bodies import Gap
 

@@ -12,7 +12,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.observable import ModelLoops, Observable, Site, Sites, SolverSize, Zone, rows_of
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
-from wirewear.loops.signals import enclosed_areas
+from wirewear.loops.sensor import enclosed_areas
 
 _KNOWN = constants("observe.evolution")
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at, knee_index
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
@@ -22,7 +22,7 @@ from wirewear.loops.noise import (
     step_of,
     stretch_of,
 )
-from wirewear.loops.signals import enclosed_area
+from wirewear.loops.sensor import enclosed_area
 from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise
 

@@ -18,7 +18,7 @@ from wirewear.loops.noise import outliers, sample_noise, spikes
 from wirewear.records import AnyRecord, MeasuredLoop
 from wirewear.records.checking import analysed
 from wirewear.records.course_checks import other_definitions
-from wirewear.records.loop_statistics import of_equal_times
+from wirewear.records.remarks import of_equal_times
 
 _KNOWN = constants("observe.corners")
 

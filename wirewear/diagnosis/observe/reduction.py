@@ -14,7 +14,7 @@ from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.motion import SINE, FastMotion
+from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.observe.channels import (
     Amplitude,
     NormalForce,
@@ -26,9 +26,8 @@ from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmpli
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
-from wirewear.diagnosis.observe.profiles import ProfileDepths
 from wirewear.diagnosis.observe.reading import Reading, read
-from wirewear.diagnosis.observe.scars import ScarFigures, ScarSkew
+from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records import AnyRecord
 

@@ -12,7 +12,7 @@ from wirewear.planar.tables import LineLoad
 from wirewear.records.contact_tables import BallTest, LineConditions, LineNoise, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
-from wirewear.records.metadata import Metadata
+from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
 from wirewear.study.keys import NormalLoad, Table, checked_text
 

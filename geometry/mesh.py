@@ -1,9 +1,11 @@
-"""Hexahedral meshes as values: points, cells, named surfaces, quality, mirror images, export."""
+"""Meshes as values, hexahedral ones and quadrilateral ones of planar bodies: named surfaces, quality, export."""
 
+from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import ClassVar
 
 import numpy as np
 
@@ -18,27 +20,28 @@ _CORNER_EDGES = np.array(
     [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7], [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]]
 )
 
-# Outward-facing sides of a VTK-ordered hexahedron.
-_SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
-
 
 @dataclass(frozen=True)
-class HexMesh:
-    """Eight-node bricks.
+class Mesh(ABC):
+    """Elements of one shape, and named parts of their boundary.
 
-    points: (n, 3) coordinates in mm.  cells: (m, 8) node indices in VTK order.
-    surfaces: name -> (k, 4) node indices of boundary facets.
+    points: (n, d) coordinates in mm.  cells: (m, c) node indices.  surfaces: name -> (k, s) nodes of boundary facets.
     """
 
     points: Array
     cells: IntArray
     surfaces: Mapping[str, IntArray]
 
+    #: Names of coordinates; sides (f, s) of a cell that face outwards, as its nodes; what helps a distorted mesh.
+    AXES: ClassVar[str]
+    SIDES: ClassVar[IntArray]
+    ADVICE: ClassVar[str]
+
     def __post_init__(self) -> None:
-        if self.points.ndim != 2 or self.points.shape[1] != 3:
-            raise GeometryError(f"mesh points must have shape (n, 3), not {self.points.shape}")
-        if self.cells.ndim != 2 or self.cells.shape[1] != 8:
-            raise GeometryError(f"hexahedra must have shape (m, 8), not {self.cells.shape}")
+        for name, columns in (("points", len(self.AXES)), ("cells", self.SIDES.max() + 1)):
+            shape = getattr(self, name).shape
+            if shape[1:] != (columns,):
+                raise GeometryError(f"{name} of a {type(self).__name__} must have shape (n, {columns}), not {shape}")
         object.__setattr__(self, "surfaces", MappingProxyType(dict(self.surfaces)))
 
     def surface_nodes(self, name: str) -> IntArray:
@@ -47,26 +50,54 @@ class HexMesh:
             raise GeometryError(f"the mesh has no surface '{name}'; it has {', '.join(sorted(self.surfaces))}")
         return np.unique(self.surfaces[name])
 
+    def boundary_facets(self) -> IntArray:
+        """Sides that belong to one cell only, shape (k, s), facing outwards."""
+        sides = self.cells[:, self.SIDES].reshape(-1, self.SIDES.shape[1])
+        _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
+        return np.asarray(sides[first[counts == 1]])
+
+    @abstractmethod
+    def scaled_jacobians(self) -> Array:
+        """Smallest scaled Jacobian over the corners of each cell, shape (m,): 1 of a perfect one, negative inside out.
+
+        Knupp, "Algebraic mesh quality metrics", SIAM J. Sci. Comput. 23 (2001).
+        """
+
+    def require_quality(self, least: float) -> float:
+        """Smallest scaled Jacobian of the mesh; GeometryError naming the worst cell's place when below `least`."""
+        jacobians = self.scaled_jacobians()
+        worst = int(np.argmin(jacobians))
+        if not jacobians[worst] >= least:
+            place = ", ".join(f"{at:.4f}" for at in self.points[self.cells[worst]].mean(axis=0))
+            raise GeometryError(
+                f"the mesh is too distorted: the element at ({place}) mm has a scaled Jacobian of "
+                f"{jacobians[worst]:.3f}, at least {least} is needed; {self.ADVICE}"
+            )
+        return float(jacobians[worst])
+
+    def _spread(self, facets: IntArray, sizes: Array) -> Array:
+        """Sizes (k,) of facets (k, s), in equal shares to their nodes (n,)."""
+        shares = np.repeat(sizes / facets.shape[1], facets.shape[1])
+        return np.bincount(facets.ravel(), shares, len(self.points)).astype(np.float64)
+
+
+class HexMesh(Mesh):
+    """Eight-node bricks, their nodes in VTK order."""
+
+    AXES = "xyz"
+    SIDES = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7]])
+    ADVICE = "use a finer outer mesh or a smaller patch"
+
     def surface_areas(self, name: str) -> Array:
         """Area of a named surface that belongs to each node, shape (n,), mm²; GeometryError without such a surface."""
         self.surface_nodes(name)
         facets = self.surfaces[name]
         corners = self.points[facets]
         vectors = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        shares = np.repeat(0.25 * np.linalg.norm(vectors, axis=1), 4)
-        return np.bincount(facets.ravel(), shares, len(self.points)).astype(np.float64)
-
-    def boundary_facets(self) -> IntArray:
-        """Sides that belong to one cell only, shape (k, 4), facing outwards."""
-        sides = self.cells[:, _SIDES].reshape(-1, 4)
-        _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
-        return np.asarray(sides[first[counts == 1]])
+        return self._spread(facets, np.linalg.norm(vectors, axis=1))
 
     def scaled_jacobians(self) -> Array:
-        """Smallest scaled Jacobian over the eight corners of each cell, shape (m,); 1 is a perfect brick.
-
-        Knupp, "Algebraic mesh quality metrics", SIAM J. Sci. Comput. 23 (2001).
-        """
+        """Over the eight corners."""
         corners = self.points[self.cells]
         smallest = np.full(len(self.cells), np.inf)
         for node, *ends in _CORNER_EDGES:
@@ -77,24 +108,12 @@ class HexMesh:
             smallest = np.minimum(smallest, np.linalg.det(directions))
         return smallest
 
-    def require_quality(self, least: float) -> float:
-        """Smallest scaled Jacobian of the mesh; GeometryError naming the worst cell's place when below `least`."""
-        jacobians = self.scaled_jacobians()
-        worst = int(np.argmin(jacobians))
-        if not jacobians[worst] >= least:
-            x, y, z = self.points[self.cells[worst]].mean(axis=0)
-            raise GeometryError(
-                f"the mesh is too distorted: the element at ({x:.4f}, {y:.4f}, {z:.4f}) mm has a scaled Jacobian of "
-                f"{jacobians[worst]:.3f}, at least {least} is needed; use a finer outer mesh or a smaller patch"
-            )
-        return float(jacobians[worst])
-
     def volume_mm3(self) -> float:
         """Volume by the divergence theorem over cells split into tetrahedra about their centres."""
         corners = self.points[self.cells]
         centre = corners.mean(axis=1, keepdims=True)
         total = 0.0
-        for quad in _SIDES:
+        for quad in self.SIDES:
             a, b, c, d = (corners[:, i] - centre[:, 0] for i in quad)
             for p, q, r in ((a, b, c), (a, c, d), (b, c, d), (b, d, a)):
                 total += float(np.einsum("ij,ij->", p, np.cross(q, r))) / 12.0
@@ -148,3 +167,40 @@ class HexMesh:
                 for i, name in enumerate(named, start=1)
             }
         mesh.write(path, file_format=_FORMATS[path.suffix])
+
+
+class QuadMesh(Mesh):
+    """Four-node quadrilaterals in the plane of x and z, counter-clockwise with z upwards; surfaces are of edges."""
+
+    AXES = "xz"
+    SIDES = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
+    ADVICE = "make the body narrower or higher"
+
+    def surface_lengths(self, name: str) -> Array:
+        """Length of a named surface that belongs to each node, shape (n,), mm; GeometryError without such a surface."""
+        self.surface_nodes(name)
+        edges = self.surfaces[name]
+        return self._spread(edges, np.linalg.norm(self.points[edges[:, 1]] - self.points[edges[:, 0]], axis=1))
+
+    def scaled_jacobians(self) -> Array:
+        """The smallest sine of the four corner angles."""
+        corners = self.points[self.cells]
+        ahead = np.roll(corners, -1, axis=1) - corners
+        lengths = np.linalg.norm(ahead, axis=2, keepdims=True)
+        ahead = ahead / np.where(lengths > 0.0, lengths, 1.0)
+        before = np.roll(ahead, 1, axis=1)
+        return np.asarray((before[..., 0] * ahead[..., 1] - before[..., 1] * ahead[..., 0]).min(axis=1))
+
+    def area_mm2(self) -> float:
+        """Area of the body."""
+        first, second = (self.points[self.cells[:, k]] - self.points[self.cells[:, k - 2]] for k in (2, 3))
+        return 0.5 * float((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum())
+
+    def write(self, path: Path) -> None:
+        """Write the mesh as .vtu with y = 0; GeometryError at any other ending."""
+        import meshio
+
+        if path.suffix != ".vtu":
+            raise GeometryError(f"cannot write a planar mesh to '{path.name}': the name must end in .vtu")
+        points = np.column_stack([self.points[:, 0], np.zeros(len(self.points)), self.points[:, 1]])
+        meshio.Mesh(points, [("quad", self.cells)]).write(path, file_format="vtu")
