@@ -22,7 +22,7 @@ _CORNER_EDGES = np.array(
 
 
 @dataclass(frozen=True)
-class Mesh(ABC):
+class ElementMesh(ABC):
     """Elements of one shape, and named parts of their boundary.
 
     points: (n, d) coordinates in mm.  cells: (m, c) node indices.  surfaces: name -> (k, s) nodes of boundary facets.
@@ -81,7 +81,7 @@ class Mesh(ABC):
         return np.bincount(facets.ravel(), shares, len(self.points)).astype(np.float64)
 
 
-class HexMesh(Mesh):
+class HexMesh(ElementMesh):
     """Eight-node bricks, their nodes in VTK order."""
 
     AXES = "xyz"
@@ -169,7 +169,7 @@ class HexMesh(Mesh):
         mesh.write(path, file_format=_FORMATS[path.suffix])
 
 
-class QuadMesh(Mesh):
+class QuadMesh(ElementMesh):
     """Four-node quadrilaterals in the plane of x and z, counter-clockwise with z upwards; surfaces are of edges."""
 
     AXES = "xz"

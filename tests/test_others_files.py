@@ -111,7 +111,7 @@ def test_a_number_of_any_length_is_out_of_range(digits: int, key: str) -> None:
 def test_a_pattern_that_would_need_for_ever_is_refused_in_time(
     tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("wirewear.records.importing.reader.PATTERN_s", 0.2)
+    monkeypatch.setattr("wirewear.records.importing.sources.PATTERN_s", 0.2)
     (tmp_path / f"cycle_{'1' * 60}_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     bad = GERMAN.replace(r"cycle_(?P<cycle>\d+)_rep(?P<repeat>\d+)", r"cycle_(?P<cycle>(\d+)+)x(?P<repeat>\d+)")
     with within(60.0), pytest.raises(RecordError, match="takes too long on the file's name"):
