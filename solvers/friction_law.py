@@ -9,16 +9,15 @@ A law stands in a file of its own and is named in `LIBRARY`, or in the entry poi
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import ClassVar
 
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.errors import SolverError
+from solvers.laws import law_called, laws_by_name, require_positive
 from solvers.local_state import LocalState
-from solvers.plugins import installed
 
 # Local coefficients have settled when they change by no more than this share of the largest.
 _SETTLED = 1e-4
@@ -31,11 +30,13 @@ class FrictionLaw(ABC):
     name: by which studies choose it.  The coefficient of friction is no parameter of the law but an argument, for tests
     and effects change it: what the limit is proportional to, a number or one for each of the k nodes, (k,).
     proportional: whether the limit is the coefficient times the pressure; what follows is then not computed anew.
-    remembers: whether the factor follows what the surfaces have been through, so that cycles differ without any wear.
+    timed: whether the factor follows the speed.  remembers: whether it follows what the surfaces have been through, so
+    that cycles differ without any wear.
     """
 
     name: ClassVar[str]
     proportional: ClassVar[bool] = False
+    timed: ClassVar[bool] = False
     remembers: ClassVar[bool] = False
 
     def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
@@ -134,7 +135,7 @@ class ShearLimited(FrictionLaw):
     shear_strength_MPa: float
 
     def __post_init__(self) -> None:
-        _require_positive(self, "shear_strength_MPa")
+        require_positive(self, "shear_strength_MPa")
 
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Coefficient times pressure, bent towards the shear strength."""
@@ -163,7 +164,7 @@ class PowerOfPressure(FrictionLaw):
     exponent: float
 
     def __post_init__(self) -> None:
-        _require_positive(self, "reference_pressure_MPa", "exponent")
+        require_positive(self, "reference_pressure_MPa", "exponent")
 
     def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
         """Coefficient times pressure, both the coefficient at p_0 times a power."""
@@ -203,12 +204,13 @@ class Rate(Coulomb):
     """
 
     name: ClassVar[str] = "rate"
+    timed: ClassVar[bool] = True
 
     kinetic_ratio: float
     speed_mm_per_s: float
 
     def __post_init__(self) -> None:
-        _require_positive(self, "speed_mm_per_s", not_negative="kinetic_ratio")
+        require_positive(self, "speed_mm_per_s", not_negative=("kinetic_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
         """1 at rest, the ratio at high speed."""
@@ -227,12 +229,13 @@ class LogarithmicRate(Coulomb):
     """
 
     name: ClassVar[str] = "logarithmic-rate"
+    timed: ClassVar[bool] = True
 
     slope: float
     speed_mm_per_s: float
 
     def __post_init__(self) -> None:
-        _require_positive(self, "speed_mm_per_s")
+        require_positive(self, "speed_mm_per_s")
 
     def factor(self, local: LocalState, /) -> Array:
         """1 at rest."""
@@ -257,21 +260,12 @@ class RunningIn(Coulomb):
     energy_mJ_per_mm2: float
 
     def __post_init__(self) -> None:
-        _require_positive(self, "energy_mJ_per_mm2", not_negative="final_ratio")
+        require_positive(self, "energy_mJ_per_mm2", not_negative=("final_ratio",))
 
     def factor(self, local: LocalState, /) -> Array:
         """1 on fresh surfaces, the ratio on those run in."""
         fresh = np.exp(-local.energy_mJ_per_mm2 / self.energy_mJ_per_mm2)
         return np.asarray(self.final_ratio + (1.0 - self.final_ratio) * fresh)
-
-
-def _require_positive(law: FrictionLaw, *names: str, not_negative: str = "") -> None:
-    """See that parameters of a law are positive, and one not negative. Raises SolverError."""
-    for name in filter(None, (*names, not_negative)):
-        value = getattr(law, name)
-        if not (value >= 0.0 if name == not_negative else value > 0.0):
-            must = "must not be negative" if name == not_negative else "must be positive"
-            raise SolverError(f"{name} of the friction law {law.name!r} {must}, but is {value}")
 
 
 LIBRARY: tuple[type[FrictionLaw], ...] = (Coulomb, ShearLimited, PowerOfPressure, Rate, LogarithmicRate, RunningIn)
@@ -282,27 +276,11 @@ def friction_laws() -> Mapping[str, type[FrictionLaw]]:
     """Every law by its name: the library's, then those of installed packages.
     Raises SolverError if a package's entry point holds no law, or one whose name is taken.
     """
-    found = {law.name: law for law in LIBRARY}
-    for place, law in installed(ENTRY_POINT_GROUP, FrictionLaw, "friction law", "solvers", ("name",), SolverError):
-        if law.name in found:
-            raise SolverError(
-                f"the entry point {place} adds a friction law named {law.name!r}, but there is one of that name "
-                "already: uninstall that package, or give its law another name"
-            )
-        found[law.name] = law
-    return found
+    return laws_by_name(ENTRY_POINT_GROUP, FrictionLaw, "friction law", LIBRARY)
 
 
 def friction_law(name: str, parameters: Mapping[str, float]) -> FrictionLaw:
     """The law of that name with these parameters.
     Raises SolverError if there is none, or it has other parameters, or they cannot be.
     """
-    if name not in friction_laws():
-        raise SolverError(f"there is no friction law {name!r}; the laws are {', '.join(map(repr, friction_laws()))}")
-    law = friction_laws()[name]
-    wanted = [parameter.name for parameter in fields(law)]
-    if sorted(parameters) != sorted(wanted):
-        given = f"but is given {', '.join(parameters)}" if parameters else "but is given none"
-        takes = f"takes {', '.join(wanted)}" if wanted else "takes no parameters"
-        raise SolverError(f"the friction law {name!r} {takes}, {given}")
-    return law(**parameters)
+    return law_called(name, parameters, friction_laws(), "friction law")

@@ -1,10 +1,7 @@
-"""Local wear laws on both surfaces.
+"""Local wear on both surfaces, by the law of `solvers.wear_law` and each body's coefficient.
 
-Energy law, V = alpha E locally (Fouvry et al., Wear 255 (2003) 287): a point that dissipates the friction energy e
-per area recedes by alpha e. Archard's law, V = k P s locally (Archard, J. Appl. Phys. 24 (1953) 981): a point that
-slides s under the pressure p recedes by k p s. Either way a point recedes by a coefficient times the wear work per
-area. The primary's nodes take their share directly; the secondary's by the transposed transfer operator, so worn
-volume equals coefficient times work to round-off on both bodies.
+The primary's nodes take their share of the wear work directly; the secondary's by the transposed transfer operator, so
+worn volume equals coefficient times work to round-off on both bodies.
 
 Oxygen in the contact: it diffuses in from the edges and friction uses it up; where none is left, wear is another.
 
@@ -15,20 +12,16 @@ Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and 
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from typing import Literal
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
-from solvers.friction_law import Friction
 from solvers.pairing import Pairing
-
-# Over the last part of the way that oxygen gets, the wear coefficient passes linearly from one value to the other.
-_FADING = 0.3
+from solvers.placement import PlacedBody
+from solvers.wear_law import Energy, WearLaw, WornCycle, breathing
 
 
 @dataclass(frozen=True)
@@ -36,26 +29,24 @@ class OxygenSupply:
     """How far oxygen gets, and what its lack does.
 
     supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen gets from the edge.
-    starved_factor: wear coefficient without oxygen over that with it.  frequency_Hz: cycles per second.
+    starved_factor: wear coefficient without oxygen over that with it.
     Raises SolverError for a number that cannot be.
     """
 
     supply_W: float
     starved_factor: float
-    frequency_Hz: float = 1.0
 
     def __post_init__(self) -> None:
-        if not (self.supply_W > 0.0 and self.starved_factor >= 0.0 and self.frequency_Hz > 0.0):
-            raise SolverError("oxygen needs a positive supply and frequency, and a factor that is not negative")
+        if not (self.supply_W > 0.0 and self.starved_factor >= 0.0):
+            raise SolverError("oxygen needs a positive supply, and a factor that is not negative")
 
     def reach_mm(self, power_density_W_per_mm2: float) -> float:
         """Distance from the contact's edge that oxygen gets at a friction power density."""
         return float(np.sqrt(self.supply_W / max(power_density_W_per_mm2, 1e-300)))
 
-    def factors(self, distance_mm: Array, reach_mm: float) -> Array:
-        """Factors on the wear coefficient at distances from the contact's edge."""
-        breathes = np.clip((1.0 - distance_mm / reach_mm) / _FADING, 0.0, 1.0)
-        return np.asarray(self.starved_factor + (1.0 - self.starved_factor) * breathes)
+    def factors(self, distance_mm: Array, power_density_W_per_mm2: float) -> Array:
+        """Factors on wear at distances from the contact's edge."""
+        return breathing(distance_mm, self.reach_mm(power_density_W_per_mm2), self.starved_factor)
 
 
 def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
@@ -70,7 +61,7 @@ def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
     return distance
 
 
-WearLaw = Literal["energy", "archard"]
+Rate = float | Array  #: A wear coefficient, one for all nodes of a patch or one for each, (n_a, n_t).
 
 
 @dataclass(frozen=True)
@@ -78,26 +69,25 @@ class WearRates:
     """Wear law of the two bodies, with coefficients in mm³ per mJ of friction energy or, by Archard's law, per N mm of
     load times sliding.
 
-    frequency_Hz: cycles per second.  oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it,
-    single increments do not.
+    oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it, single increments do not.
     Raises SolverError if a coefficient is negative.
     """
 
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
-    law: WearLaw = "energy"
-    frequency_Hz: float = 1.0
+    law: WearLaw = field(default_factory=Energy)
     oxygen: OxygenSupply | None = None
 
     def __post_init__(self) -> None:
         if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
             raise SolverError("wear coefficients must not be negative")
 
-    def work_per_slip(self, friction: Friction) -> Friction:
-        """Wear work per area and length of slip, as the limit of a friction law: the friction, or by Archard's law the
-        pressure.
-        """
-        return friction if self.law == "energy" else Friction(1.0)
+    def factor(self, cycle: WornCycle) -> float | Array:
+        """Factor on the wear work of a cycle, one for all unknowns or one for each, (N,)."""
+        factor = self.law.factor(cycle)
+        if self.oxygen is None:
+            return factor
+        return factor * self.oxygen.factors(cycle.edge_distance_mm, cycle.power_density_W_per_mm2)
 
     def scaled(self, factor: float) -> "WearRates":
         """The same law with both coefficients times a factor."""
@@ -110,10 +100,20 @@ class WearRates:
         """Whether nothing wears."""
         return self.upper_mm3_per_mJ == 0.0 and self.lower_mm3_per_mJ == 0.0
 
-    def split(self, primary_is_upper: bool) -> tuple[float, float]:
-        """Coefficients of the primary and the secondary body."""
+    def rates(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> tuple[Rate, Rate]:
+        """By how much the primary and the secondary recede per wear work, in a state of wear and over that much work
+        per area, each (n_a, n_t); exact however much it is.
+        """
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
-        return pair if primary_is_upper else (pair[1], pair[0])
+        both = pair if primary_is_upper else pair[::-1]
+        if not self.law.remembers:
+            return both
+        energies = wear.primary_energy, wear.secondary_energy
+        first, last = (
+            of * np.divide(self.law.counted(energy, done), done, out=np.zeros_like(done), where=done > 0.0)
+            for of, energy, done in zip(both, energies, work, strict=True)
+        )
+        return first, last
 
 
 @dataclass(frozen=True)
@@ -136,16 +136,19 @@ class Sliding:
 
 
 def deposited(
-    wear: WearState, parts: Sequence[Sliding], cycles: float, rates: tuple[float, float], secondary_patch: ContactPatch
+    wear: WearState, parts: Sequence[Sliding], cycles: float, rates: WearRates, bodies: tuple[PlacedBody, PlacedBody]
 ) -> WearState:
-    """The wear state after sliding in one or more pairings, repeated `cycles` times."""
+    """The wear state after sliding in one or more pairings, repeated `cycles` times.
+
+    bodies: the primary and the secondary.
+    """
     for part in parts if cycles > 0.0 else ():
-        wear = _after(wear, part, cycles, rates, secondary_patch)
+        wear = _after(wear, part, cycles, rates, bodies)
     return wear
 
 
 def _after(
-    wear: WearState, part: Sliding, cycles: float, rates: tuple[float, float], secondary_patch: ContactPatch
+    wear: WearState, part: Sliding, cycles: float, rates: WearRates, bodies: tuple[PlacedBody, PlacedBody]
 ) -> WearState:
     pairing = part.pairing
     if not part.wear_work.any():
@@ -154,31 +157,37 @@ def _after(
     def spread(work: Array) -> tuple[Array, Array]:
         primary = np.zeros(wear.primary_depth.shape)
         primary.flat[pairing.nodes] = cycles * work
-        secondary = cycles * pairing.opposite.spread(work) / secondary_patch.node_areas()
+        secondary = cycles * pairing.opposite.spread(work) / bodies[1].patch.node_areas()
         return primary, np.asarray(secondary).reshape(wear.secondary_depth.shape)
 
     energy = spread(part.energy)
     work = energy if part.wear_work is part.energy else spread(part.wear_work)
     totals = cycles * float(pairing.areas @ part.energy), cycles * float(pairing.areas @ part.wear_work)
-    return after_work(wear, rates, energy, work, totals)
+    return after_work(wear, rates.rates(wear, work, bodies[0].facing < 0), energy, work, totals, bodies)
 
 
 def after_work(
     wear: WearState,
-    rates: tuple[float, float],
+    rates: tuple[Rate, Rate],
     energy: tuple[Array, Array],
     work: tuple[Array, Array],
     totals_mJ: tuple[float, float],
+    bodies: tuple[PlacedBody, PlacedBody],
 ) -> WearState:
-    """The wear state after friction energy and wear work per area, each (n_a, n_t) on the primary and the secondary,
-    and of both in total.
+    """The wear state after friction energy and wear work per area, each (n_a, n_t) on the primary and the secondary
+    body, and of both in total.
     """
+    volumes = (
+        rate * totals_mJ[1] if isinstance(rate, float) else float(body.node_areas @ (rate * done).ravel())
+        for rate, done, body in zip(rates, work, bodies, strict=True)
+    )
+    primary_volume, secondary_volume = volumes
     return WearState(
         primary_depth=wear.primary_depth + rates[0] * work[0],
         secondary_depth=wear.secondary_depth + rates[1] * work[1],
         primary_energy=wear.primary_energy + energy[0],
         secondary_energy=wear.secondary_energy + energy[1],
         energy_mJ=wear.energy_mJ + totals_mJ[0],
-        primary_volume_mm3=wear.primary_volume_mm3 + rates[0] * totals_mJ[1],
-        secondary_volume_mm3=wear.secondary_volume_mm3 + rates[1] * totals_mJ[1],
+        primary_volume_mm3=wear.primary_volume_mm3 + primary_volume,
+        secondary_volume_mm3=wear.secondary_volume_mm3 + secondary_volume,
     )

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import ContactProblem, Coulomb, Friction, FrictionLaw, ShearLimited, friction_laws
+from solvers import Archard, ContactProblem, Coulomb, Friction, FrictionLaw, ShearLimited, friction_laws
 from solvers.pairing import pair
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.independent.model import IndependentModel, figures_of
@@ -130,7 +130,7 @@ def test_wear_by_energy_follows_the_friction_law_and_by_archard_the_pressure(lim
 
     energy, volume = after(replace(limited, wear=replace(limited.wear, upper_mm3_per_mJ=1e-8)))
     assert volume == pytest.approx(1e-8 * energy, rel=1e-12)
-    archard = replace(limited.wear, upper_mm3_per_mJ=1e-8, law="archard")
+    archard = replace(limited.wear, upper_mm3_per_mJ=1e-8, law=Archard())
     _, archards = after(replace(limited, wear=archard))
     _, coulombs = after(replace(limited, friction_law=Coulomb(), wear=archard))
     # More friction takes more of the stroke up in the rig: Q / K twice a half cycle.

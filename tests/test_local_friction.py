@@ -10,13 +10,14 @@ from threadpoolctl import threadpool_limits
 
 import solvers
 from geometry.arrays import Array
-from tests.bodies import FRICTION, STEEL, driven, pressed
+from tests.bodies import FRICTION, driven, pressed
+from tests.local_laws import STROKE_mm, hertz_of_line
 from tests.wear_jumps import LINE_LOAD_N_per_mm, at_the_end, jumped, line_contact
-from wirewear.reference import Elastic, LineContact, contact_modulus, hertz_line
+from wirewear.reference import LineContact
 
 pytestmark = pytest.mark.seconds
 
-STROKE_mm, FREQUENCY_Hz = 0.02, 2.0
+FREQUENCY_Hz = 2.0
 INCREMENTS = 64
 _ONE_THREAD = {"limits": 1, "user_api": "blas"}
 
@@ -31,8 +32,7 @@ def line() -> solvers.ContactProblem:
 
 @pytest.fixture(scope="module")
 def hertz() -> LineContact:
-    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
-    return hertz_line(LINE_LOAD_N_per_mm, 6.0, contact_modulus(steel, steel))
+    return hertz_of_line()
 
 
 def loop(problem: solvers.ContactProblem, state: solvers.ContactState, increments: int) -> solvers.CycleTrace:

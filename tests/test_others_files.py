@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from solvers import SolverError, friction_laws, plugins
+from solvers import SolverError, friction_laws, plugins, wear_laws
 from tests.diagnosis_cases import record
 from tests.studies import MINIMAL
 from tests.test_import import GERMAN, german, mapped
@@ -43,6 +43,7 @@ class BadPoint:
     [
         (all_effects, "effect", StudyError),
         (friction_laws, "friction law", SolverError),
+        (wear_laws, "wear law", SolverError),
         (all_observables, "observable", WirewearError),
         (readers, "reader", RecordError),
     ],
@@ -51,7 +52,7 @@ def test_a_plug_in_that_raises_when_it_is_loaded_is_named(
     monkeypatch: pytest.MonkeyPatch, found: Callable[[], object], noun: str, error: type[Exception]
 ) -> None:
     monkeypatch.setattr(plugins, "entry_points", lambda **_: [BadPoint()])
-    caches = (registry._all_effects, friction_laws, observables._all_observables, readers)
+    caches = (registry._all_effects, friction_laws, wear_laws, observables._all_observables, readers)
     for cache in caches:
         cache.cache_clear()
     try:

@@ -73,8 +73,8 @@ def _sliding(
     problem: ContactProblem, friction: Friction, pairing: Pairing, pressure: Array, length: Array, lifted: Array
 ) -> Sliding:
     """Sliding of nodes under pressure (k,) MPa along a length (k,), while they move along their normals, both in mm."""
-    energy = friction.limit(pressure) * length
-    wear_work = energy if problem.wear.law == "energy" else pressure * length
+    energy, worn = friction.limit(pressure) * length, problem.wear.law.work_per_slip(friction)
+    wear_work = energy if worn is friction else worn.limit(pressure) * length
     return Sliding(pairing, energy, wear_work, length, 0.0 * energy if problem.law.none else pressure * lifted)
 
 
@@ -189,7 +189,7 @@ def accepted(
     forces = pairing.own.spread(outcome.traction), pairing.opposite.spread(outcome.traction)
     parts = slid(problem, state, system, outcome, drive, forces)
     primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
-    wear = deposited(state.wear, parts, cycles, problem.wear.split(problem.primary_is_upper), problem.secondary.patch)
+    wear = deposited(state.wear, parts, cycles, problem.wear, (problem.primary, problem.secondary))
     new = replace(
         state,
         wear=wear,

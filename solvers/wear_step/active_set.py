@@ -65,12 +65,14 @@ class CycleEquations:
     @property
     def _wear_work(self) -> Friction:
         """Wear work per slip, as a law of the pressure."""
-        return self.problem.wear.work_per_slip(self.friction)
+        return self.problem.wear.law.work_per_slip(self.friction)
 
     def works(self, pressure: Array) -> tuple[Array, Array]:
         """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
-        friction = self.friction.limit(pressure)
-        return friction * self.slip, self._wear_work.limit(pressure) * self.slip * self.cycle.wearing
+        energy, worn = self.friction.limit(pressure) * self.slip, self._wear_work
+        if worn is self.friction and isinstance(self.cycle.wearing, float):
+            return energy, energy if self.cycle.wearing == 1.0 else energy * self.cycle.wearing
+        return energy, worn.limit(pressure) * self.slip * self.cycle.wearing
 
     def improved(self, about: Array, active: BoolArray) -> Improved:
         """One step of Newton's method from pressures (N,) with these nodes (N,) in contact.

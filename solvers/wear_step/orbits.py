@@ -15,6 +15,7 @@ from solvers.contact_layer import layers_at_nodes
 from solvers.contact_state import ContactState
 from solvers.kept_code import compiled
 from solvers.pairing import Pairing
+from solvers.wear import Rate
 from solvers.wear_step.influence import displaced
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored
 
@@ -244,14 +245,20 @@ class Orbits:
         mean = _scaled_rows(self.secondary, 1.0 / self.areas)
         return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self._alike[1]).tocsr()
 
-    def opening_by(self, rates: tuple[float, float]) -> csr_matrix:
+    def opening_by(self, rates: tuple[Rate, Rate]) -> csr_matrix:
         """(N, N) gap along z that opens at each unknown by unit work per area at all places alike to another, mm.
 
         rates: wear coefficients of the primary and the secondary.
         """
-        if rates not in self._openings:
-            self._openings[rates] = (rates[0] * self._opened_by_own + rates[1] * self._opened_by_other).tocsr()
-        return self._openings[rates]
+        own, other = rates
+        if not isinstance(own, float) or not isinstance(other, float):
+            mean = _scaled_rows(self.secondary, 1.0 / self.areas)
+            by_own = _scaled_columns(self.primary, np.ravel(own) * np.ones(self.primary.shape[1]))
+            by_other = _scaled_columns(mean, np.ravel(other) / self.secondary_areas)
+            return (by_own @ self._alike[0] + by_other @ self._alike[1]).tocsr()
+        if (own, other) not in self._openings:
+            self._openings[own, other] = (own * self._opened_by_own + other * self._opened_by_other).tocsr()
+        return self._openings[own, other]
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
         """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""

@@ -20,7 +20,7 @@ from solvers.contact import ContactProblem
 from solvers.contact_state import WearState
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
-from solvers.wear import after_work
+from solvers.wear import Rate, after_work
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.released import released_slip
@@ -70,10 +70,8 @@ def solve_stage(
     lasting: how many (N,) under pressures (N,).  pressure: (N,) first guess.
     Raises NotConvergedError if no active set was found that fits.
     """
-    gaps, opening = (
-        cycle.gaps(problem, before.depths),
-        cycle.orbits.opening_by(problem.wear.split(problem.primary_is_upper)),
-    )
+    nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)
+    gaps, rates = cycle.gaps(problem, before.depths), problem.wear.rates(before, nothing, problem.primary_is_upper)
     worn, active, cycles = before, pressure > 0.0, lasting(pressure)
     every = np.ones(cycle.orbits.count)
     stretch = every, every
@@ -86,12 +84,13 @@ def solve_stage(
         friction = cycle.law_at(problem, worn, slip)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
+        opening = cycle.orbits.opening_by(rates)
         equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active
         works = equations.works(np.maximum(pressure, 0.0))
-        worn = worn_by(problem, cycle.orbits, before, works, cycles)
+        worn, rates = worn_by(problem, cycle.orbits, before, works, cycles)
         stretch = _stretch(problem, cycle, facing, pressure, worn, friction)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
         settled = change <= allowed and not friction.differs(known)
@@ -104,8 +103,11 @@ def solve_stage(
 
 def worn_by(
     problem: ContactProblem, orbits: Orbits, before: WearState, works: tuple[Array, Array], cycles: Array
-) -> WearState:
-    """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,)."""
+) -> tuple[WearState, tuple[Rate, Rate]]:
+    """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,).
+
+    By how much either body has receded per wear work is told as well.
+    """
     shapes = before.primary_depth.shape, before.secondary_depth.shape
 
     def spread(work: Array) -> tuple[Array, Array]:
@@ -115,7 +117,8 @@ def worn_by(
     energy = spread(works[0])
     work = energy if works[1] is works[0] else spread(works[1])
     totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
-    return after_work(before, problem.wear.split(problem.primary_is_upper), energy, work, totals)
+    rates = problem.wear.rates(before, work, problem.primary_is_upper)
+    return after_work(before, rates, energy, work, totals, (problem.primary, problem.secondary)), rates
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:

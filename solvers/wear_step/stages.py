@@ -7,10 +7,11 @@ The stages are those of Alexander's singly diagonal Runge-Kutta method of second
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array, BoolArray, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
@@ -22,6 +23,7 @@ from solvers.wear import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position, facing_nodes, orbits_of, positions_of
 from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
+from solvers.wear_step.strokes import mean_slip
 from solvers.wear_step.surfaces import Cycle
 from solvers.wear_step.symmetry import Mirror, Symmetry, with_images
 
@@ -68,11 +70,11 @@ def two_stages(
         if np.abs(balanced - ahead).max() <= _BALANCED * rest:
             break
         ahead = balanced
-        between = worn_by(early, cycle.orbits, cycle.wear, first.works, ahead)
+        between = worn_by(early, cycle.orbits, cycle.wear, first.works, ahead)[0]
         last = solve_stage(late, cycle, between, last_for, last.pressure)
     wear = start.wear
     for problem, stage, count in ((early, first, ahead), (late, last, last.cycles)):
-        wear = worn_by(problem, cycle.orbits, wear, stage.works, count)
+        wear = worn_by(problem, cycle.orbits, wear, stage.works, count)[0]
     return Stages(late, first, last, wear)
 
 
@@ -263,24 +265,57 @@ def _cycle(
         [position.pairing for position in positions],
         list(zip(orbits.rows, orbits.images, strict=True)),
     )
-    half, wearing = symmetry.half_cycle, _wearing(problem, positions, orbits, work_mJ)
-    return kept, Cycle(positions, orbits, influences, start.wear, half, wearing, problem.layers)
+    wearing = problem.wear.factor(_TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes))
+    return kept, Cycle(positions, orbits, influences, start.wear, symmetry.half_cycle, wearing, problem.layers)
 
 
-def _wearing(problem: ContactProblem, positions: tuple[Position, ...], orbits: Orbits, work_mJ: float) -> Array:
-    """Factors (N,) on the wear coefficients: less where oxygen does not get in a cycle of that friction work."""
-    oxygen = problem.wear.oxygen
-    if oxygen is None:
-        return np.ones(orbits.count)
-    plane, areas = problem.primary.node_positions[:, :2], problem.surface.areas
-    pressed = [position.state.traction[:, 2] > 0.0 for position in positions]
-    area = float(np.mean([areas[nodes].sum() for nodes in pressed]))
-    reach = oxygen.reach_mm(1e-3 * work_mJ * oxygen.frequency_Hz / max(area, 1e-300))
-    found = [
-        oxygen.factors(edge_distances(plane, own), reach)[position.nodes][rows]
-        for position, own, rows in zip(positions, pressed, orbits.rows, strict=True)
-    ]
-    return np.concatenate(found)
+@dataclass(frozen=True)
+class _TracedCycle:
+    """What a wear law may know of a traced cycle; see `WornCycle`.
+
+    work_mJ: friction work of the whole cycle.  strokes: how often the positions come by in it.
+    """
+
+    problem: ContactProblem
+    positions: tuple[Position, ...]
+    orbits: Orbits
+    work_mJ: float
+    strokes: int
+
+    @property
+    def frequency_Hz(self) -> float:
+        return self.problem.timing.frequency_Hz
+
+    @property
+    def slip_amplitude_mm(self) -> float:
+        return 0.25 * self.strokes * sum(map(mean_slip, self.positions))
+
+    @property
+    def pressure_MPa(self) -> float:
+        areas = self.problem.surface.areas
+        load = float(np.mean([areas @ position.state.traction[:, 2] for position in self.positions]))
+        return load / max(self._area, 1e-300)
+
+    @property
+    def power_density_W_per_mm2(self) -> float:
+        return 1e-3 * self.work_mJ * self.frequency_Hz / max(self._area, 1e-300)
+
+    @property
+    def edge_distance_mm(self) -> Array:
+        plane = self.problem.primary.node_positions[:, :2]
+        found = [
+            edge_distances(plane, own)[position.nodes][rows]
+            for position, own, rows in zip(self.positions, self._pressed, self.orbits.rows, strict=True)
+        ]
+        return np.concatenate(found)
+
+    @cached_property
+    def _pressed(self) -> list[BoolArray]:
+        return [position.state.traction[:, 2] > 0.0 for position in self.positions]
+
+    @property
+    def _area(self) -> float:
+        return float(np.mean([self.problem.surface.areas[nodes].sum() for nodes in self._pressed]))
 
 
 def _missing(stages: Stages, cycle: Cycle, index: int) -> IntArray:

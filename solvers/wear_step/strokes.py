@@ -84,14 +84,14 @@ def strain_counts(positions: Sequence[Position], half_cycle: Mirror | None) -> b
     pressure = np.maximum(last.traction[:, 2], 0.0)
     stays = float(pressure[other[:, 2] > 0.0].sum()) > _STAYS * float(pressure.sum())
     strokes = 1.0 if half_cycle is not None else 2.0
-    return stays and sum(map(_mean_slip, positions)) < (1.0 - _STRAINED) * strokes * moved
+    return stays and sum(map(mean_slip, positions)) < (1.0 - _STRAINED) * strokes * moved
 
 
 def slip_is_left_over(positions: Sequence[Position], half_cycle: Mirror | None) -> bool:
     """Whether rig and strain take much of the drive's motion, so that slip hangs on how they give way to friction."""
     start, last = positions[ends_of_strokes(positions, half_cycle)[0]].state, positions[-1].state
     driven = 2.0 * abs(last.drive if half_cycle is not None else last.drive - start.drive)
-    return sum(map(_mean_slip, positions)) < _LEFT_TO_SLIP * driven
+    return sum(map(mean_slip, positions)) < _LEFT_TO_SLIP * driven
 
 
 def _apart(state: ContactState) -> float:
@@ -99,7 +99,7 @@ def _apart(state: ContactState) -> float:
     return state.drive - state.holder_x
 
 
-def _mean_slip(position: Position) -> float:
+def mean_slip(position: Position) -> float:
     """Slip up to a position as a mean over its load, mm."""
     load = position.pairing.areas * np.maximum(position.state.traction[position.nodes, 2], 0.0)
     return float(load @ position.before) / max(float(load.sum()), 1e-300)

@@ -133,7 +133,7 @@ class ContactOxygenation(Effect[WearRates]):
         """The rates with that supply of oxygen."""
         if self.starved_factor == 1.0:
             return described
-        return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor, described.frequency_Hz))
+        return replace(described, oxygen=OxygenSupply(self.supply_W, self.starved_factor))
 
     def foreseen(self, chain: Chain) -> Chain:
         """The chain with that supply; in the scars of wires oxygen gets everywhere."""

@@ -225,9 +225,7 @@ def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) ->
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
         timing=DriveTiming(conditions.drive, conditions.frequency_Hz),
-        wear=WearRates(
-            upper_mm3_per_mJ=1e-3 * rates[0], lower_mm3_per_mJ=1e-3 * rates[1], frequency_Hz=conditions.frequency_Hz
-        ),
+        wear=WearRates(upper_mm3_per_mJ=1e-3 * rates[0], lower_mm3_per_mJ=1e-3 * rates[1], law=study.wear.of_law),
     )
 
 

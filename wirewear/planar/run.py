@@ -120,7 +120,7 @@ class PlanarRun:
             "variant": study.variant_name,
             "fidelity": self.fidelity,
         }
-        added = {"added": added_code((*study.effects, study.contact.friction_law))}
+        added = {"added": added_code((*study.effects, *study.laws))}
         return identity_of(asked, PLANAR_CODE, self.planned.settings() | added)
 
     @property

@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator, PrivateAttr
 
 from geometry import Elastic, PlanarGeometry
-from solvers import Coulomb, Drive, Waveform
+from solvers import Coulomb, Drive, Energy, FrictionLaw, Waveform, WearLaw
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
@@ -18,7 +18,7 @@ from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import FrictionLawKey, Log
+from wirewear.study.tables import FrictionLawKey, Log, WearLawKey
 from wirewear.study.template import Template
 
 #: What the kind may be called: any line contact, or that of a cylinder.
@@ -134,12 +134,26 @@ class PlanarContact(keys.Table):
 class PlanarWear(keys.Table):
     """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
 
+    law: WearLawKey | None = Field(
+        None, description='"energy", or a table of another law\'s name and parameters, for energy coefficients'
+    )
+
     pad_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the pad")
     specimen_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the specimen")
     pad_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(0.0, description="Archard wear coefficient of the pad")
     specimen_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(
         0.0, description="Archard wear coefficient of the specimen"
     )
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """All four by their keys."""
+        return {name: value for name, value in self if isinstance(value, float)}
+
+    @property
+    def of_law(self) -> WearLaw:
+        """The law of the energy coefficients."""
+        return self.law or Energy()
 
 
 class PlanarHolder(keys.Table):
@@ -252,6 +266,11 @@ class PlanarStudy(keys.NamedTable):
         whole = worst.model_copy(update={"contact": contact, "conditions": worst.conditions.model_copy(update=largest)})
         cycles = worked_cycles(stretches, per_cycle, per_cycle(whole))
         return whole.model_copy(update={"conditions": whole.conditions.model_copy(update={"cycles": cycles})})
+
+    @property
+    def laws(self) -> tuple[FrictionLaw, WearLaw]:
+        """Those of friction and of wear."""
+        return self.contact.friction_law, self.wear.of_law
 
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""
@@ -392,6 +411,12 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
         raise StudyError(
             f"friction_law in [contact] of {where} is {study.contact.friction_law.name!r}, but line contacts compute "
             "Archard wear from Coulomb's friction energy: give energy wear coefficients instead."
+        )
+    law = wear.of_law
+    if law.coefficient == "archard" or (archard > 0.0 and not isinstance(law, Energy)):
+        raise StudyError(
+            f"law in [wear] of {where} is {law.name!r}, but line contacts take Archard's law by "
+            "pad_archard_mm3_per_N_m and specimen_archard_mm3_per_N_m, and all others by energy wear coefficients."
         )
     if study.contact.friction == 0.0 and archard > 0.0:
         raise StudyError(

@@ -258,7 +258,7 @@ class RunPlan:
             "discretisation": asdict(self.discretisation),
             "meshes": [asdict(stage) for stage in self.meshes.stages],
             "milestones": self.milestones,
-            "added": added_code((*study.effects, study.contact.friction_law)),
+            "added": added_code((*study.effects, *study.laws)),
         }
         return identity_of(asked, RUN_CODE, plan)
 

@@ -263,8 +263,5 @@ def wear_rates(study: Study) -> solvers.WearRates:
     # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
     both = 1e-3 * (archard or energy or 0.0)
     return solvers.WearRates(
-        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
-        lower_mm3_per_mJ=wear.moving_share * both,
-        law="energy" if archard is None else "archard",
-        frequency_Hz=study.conditions.frequency_Hz,
+        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both, lower_mm3_per_mJ=wear.moving_share * both, law=wear.of_law
     )

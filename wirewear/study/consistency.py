@@ -90,6 +90,12 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
             f"and archard_wear_coefficient_mm3_per_N_m are {'both missing' if energy is None else 'both given'}, "
             "but exactly one of them says how the bodies wear",
         )
+    if wear.of_law.coefficient != ("energy" if archard is None else "archard"):
+        return Inconsistency(
+            ("wear", "law"),
+            f'is "{wear.of_law.name}", which takes {wear.of_law.coefficient}_wear_coefficient_'
+            f"{'mm3_per_J' if archard is not None else 'mm3_per_N_m'}: give that in place of the other coefficient",
+        )
     if (wear.variation == "none") != (not wear.variation_points):
         return Inconsistency(
             ("wear", "variation"),
@@ -134,6 +140,11 @@ def _effects(tables: ContactTables) -> Inconsistency | None:
 
 def _explicit(tables: ContactTables) -> Inconsistency | None:
     if tables.wear is not None and tables.wear.update == "explicit":
+        if tables.wear.of_law.timed:
+            return Inconsistency(
+                ("wear", "law"),
+                f'is "{tables.wear.of_law.name}", which the explicit wear update does not know: use "implicit"',
+            )
         for effect in tables.effects:
             if effect.needs_whole_cycles:
                 return Inconsistency(

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, TypeVar, cast
 
+from solvers import FrictionLaw, WearLaw
 from wirewear.base import notebook
 from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
@@ -137,6 +138,12 @@ class Study:
     def wear(self) -> Wear | None:
         """Wear law, or None when nothing wears."""
         return self.tables.wear
+
+    @property
+    def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
+        """Those of friction and of wear, if it wears."""
+        friction = self.contact.friction_law
+        return (friction,) if self.wear is None else (friction, self.wear.of_law)
 
     @property
     def holder(self) -> HolderTable:

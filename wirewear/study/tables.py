@@ -1,14 +1,15 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from itertools import pairwise
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, TypeVar, cast
 
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
-from solvers import Coulomb, Drive, FrictionLaw, SolverError, Waveform, friction_law
+from solvers import Archard, Coulomb, Drive, Energy, FrictionLaw, SolverError, Waveform, WearLaw, friction_law, wear_law
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
@@ -25,33 +26,45 @@ PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
 POINT_KINDS = ("ball-on-flat", "point-contact")
 
 
-def _law_of(value: object) -> FrictionLaw:
+Law = TypeVar("Law", FrictionLaw, WearLaw)
+
+
+def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, float]], Law], example: str) -> Law:
     """The law that a key's value describes; ValueError when there is none such."""
-    if isinstance(value, FrictionLaw):
-        return value
+    if isinstance(value, kind):
+        return cast("Law", value)
     table = {"name": value} if isinstance(value, str) else value
     if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-        raise ValueError(
-            f'is {shown(value)}, but must be "coulomb" or a table such as '
-            '{ name = "shear-limited", shear_strength_MPa = 800.0 }'
-        )
+        raise ValueError(f"is {shown(value)}, but must be {example}")
     parameters = {key: number for key, number in table.items() if key != "name"}
     for key, number in parameters.items():
         if isinstance(number, bool) or not isinstance(number, int | float):
             raise ValueError(f"gives {key} = {shown(number)}, but must give a number")
     try:
-        return friction_law(table["name"], parameters)
+        return made(table["name"], parameters)
     except SolverError as problem:
         raise ValueError(f"is {shown(value)}: {problem}") from None
 
 
-def _described(law: FrictionLaw) -> str | dict[str, Any]:
+def _described(law: FrictionLaw | WearLaw) -> str | dict[str, Any]:
     parameters = asdict(law)
     return {"name": law.name, **parameters} if parameters else law.name
 
 
+_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
+_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
+
 #: A key that takes a friction law.
-FrictionLawKey = Annotated[FrictionLaw, PlainValidator(_law_of), PlainSerializer(_described)]
+FrictionLawKey = Annotated[
+    FrictionLaw,
+    PlainValidator(lambda value: _law_of(value, FrictionLaw, friction_law, _FRICTION)),
+    PlainSerializer(_described),
+]
+
+#: A key that takes a wear law.
+WearLawKey = Annotated[
+    WearLaw, PlainValidator(lambda value: _law_of(value, WearLaw, wear_law, _WEAR)), PlainSerializer(_described)
+]
 
 
 CROSSED_WIRES = "crossed-wires"  #: What the kind of crossed wires is called.
@@ -120,6 +133,10 @@ class Contact(keys.Table):
 class Wear(keys.Table):
     """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
 
+    law: WearLawKey | None = Field(
+        None, description='"energy", "archard", or a table of another law\'s name and parameters; by the coefficient'
+    )
+
     energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
         None, description="energy law: worn volume of both bodies together per dissipated energy"
     )
@@ -139,6 +156,11 @@ class Wear(keys.Table):
     explicit_jump_cycles: keys.ExplicitJump | None = Field(
         None, description="cycles that one simulated cycle stands for with the explicit update"
     )
+
+    @property
+    def of_law(self) -> WearLaw:
+        """The law stated, or the one of the coefficient that is."""
+        return self.law or (Energy() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())
 
     def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
         """Worn volume of both wires per load and sliding distance in gross slip, without any variation."""

@@ -258,7 +258,7 @@ class Sweep:
             "keys": self.design.keys,
             "points": self.design.points.tolist(),
         }
-        added = added_code([*self.study.effects, self.study.contact.friction_law])
+        added = added_code([*self.study.effects, *self.study.laws])
         return identity_of(asked, CODE, {"added": added})
 
     def study_of(self, place: int) -> Study:

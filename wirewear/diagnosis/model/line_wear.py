@@ -188,8 +188,7 @@ def _breathing(contact: WornLineContact, pressure: Array, x: Array) -> Array:
     half = _half_width(x, pressure)
     # Supply and power density both over 4 times friction, slip and frequency.
     supply = OxygenSupply(contact.supply_mm3_MPa, contact.starved_factor)
-    reach = supply.reach_mm(contact.load_N_per_mm / (2.0 * half))
-    return supply.factors(np.maximum(half - x, 0.0), reach)
+    return supply.factors(np.maximum(half - x, 0.0), contact.load_N_per_mm / (2.0 * half))
 
 
 def _half_width(x: Array, values: Array) -> float:

@@ -226,11 +226,17 @@ def half_decades(cycles: int) -> list[int]:
 
 def _identity(study: Study) -> Identity:
     stated = {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")}
-    # Loops without inertia or damping are the same at any frequency.
-    asked = {**stated, "conditions": {**stated["conditions"], "frequency_Hz": 1.0}}
+    asked = {**stated, "conditions": stated["conditions"] | _timing(study)}
     plan: dict[str, Any] = {name: constant.value for name, constant in _KNOWN.known.items()}
-    plan["added"] = added_code((study.contact.friction_law,))
+    plan["added"] = added_code(study.laws)
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
+
+
+def _timing(study: Study | PlanarStudy, **others: str) -> dict[str, Any]:
+    """What to state in place of a study's timing: loops without inertia or damping are the same at any frequency,
+    unless a law follows the speed.
+    """
+    return {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0, **others}
 
 
 def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
@@ -278,7 +284,7 @@ def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) 
 
 def _faster_line(study: PlanarStudy) -> PlanarStudy:
     cycles = study.conditions.cycles
-    wear = {name: WEAR_MARGIN * value for name, value in study.wear.model_dump().items()}
+    wear = {name: WEAR_MARGIN * value for name, value in study.wear.coefficients.items()}
     tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
     return study.model_copy(
         update={
@@ -292,7 +298,7 @@ def _faster_line(study: PlanarStudy) -> PlanarStudy:
 def _identity_of_line(study: PlanarStudy) -> Identity:
     stated: dict[str, Any] = study.model_dump(mode="json", exclude_none=True)
     asked = {key: value for key, value in stated.items() if key not in ("name", "effects")}
-    # Without inertia loops are the same at any frequency; times are not read.
-    asked["conditions"] = {**stated["conditions"], "frequency_Hz": 1.0, "motion": "sinusoidal"}
-    plan: dict[str, Any] = {"added": added_code((study.contact.friction_law,))}
+    # Times are not read.
+    asked["conditions"] = stated["conditions"] | _timing(study, motion="sinusoidal")
+    plan: dict[str, Any] = {"added": added_code(study.laws)}
     return identity_of(asked, (*PLANAR_CODE, "wirewear/diagnosis/model/nominal.py"), plan)

@@ -1,0 +1,242 @@
+"""Wear laws: what wears, where a contact slides under pressure.
+
+Energy law, V = alpha E locally (Fouvry et al., Wear 255 (2003) 287): a point that dissipates the friction energy e
+per area recedes by alpha e. Archard's law, V = k P s locally (Archard, J. Appl. Phys. 24 (1953) 981): a point that
+slides s under the pressure p recedes by k p s. Either way a point recedes by a coefficient times the wear work per
+area. Other laws give wear work another weight, by the pressure, by what a cycle is like, or by what a surface has been
+through.
+
+A law is named in `LIBRARY`, or in the entry point group "wirewear.wear_laws" of an installed package; a study chooses
+it by its name.
+"""
+
+from abc import ABC
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import ClassVar, Literal, Protocol
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.errors import SolverError
+from solvers.friction_law import Friction, FrictionLaw, bend_of_power, power_of_pressure
+from solvers.laws import law_called, laws_by_name, require_positive
+
+
+class WornCycle(Protocol):
+    """What a law may know of the cycle that wears; N unknown pressures of its positions."""
+
+    @property
+    def edge_distance_mm(self) -> Array:
+        """Distance (N,) from the contact's edge of the same position."""
+
+    @property
+    def pressure_MPa(self) -> float:
+        """Mean pressure: load over area, both as means over the cycle."""
+
+    @property
+    def power_density_W_per_mm2(self) -> float:
+        """Friction power over the mean area."""
+
+    @property
+    def slip_amplitude_mm(self) -> float:
+        """Half of what a stroke slides, as a mean over the load."""
+
+    @property
+    def frequency_Hz(self) -> float:
+        """Cycles per second."""
+
+
+@dataclass(frozen=True)
+class WearLaw(ABC):
+    """A law as a study describes it: its parameters are the fields of a frozen dataclass.
+
+    name: by which studies choose it.  coefficient: whether the bodies' wear coefficients are per friction energy or, by
+    Archard, per load times sliding.  timed: whether it weighs work by what a cycle is like, which single
+    increments do not know.
+    remembers: whether what counts of wear work depends on the friction energy so far.
+    """
+
+    name: ClassVar[str]
+    coefficient: ClassVar[Literal["energy", "archard"]] = "energy"
+    timed: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False
+
+    def work_per_slip(self, friction: Friction, /) -> Friction:
+        """Wear work per area and length of slip, as the limit of a friction law: that of the friction."""
+        return friction
+
+    def factor(self, cycle: WornCycle, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
+        """Factor on the wear work of a cycle, one for all unknowns or one for each, (N,)."""
+        return 1.0
+
+    def counted(self, energy: Array, work: Array, /) -> Array:  # noqa: ARG002 - most laws ask for nothing
+        """What counts of wear work on a surface that has taken friction energy so far, both mJ/mm² of any shape."""
+        return work
+
+
+@dataclass(frozen=True)
+class Energy(WearLaw):
+    """The energy law: wear work is friction work."""
+
+    name: ClassVar[str] = "energy"
+
+
+@dataclass(frozen=True)
+class Archard(WearLaw):
+    """Archard's law: wear work is pressure times slip, whatever the friction."""
+
+    name: ClassVar[str] = "archard"
+    coefficient: ClassVar[Literal["energy", "archard"]] = "archard"
+
+    def work_per_slip(self, _friction: Friction, /) -> Friction:
+        """The pressure."""
+        return Friction(1.0)
+
+
+@dataclass(frozen=True)
+class EnergyThreshold(WearLaw):
+    """h = alpha (e - e_th): a place wears by what friction energy it takes beyond a threshold, its activation.
+
+    Fouvry et al., Wear 255 (2003) 287. Exact in the energy, whatever the size of a cycle jump.
+
+    threshold_mJ_per_mm2: e_th.  Raises SolverError if it is negative.
+    """
+
+    name: ClassVar[str] = "energy-threshold"
+    remembers: ClassVar[bool] = True
+
+    threshold_mJ_per_mm2: float
+
+    def __post_init__(self) -> None:
+        require_positive(self, not_negative=("threshold_mJ_per_mm2",))
+
+    def counted(self, energy: Array, work: Array, /) -> Array:
+        """The part of it beyond the threshold."""
+        return np.asarray(np.clip(energy + work - self.threshold_mJ_per_mm2, 0.0, work))
+
+
+@dataclass(frozen=True)
+class PowerReduced(WearLaw):
+    """h = alpha (p / p_0)^a (delta / delta_0)^b (f / 1 Hz)^c e: energy, weighed by powers of pressure, slip and
+    frequency.
+
+    Form: Baydoun, Fouvry, Descartes and Arnaud, Wear 426-427 (2019) 676, of flat contacts; here p is the local
+    pressure, and delta the slip amplitude as a mean over the load.
+
+    reference_pressure_MPa, reference_amplitude_um: p_0, delta_0.  pressure_exponent, amplitude_exponent,
+    frequency_exponent: a, b, c.
+    Raises SolverError if a reference is not positive, or a is not above -1.
+    """
+
+    name: ClassVar[str] = "power-reduced"
+    timed: ClassVar[bool] = True
+
+    reference_pressure_MPa: float
+    reference_amplitude_um: float
+    pressure_exponent: float = 0.0
+    amplitude_exponent: float = 0.0
+    frequency_exponent: float = 0.0
+
+    def __post_init__(self) -> None:
+        require_positive(self, "reference_pressure_MPa", "reference_amplitude_um")
+        if not self.pressure_exponent > -1.0:
+            raise SolverError(f"pressure_exponent of the law {self.name!r} must be above -1: wear must not fall")
+
+    def work_per_slip(self, friction: Friction, /) -> Friction:
+        """The friction, weighed by the pressure."""
+        weighed = _Weighed(friction.law, self.reference_pressure_MPa, self.pressure_exponent)
+        return Friction(friction.coefficient, weighed)
+
+    def factor(self, cycle: WornCycle, /) -> float:
+        """By slip amplitude and frequency."""
+        amplitude = max(1e3 * cycle.slip_amplitude_mm / self.reference_amplitude_um, 1e-300)
+        return float(amplitude**self.amplitude_exponent * cycle.frequency_Hz**self.frequency_exponent)
+
+
+@dataclass(frozen=True)
+class _Weighed(FrictionLaw):
+    """Another law's limit times a power of the pressure."""
+
+    name: ClassVar[str] = ""
+
+    of: FrictionLaw
+    reference_MPa: float
+    exponent: float
+
+    def limit(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
+        weight = power_of_pressure(pressure_MPa, self.reference_MPa, self.exponent)
+        return self.of.limit(friction, pressure_MPa) * weight
+
+    def derivative(self, friction: float | Array, pressure_MPa: Array, /) -> Array:
+        """By the product rule."""
+        weight = power_of_pressure(pressure_MPa, self.reference_MPa, self.exponent)
+        bent = bend_of_power(pressure_MPa, self.reference_MPa, self.exponent)
+        secant = self.of.limit(friction, pressure_MPa) / np.maximum(pressure_MPa, 1e-300)
+        return weight * (self.of.derivative(friction, pressure_MPa) + bent * secant)
+
+
+# Over the last part of the way that oxygen gets, the wear coefficient passes linearly from one value to the other.
+_FADING = 0.3
+
+
+def breathing(distance_mm: Array, reach_mm: float, starved_factor: float) -> Array:
+    """Factors on wear at distances from the contact's edge, where oxygen gets so far."""
+    breathes = np.clip((1.0 - distance_mm / reach_mm) / _FADING, 0.0, 1.0)
+    return np.asarray(starved_factor + (1.0 - starved_factor) * breathes)
+
+
+@dataclass(frozen=True)
+class OxygenDistance(WearLaw):
+    """Energy, but less where oxygen does not get: it gets d_O = d (f / 1 Hz)^m (p / 100 MPa)^n from the contact's edge.
+
+    p is the mean pressure. The numbers unless others are given are those of 34NiCrMo16 flats: Baydoun, Arnaud and
+    Fouvry, Wear 458-459 (2020) 203397.
+
+    starved_factor: wear coefficient beyond that distance over that within.  distance_mm: d.  frequency_exponent,
+    pressure_exponent: m, n.
+    Raises SolverError if the distance is not positive or the factor negative.
+    """
+
+    name: ClassVar[str] = "oxygen-distance"
+    timed: ClassVar[bool] = True
+
+    starved_factor: float
+    distance_mm: float = 1.51
+    frequency_exponent: float = -0.22
+    pressure_exponent: float = -0.32
+
+    def __post_init__(self) -> None:
+        require_positive(self, "distance_mm", not_negative=("starved_factor",))
+
+    def reach_mm(self, frequency_Hz: float, pressure_MPa: float) -> float:
+        """Distance from the contact's edge that oxygen gets."""
+        pressure = max(0.01 * pressure_MPa, 1e-300)
+        return float(self.distance_mm * frequency_Hz**self.frequency_exponent * pressure**self.pressure_exponent)
+
+    def factor(self, cycle: WornCycle, /) -> Array:
+        """1 where oxygen gets."""
+        reach = self.reach_mm(cycle.frequency_Hz, cycle.pressure_MPa)
+        return breathing(cycle.edge_distance_mm, reach, self.starved_factor)
+
+
+LIBRARY: tuple[type[WearLaw], ...] = (Energy, Archard, EnergyThreshold, PowerReduced, OxygenDistance)
+
+#: Entry point group in which a package names its subclasses of `WearLaw`.
+ENTRY_POINT_GROUP = "wirewear.wear_laws"
+
+
+@cache
+def wear_laws() -> Mapping[str, type[WearLaw]]:
+    """Every law by its name: the library's, then those of installed packages.
+    Raises SolverError if a package's entry point holds no law, or one whose name is taken.
+    """
+    return laws_by_name(ENTRY_POINT_GROUP, WearLaw, "wear law", LIBRARY)
+
+
+def wear_law(name: str, parameters: Mapping[str, float]) -> WearLaw:
+    """The law of that name with these parameters.
+    Raises SolverError if there is none, or it has other parameters, or they cannot be.
+    """
+    return law_called(name, parameters, wear_laws(), "wear law")
