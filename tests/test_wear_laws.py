@@ -24,7 +24,7 @@ HERTZ = hertz_of_line()
 
 @pytest.fixture(scope="module")
 def line() -> solvers.ContactProblem:
-    timing = solvers.DriveTiming(STROKE_mm, FREQUENCY_Hz)
+    timing = solvers.DriveTiming(solvers.Drive(STROKE_mm), FREQUENCY_Hz)
     return replace(line_contact(), wear=solvers.WearRates(*RATES), timing=timing)
 
 
@@ -74,7 +74,7 @@ def test_beyond_a_threshold_every_place_of_both_bodies_has_worn_by_the_rest_of_i
     problem = by(solvers.EnergyThreshold(threshold), line)
     once, often = worn(problem, start, 400.0), worn(problem, start, 10.0, 90.0, 300.0)
     with threadpool_limits(limits=1, user_api="blas"):
-        singly = solvers.run_cycle(problem, start, STROKE_mm, 32, 400.0)[0].wear
+        singly = solvers.run_cycle(problem, start, solvers.Drive(STROKE_mm), 32, 400.0)[0].wear
     assert 2.0 * threshold < float(once.primary_energy.max()) < 3.0 * threshold
     for wear in (once, often, singly):
         for rate, depth, energy in zip(RATES, wear.depths, (wear.primary_energy, wear.secondary_energy), strict=True):
