@@ -31,7 +31,7 @@ from solvers.transfer import remeshed, transferred, transferred_wear
 from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_law import (
     Archard,
-    Energy,
+    EnergyLaw,
     EnergyThreshold,
     OxygenDistance,
     PowerReduced,
@@ -44,13 +44,13 @@ from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, ke
 
 __all__ = [
     "Archard", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace",
-    "Drive", "DriveTiming", "Energy", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements",
-    "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate", "NotConvergedError",
-    "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "Rate",
-    "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "Symmetry", "ThirdBody", "Waveform",
-    "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "change_by_work", "closed_adaptive_cycle",
-    "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened", "friction_law", "friction_laws",
-    "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press",
-    "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal",
-    "triangular", "unloaded_state", "wear_law", "wear_laws",
+    "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
+    "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate",
+    "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
+    "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "Symmetry",
+    "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "change_by_work",
+    "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
+    "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned",
+    "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred",
+    "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_law", "wear_laws",
 ]  # fmt: skip

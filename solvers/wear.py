@@ -21,7 +21,7 @@ from solvers.contact_state import WearState
 from solvers.errors import SolverError
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
-from solvers.wear_law import Energy, WearLaw, WornCycle, breathing
+from solvers.wear_law import EnergyLaw, WearLaw, WornCycle, breathing
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class WearRates:
 
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
-    law: WearLaw = field(default_factory=Energy)
+    law: WearLaw = field(default_factory=EnergyLaw)
     oxygen: OxygenSupply | None = None
 
     def __post_init__(self) -> None:

@@ -77,7 +77,7 @@ class WearLaw(ABC):
 
 
 @dataclass(frozen=True)
-class Energy(WearLaw):
+class EnergyLaw(WearLaw):
     """The energy law: wear work is friction work."""
 
     name: ClassVar[str] = "energy"
@@ -191,7 +191,7 @@ def breathing(distance_mm: Array, reach_mm: float, starved_factor: float) -> Arr
 class OxygenDistance(WearLaw):
     """Energy, but less where oxygen does not get: it gets d_O = d (f / 1 Hz)^m (p / 100 MPa)^n from the contact's edge.
 
-    p is the mean pressure. The numbers unless others are given are those of 34NiCrMo16 flats: Baydoun, Arnaud and
+    p is the mean pressure. The numbers unless others are given are those of flats by Baydoun, Arnaud and
     Fouvry, Wear 458-459 (2020) 203397.
 
     starved_factor: wear coefficient beyond that distance over that within.  distance_mm: d.  frequency_exponent,
@@ -221,7 +221,7 @@ class OxygenDistance(WearLaw):
         return breathing(cycle.edge_distance_mm, reach, self.starved_factor)
 
 
-LIBRARY: tuple[type[WearLaw], ...] = (Energy, Archard, EnergyThreshold, PowerReduced, OxygenDistance)
+LIBRARY: tuple[type[WearLaw], ...] = (EnergyLaw, Archard, EnergyThreshold, PowerReduced, OxygenDistance)
 
 #: Entry point group in which a package names its subclasses of `WearLaw`.
 ENTRY_POINT_GROUP = "wirewear.wear_laws"

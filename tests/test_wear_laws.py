@@ -128,4 +128,4 @@ def test_a_study_chooses_its_wear_law_and_its_coefficient_does_without_one() -> 
     assert wear.of_law == solvers.EnergyThreshold(500)
     wear = parse_study(STUDY, "s.toml").wear
     assert wear is not None
-    assert wear.of_law == solvers.Energy()
+    assert wear.of_law == solvers.EnergyLaw()

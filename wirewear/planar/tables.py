@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator, PrivateAttr
 
 from geometry import Elastic, PlanarGeometry
-from solvers import Coulomb, Drive, Energy, FrictionLaw, Waveform, WearLaw
+from solvers import Coulomb, Drive, EnergyLaw, FrictionLaw, Waveform, WearLaw
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
@@ -153,7 +153,7 @@ class PlanarWear(keys.Table):
     @property
     def of_law(self) -> WearLaw:
         """The law of the energy coefficients."""
-        return self.law or Energy()
+        return self.law or EnergyLaw()
 
 
 class PlanarHolder(keys.Table):
@@ -413,7 +413,7 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
             "Archard wear from Coulomb's friction energy: give energy wear coefficients instead."
         )
     law = wear.of_law
-    if law.coefficient == "archard" or (archard > 0.0 and not isinstance(law, Energy)):
+    if law.coefficient == "archard" or (archard > 0.0 and not isinstance(law, EnergyLaw)):
         raise StudyError(
             f"law in [wear] of {where} is {law.name!r}, but line contacts take Archard's law by "
             "pad_archard_mm3_per_N_m and specimen_archard_mm3_per_N_m, and all others by energy wear coefficients."

@@ -9,7 +9,18 @@ from typing import Annotated, Any, Literal, TypeVar, cast
 import numpy as np
 from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
 
-from solvers import Archard, Coulomb, Drive, Energy, FrictionLaw, SolverError, Waveform, WearLaw, friction_law, wear_law
+from solvers import (
+    Archard,
+    Coulomb,
+    Drive,
+    EnergyLaw,
+    FrictionLaw,
+    SolverError,
+    Waveform,
+    WearLaw,
+    friction_law,
+    wear_law,
+)
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
@@ -160,7 +171,7 @@ class Wear(keys.Table):
     @property
     def of_law(self) -> WearLaw:
         """The law stated, or the one of the coefficient that is."""
-        return self.law or (Energy() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())
+        return self.law or (EnergyLaw() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())
 
     def volume_per_sliding_mm3_per_N_m(self, friction: float) -> float:
         """Worn volume of both wires per load and sliding distance in gross slip, without any variation."""
