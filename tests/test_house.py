@@ -251,8 +251,8 @@ BUDGETS = {
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 450 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
-    "lines of geometry, solvers and wirewear": 63_470,
-    "lines of wirewear": 50_852,
+    "lines of geometry, solvers and wirewear": 63_481,
+    "lines of wirewear": 50_863,
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
