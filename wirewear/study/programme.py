@@ -113,6 +113,12 @@ def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]
             return
 
 
+def held_keys(conditions: object) -> list[str]:
+    """The keys by which conditions state what the drive holds in place of its amplitude: one at most, or it is wrong."""
+    known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
+    return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
+
+
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
     """What is wrong with a programme that comes to more blocks than a run can go through, if it does."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0

@@ -1,0 +1,188 @@
+"""What a drive may hold in place of its own amplitude: slip, force, energy or a reading; each measured on a loop."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array, IntArray
+from solvers import CycleTrace, SolverError
+from wirewear.effects import Age, Seam, applied
+from wirewear.loops.sensor import Sensor
+from wirewear.loops.signals import LoopSignals, enclosed_area
+from wirewear.study.programme import held_keys
+
+WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
+MOST_CORRECTIONS = 12
+_LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
+_INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
+
+
+def dissipated_energy_mJ(trace: CycleTrace) -> float:
+    """The area of a closed loop; without friction what is left of it is round-off to either side of 0."""
+    return max(enclosed_area(trace.drive, trace.tangential_force), 0.0)
+
+
+def slip_amplitude_mm(trace: CycleTrace) -> float:
+    """Half the width of a closed loop at its mean force, from 0 to half the stroke, mm; also of half a cycle whose
+    other half is its mirror image.
+
+    A branch meets that force before all nodes slide, or else it does so by the slope of a worn scar, which may carry
+    more than friction: then it is where all of them come to slide.
+    """
+    if not any(distance.any() for distance in trace.slid):
+        # Where all floats in free play the force that the loop would be judged by is round-off.
+        return 0.0
+    force, drive, falling = trace.tangential_force, trace.drive, trace.phase <= 0.5
+    sticking = _sticking(trace)
+    if _is_half(trace):
+        start = np.append(trace.start.drive, drive), np.append(-force[-1], force)
+        return max(abs(trace.start.drive) - _travel(*start, sticking, float(np.sign(drive[-1])), 0.0), 0.0)
+    step = np.abs(np.diff(drive, prepend=drive[-1]))
+    mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
+    met = 0.0
+    for own, sign in ((falling, -1.0), (~falling, 1.0)):
+        stroke = np.flatnonzero(own)
+        points = np.append(stroke[0] - 1, stroke)
+        met += _travel(drive[points], force[points], sticking[stroke], sign, mean)
+    return max(0.5 * float(np.ptp(drive)) - 0.5 * met, 0.0)
+
+
+def _is_half(trace: CycleTrace) -> bool:
+    falling = trace.phase <= 0.5
+    return bool(falling.all() or not falling.any())
+
+
+def _travel(drive: Array, force: Array, sticking: IntArray, sign: float, mean: float) -> float:
+    """Travel along a stroke (n + 1,) in one direction until it meets the mean force or all nodes (n,) slide."""
+    travel = np.abs(drive - drive[0])
+    below = sign * (mean - force)
+    slides = np.flatnonzero(sticking == 0)
+    met = float(travel[slides[0] + 1]) if slides.size else float(travel[-1])
+    passed = np.flatnonzero(below <= 0.0)
+    if passed.size and (after := int(passed[0])):
+        share = below[after - 1] / (below[after - 1] - below[after])
+        return min(met, float(travel[after - 1] + share * (travel[after] - travel[after - 1])))
+    return 0.0 if passed.size else met
+
+
+def _sticking(trace: CycleTrace) -> IntArray:
+    """Number of sticking nodes at the end of each increment (n,), which may have been taken in pieces."""
+    reports = iter(trace.reports)
+    return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
+
+
+@dataclass(frozen=True)
+class Held:
+    """A figure of the loop that a drive holds by its amplitude, with which the figure grows.
+
+    key: of the study, which states `target`, in `unit`.  largest_mm: amplitude that the drive has at most.
+    measure: the figure of a cycle, or of half of one whose other half is its mirror image.  slope: how much it is
+    expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in proportion.
+    first_mm: amplitude to begin with.
+    """
+
+    key: str
+    target: float
+    unit: str
+    largest_mm: float
+    measure: Callable[[CycleTrace], float]
+    slope: Callable[[CycleTrace], float] | None
+    first_mm: float
+
+    def error(self, trace: CycleTrace) -> float:
+        """Relative difference of the figure from what is to be held."""
+        return self.measure(trace) / self.target - 1.0
+
+
+@dataclass
+class Search:
+    """Looks for the amplitude that holds a figure: one too small, one too large, and the latest with its figure."""
+
+    held: Held
+    small_mm: float = 0.0
+    large_mm: float = field(default=np.inf)
+    _latest: tuple[float, float] | None = None
+
+    def following(self, amplitude_mm: float, trace: CycleTrace) -> float | None:
+        """The amplitude to try after this one, None where it holds the figure.
+        Raises SolverError where none that the drive has does.
+        """
+        held, found = self.held, self.held.measure(trace)
+        lacking = held.target - found
+        if abs(lacking) <= WITHIN * held.target:
+            return None
+        if lacking > 0.0:
+            self.small_mm = max(self.small_mm, amplitude_mm)
+        else:
+            self.large_mm = min(self.large_mm, amplitude_mm)
+        if lacking > 0.0 and amplitude_mm >= held.largest_mm:
+            raise SolverError(
+                f"the drive cannot hold {held.key} = {held.target:g}: at its largest amplitude, "
+                f"{1e3 * held.largest_mm:g} um, it comes to {found:.4g} {held.unit}, with a tangential force of "
+                f"{float(np.abs(trace.tangential_force).max()):.4g} N; hold less, or give a larger "
+                "displacement_amplitude_um"
+            )
+        before, self._latest = self._latest, (amplitude_mm, found)
+        if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
+            wanted = amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
+        elif held.slope is not None:
+            wanted = amplitude_mm + lacking / held.slope(trace)
+        else:
+            wanted = amplitude_mm * held.target / max(found, 1e-9 * held.target)
+        high = min(self.large_mm, _MOST * amplitude_mm)
+        low = max(self.small_mm, _LEAST * amplitude_mm)
+        margin = _INSIDE * (high - low) if np.isfinite(self.large_mm) and self.small_mm else 0.0
+        return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
+
+
+def _apart_um(trace: CycleTrace) -> float:
+    """Amplitude of the bodies' motion against each other where they are held, half of its range."""
+    return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
+
+
+def _largest_force_N(trace: CycleTrace) -> float:
+    return float(np.abs(trace.tangential_force).max())
+
+
+def _energy_mJ(trace: CycleTrace) -> float:
+    return (2.0 if _is_half(trace) else 1.0) * trace.friction_work
+
+
+def _read_um(sensor: Sensor, trace: CycleTrace) -> float:
+    """Amplitude that a sensor at the drive reads, but for its lag."""
+    drive, force, normal = 1e3 * trace.drive, trace.tangential_force, trace.normal_force
+    if _is_half(trace):
+        drive, force, normal = np.append(drive, -drive), np.append(force, -force), np.append(normal, normal)
+    return 0.5 * float(np.ptp(sensor.read(LoopSignals(np.arange(drive.size), drive, force, normal)).displacement_um))
+
+
+def held_of(study: Any, friction_N: float, rig_mm_per_N: float) -> Held | None:
+    """What a study's drive holds in place of its amplitude, None where it holds that.
+
+    friction_N: the friction force in gross slip.  rig_mm_per_N: how far it carries the rig at the contact.
+    """
+    conditions = study.conditions
+    key = next(iter(held_keys(conditions)), None)
+    if key is None:
+        return None
+    target, largest_mm = float(getattr(conditions, key)), 1e-3 * conditions.displacement_amplitude_um
+    carried_mm = friction_N * rig_mm_per_N
+    sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
+    figure, _, unit = key.removeprefix("held_").partition("_")
+    per_mm: Callable[[CycleTrace], float] | None = lambda _: 1e3  # noqa: E731
+    match figure:
+        case "slip":
+            measure, unit, first_mm = lambda trace: 1e3 * slip_amplitude_mm(trace), "um", 1e-3 * target + carried_mm
+        case "motion":
+            measure, first_mm = _apart_um, 1e-3 * target + carried_mm
+        case "reading":
+            measure, first_mm = partial(_read_um, sensor), 1e-3 * target
+        case "energy":
+            measure, per_mm = _energy_mJ, lambda trace: 4.0 * _largest_force_N(trace)
+            first_mm = target / (4.0 * friction_N) + carried_mm if friction_N else largest_mm
+        case _:
+            measure, unit, per_mm, first_mm = _largest_force_N, "N", None, 0.3 * largest_mm + target * rig_mm_per_N
+    return Held(key, target, unit, largest_mm, measure, per_mm, min(first_mm, largest_mm))
