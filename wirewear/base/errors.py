@@ -85,6 +85,7 @@ UNIT_NAMES = {
     "um_per_N2": "micrometres per newton squared",
     "s": "seconds",
     "J": "joules",
+    "mJ": "millijoules",
     "W": "watts",
     "cycles": "cycles",
     "per_100k_cycles": "per 100\u2009000 cycles",
@@ -111,6 +112,7 @@ UNIT_SYMBOLS = {
     "um_per_N2": " µm/N²",
     "s": " s",
     "J": " J",
+    "mJ": " mJ",
     "W": " W",
     "cycles": " cycles",
     "per_100k_cycles": " per 100\u2009000 cycles",
@@ -118,7 +120,7 @@ UNIT_SYMBOLS = {
 }
 
 #: Units in which results are given beside those of studies; the units of a whole line or area come before their parts.
-RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "mJ": "mJ", "N_per_mm": "N/mm", "kHz": "kHz"}
+RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "N_per_mm": "N/mm", "kHz": "kHz"}
 
 #: Names of columns without a unit at their end, and their unit.
 _OF_ITSELF = {"cycle": "cycles", "jump_cycles": "cycles", "mirror_error": "1"}

@@ -15,10 +15,10 @@ from wirewear.study.consistency import log_within, merged
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.messages import validated
-from wirewear.study.programme import CycleBlock, Schedule, too_many, worked_cycles
+from wirewear.study.programme import CycleBlock, Schedule, held_keys, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import FrictionLawKey, Log, WearLawKey
+from wirewear.study.tables import FrictionLawKey, HeldByDrive, Log, WearLawKey
 from wirewear.study.template import Template
 
 #: What the kind may be called: any line contact, or that of a cylinder.
@@ -104,12 +104,18 @@ class Specimen(HeldTable):
     )
 
 
-class PlanarConditions(keys.Table):
+class PlanarConditions(HeldByDrive):
     """What is asked of the rig."""
 
     normal_load_N_per_mm: LineLoad = Field(description="normal load per length of the contact", examples=[390.0])
     displacement_amplitude_um: keys.Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[35.0]
+    )
+    held_tangential_force_N_per_mm: LineLoad | None = Field(
+        None, description="the drive holds this largest tangential force of a cycle, per length of the contact"
+    )
+    held_energy_mJ_per_mm: keys.HeldEnergy | None = Field(
+        None, description="the drive holds this energy of a cycle, per length of the contact"
     )
     cycles: keys.Cycles = Field(description="length of the test", examples=[10000])
     motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
@@ -396,6 +402,8 @@ def _require_holder(study: PlanarStudy, where: str) -> None:
 
 
 def _require_consistent(study: PlanarStudy, where: str) -> None:
+    if len(held := held_keys(study.conditions)) > 1:
+        raise StudyError(f"{' and '.join(held)} in [conditions] of {where} are given, but a drive holds one of them.")
     _require_one_face(study, where)
     _require_holder(study, where)
     wear = study.wear

@@ -8,7 +8,7 @@ from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Inconsistency
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.programme import CycleBlock, logged_ends, too_many
+from wirewear.study.programme import CycleBlock, held_keys, logged_ends, too_many
 from wirewear.study.tables import ContactTables, Log, StudyTables
 
 #: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
@@ -75,7 +75,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 def inconsistency(tables: ContactTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities, _programme)
+    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities, _programme, _held)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -156,6 +156,15 @@ def _explicit(tables: ContactTables) -> Inconsistency | None:
 def _programme(tables: ContactTables) -> Inconsistency | None:
     told = too_many(tables.programme, tables.conditions.cycles)
     return None if told is None else Inconsistency(("programme",), told)
+
+
+def _held(tables: ContactTables) -> Inconsistency | None:
+    held = held_keys(tables.conditions)
+    if len(held) > 1:
+        return Inconsistency(("conditions", held[0]), f"and {held[1]} are both given, but a drive holds one of them")
+    if held and tables.wear is not None and tables.wear.update == "explicit":
+        return Inconsistency(("conditions", held[0]), 'does not go with update = "explicit" of [wear]')
+    return None
 
 
 def _fidelities(tables: ContactTables) -> Inconsistency | None:

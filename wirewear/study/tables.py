@@ -102,7 +102,21 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
     return tuple(points)
 
 
-class Conditions(keys.Table):
+class HeldByDrive(keys.Table):
+    """What a drive may hold by its amplitude; displacement_amplitude_um is then the largest that it has."""
+
+    held_slip_amplitude_um: keys.Amplitude | None = Field(
+        None, description="the drive holds this slip amplitude, by a stroke of displacement_amplitude_um at most"
+    )
+    held_motion_um: keys.Amplitude | None = Field(
+        None, description="the drive holds this amplitude of the bodies' motion against each other where they are held"
+    )
+    held_reading_um: keys.Amplitude | None = Field(
+        None, description="the drive holds this amplitude of its sensor's reading, which the effects of a sensor change"
+    )
+
+
+class Conditions(HeldByDrive):
     """What is asked of the rig."""
 
     normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
@@ -112,6 +126,10 @@ class Conditions(keys.Table):
     displacement_amplitude_um: keys.Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
+    held_tangential_force_N: keys.NormalLoad | None = Field(
+        None, description="the drive holds this largest tangential force of a cycle"
+    )
+    held_energy_mJ: keys.HeldEnergy | None = Field(None, description="the drive holds this energy of a cycle")
     motion_angle_deg: keys.MotionAngle = Field(
         0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
     )
