@@ -144,7 +144,7 @@ class PlanarRun:
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
         mesh = OneMesh(lambda: planar_problem(study, *bodies(study, self.planned)))
-        return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance)
+        return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance, stop=study.stop)
 
 
 def run_planar_study(

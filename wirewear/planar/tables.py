@@ -18,7 +18,7 @@ from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, held_keys, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import FrictionLawKey, HeldByDrive, Log, WearLawKey
+from wirewear.study.tables import FrictionLawKey, HeldByDrive, Log, Stop, WearLawKey
 from wirewear.study.template import Template
 
 #: What the kind may be called: any line contact, or that of a cylinder.
@@ -205,6 +205,7 @@ class PlanarStudy(keys.NamedTable):
     contact: PlanarContact = Field(description="friction")
     wear: PlanarWear = Field(PlanarWear(), description="wear of both bodies; without this table nothing wears")
     holder: PlanarHolder = Field(PlanarHolder(), description="stiffness of the rig")
+    stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")

@@ -7,6 +7,7 @@ import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
 from wirewear.simulation.tally import Tally
+from wirewear.study.tables import Stop
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]
@@ -41,6 +42,7 @@ class FrettingTest:
     motions: each with the cycle up to which it lasts; several in a test by blocks.
     milestones: cycles at which the loop is measured; the last is the test's end.
     jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
+    stop: what ends the test before.
     """
 
     motions: tuple[tuple[float, Motion], ...]
@@ -48,6 +50,7 @@ class FrettingTest:
     milestones: tuple[float, ...]
     jump_tolerance: float
     explicit_jump_cycles: float | None = None
+    stop: Stop | None = None
 
     @property
     def cycles(self) -> float:

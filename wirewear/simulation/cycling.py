@@ -14,6 +14,7 @@ from solvers import ContactProblem, ContactState, JumpController, JumpStep, Patc
 from wirewear.base.errors import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest
+from wirewear.simulation.ending import Ending
 from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.recorded import Recorded
@@ -143,6 +144,7 @@ class _Run:
         self.test, self.record, self.store, self.observer = test, record, store, observer
         self.meshes, self.history = test.meshes, test.meshes.first()
         self.cycler = Cycler(test.motion_after(0.0), record.tally, self._moved)
+        self.ending = Ending.of(test.stop)
 
     def go(self, *, resume: bool) -> RunResult:
         checkpoint = self._restored() if resume else None
@@ -158,13 +160,13 @@ class _Run:
             with threadpool_limits(limits=1, user_api="blas"):
                 if checkpoint is None:
                     problem, state = self._started(problem)
-                    self._cycle_on(problem, state, 1.0, None)
+                    told = self._cycle_on(problem, state, 1.0, None)
                 else:
-                    self._cycle_on(problem, checkpoint.state, checkpoint.done, checkpoint.next_jump)
+                    told = self._cycle_on(problem, checkpoint.state, checkpoint.done, checkpoint.next_jump)
         except SolverError as error:
             self._store("failed", str(error))
             raise
-        self._store("complete", f"{counted(self.test.cycles)} cycles simulated")
+        self._store("complete", told)
         self.store.drop_checkpoint()
         return self.store.result()
 
@@ -207,15 +209,16 @@ class _Run:
         """On the meshes and under the conditions of now."""
         return self.cycler.motion.under(self.meshes.problem(self.history, self.observer.stage))
 
-    def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> None:
+    def _cycle_on(self, problem: ContactProblem, state: ContactState, done: float, jump: float | None) -> str:
+        """Go on to the test's end, or to where it stops; what it came to, as a sentence."""
         stepper = wear_stepper(self.test, self.cycler, problem)
         wanted = stepper.first_jump if jump is None else jump
-        stops, end = self.test.stops, self.test.cycles
+        end = self.test.cycles
         if jump is None and done < end:
             # From now on the run can be resumed.
             self._store("running", f"{counted(done)} of {counted(end)} cycles simulated")
             self._keep(done, wanted, state)
-        while done < end:
+        while done < end and self.ending.reached(state) is None:
             self.cycler.now = done
             motion = self.test.motion_after(done)
             if motion is not self.cycler.motion:
@@ -223,7 +226,7 @@ class _Run:
                 stepper = wear_stepper(self.test, self.cycler, problem)
             problem, state = self._on_due_meshes(problem, state, done)
             try:
-                step = stepper.step(problem, state, done, wanted, stops, end)
+                step = self._stepped(stepper, problem, state, done, wanted)
             except PatchLeftError:
                 # The scar has become larger than its volume let expect.
                 larger = self.meshes.next_stage(self.history, done)
@@ -232,15 +235,34 @@ class _Run:
                 problem, state = self._on_meshes(larger, problem, state, done)
                 continue
             state, wanted = step.state, step.next_jump
-            ahead = next_milestone(stops, done)
+            ahead = next_milestone(self.test.stops, done)
             reached = abs(ahead - done - step.jump) < _MET * ahead
             done = ahead if reached else done + step.jump
-            if done in self.test.milestones or not self.record.follows(state, done, self.cycler.friction_work_mJ):
+            self.ending.follow(state, done)
+            self.record.ends = self.ending.reached(state) is not None
+            if (
+                self.record.ends
+                or done in self.test.milestones
+                or not self.record.follows(state, done, self.cycler.friction_work_mJ)
+            ):
                 # On the meshes on which the surfaces have worn: they fit each other worse on the next ones.
                 self.cycler.now = done
                 problem, state = self._at_milestone(problem, state, done, step.jump)
-                self._store("running", f"{counted(done)} of {counted(end)} cycles simulated")
+                foreseen = "" if self.record.ends else self.ending.foreseen()
+                self._store("running", f"{counted(done)} of {counted(end)} cycles simulated{foreseen}")
             self._keep(done, wanted, state)
+        reached = self.ending.reached(state)
+        told = self.ending.foreseen() if reached is None else f": {reached} has reached its stop"
+        return f"{counted(done)} cycles simulated{told}"
+
+    def _stepped(
+        self, stepper: WearStepper, problem: ContactProblem, state: ContactState, done: float, wanted: float
+    ) -> JumpStep[ContactState]:
+        """A jump that goes no farther than to where the test stops."""
+        step = stepper.step(problem, state, done, wanted, self.test.stops, self.test.cycles)
+        while (size := self.ending.shorter(state, step.state, step.jump)) is not None:
+            step = stepper.step(problem, state, done, size, (done + size,), self.test.cycles)
+        return step
 
     def _on_due_meshes(
         self, problem: ContactProblem, state: ContactState, done: float

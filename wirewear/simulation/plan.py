@@ -207,7 +207,8 @@ class RunPlan:
         motions = {own.block: self._motion(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         jump = wear.explicit_jump_cycles if wear else None
-        return FrettingTest(ends, self.meshes, self.milestones, self.discretisation.jump_tolerance, jump)
+        tolerance, stop = self.discretisation.jump_tolerance, self.study.tables.stop
+        return FrettingTest(ends, self.meshes, self.milestones, tolerance, jump, stop)
 
     def _motion(self, study: Study) -> Motion:
         """That of a block."""

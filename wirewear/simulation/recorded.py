@@ -11,7 +11,6 @@ from math import nan
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
@@ -172,6 +171,7 @@ class Recorded(ABC):
     contact_kind: str
     bodies: tuple[str, str]
     length_mm: float | None
+    ends = False  #: Whether the loop that is measured next is the run's last, before the test's end.
 
     def __init__(self, study: Any, fidelity: str, pressure_length_mm: float) -> None:
         """Empty, before the run of a study of one variant."""

@@ -79,7 +79,7 @@ class PointRecord(Recorded):
 
     def logs(self, cycle: int, done: float) -> bool:
         """Those that the plan logs, and the last."""
-        return cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
+        return self.ends or cycle in self.plan.logged_cycles or done >= self.plan.study.conditions.cycles
 
     def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
         """Those of the driven and of the held body."""

@@ -112,6 +112,9 @@ RotationalStiffness = Annotated[
     float | Literal["rigid"], PlainValidator(Quantity("N_mm_per_rad", 1.0, 1e10, words=("rigid",)))
 ]
 PivotHeight = Annotated[float, PlainValidator(Quantity("mm", 0.1, 1e3))]
+WornDepth = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e4))]
+WornVolume = Annotated[float, PlainValidator(Quantity("mm3", 1e-9, 1e3))]
+AccumulatedEnergy = Annotated[float, PlainValidator(Quantity("J", 1e-6, 1e9))]
 HeldEnergy = Annotated[float, PlainValidator(Quantity("mJ", 1e-6, 1e6))]
 Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]

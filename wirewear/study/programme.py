@@ -114,7 +114,7 @@ def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]
 
 
 def held_keys(conditions: object) -> list[str]:
-    """The keys by which conditions state what the drive holds in place of its amplitude: one at most, or it is wrong."""
+    """The keys by which conditions state what the drive holds in place of its amplitude: one, or they contradict."""
     known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
     return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
 

@@ -248,6 +248,18 @@ class Log(keys.Table):
         return self.model_copy(update={"loop_cycles": cycles})
 
 
+class Stop(keys.Table):
+    """What ends a test before its last cycle, whichever comes first; of a line contact per millimetre of its length."""
+
+    depth_um: keys.WornDepth | None = Field(None, description="depth of the deepest scar")
+    worn_volume_mm3: keys.WornVolume | None = Field(None, description="worn volume of both bodies")
+    accumulated_energy_J: keys.AccumulatedEnergy | None = Field(None, description="friction energy of all cycles")
+    tangential_force_N: keys.NormalLoad | None = Field(None, description="tangential force at the ends of the stroke")
+    clearance_um: keys.WornDepth | None = Field(
+        None, description="clearance that wear opens: how far the held body has sunk since the bodies were pressed"
+    )
+
+
 class Scatter(keys.Table):
     """What is known of the scatter of a study's values from test to test: standard deviations."""
 
@@ -314,6 +326,7 @@ class ContactTables(StatesItsKind, ABC):
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
     holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
+    stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
