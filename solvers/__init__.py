@@ -9,7 +9,7 @@ from solvers.contact_state import ContactState, Guide, Holder, IncrementReport, 
 from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, closed_cycle, first_quarter, run_cycle, settled
+from solvers.fretting import CycleTrace, anew, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import (
     Coulomb,
     Friction,
@@ -48,7 +48,7 @@ __all__ = [
     "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate",
     "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
     "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "Symmetry",
-    "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "change_by_work",
+    "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
     "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned",
     "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred",

@@ -54,7 +54,7 @@ class Record:
         pass
 
     def measured(
-        self, problem: ContactProblem, _state: ContactState, _trace: CycleTrace, done: float, _jump: float
+        self, problem: ContactProblem, _state: ContactState, _trace: CycleTrace, done: float, *_: object
     ) -> None:
         self.rows.append((done, stage_of(problem)))
 

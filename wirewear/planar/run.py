@@ -13,7 +13,7 @@ from wirewear.base.engine import Engine, LocalProcesses
 from wirewear.base.errors import StudyError
 from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
 from wirewear.effects import problem_with
-from wirewear.planar.model import PlanarPlan, bodies, plan, planar_problem, require_affordable_meshes
+from wirewear.planar.model import PlanarPlan, bodies, holder_of, plan, planar_problem, require_affordable_meshes
 from wirewear.planar.tables import PlanarStudy
 from wirewear.results import PRESSURE_LENGTH, ContactForces, Loop, RunResult, Scar
 from wirewear.simulation import NoObserver, Observer, convergence
@@ -21,6 +21,7 @@ from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, OneMesh
+from wirewear.simulation.held import held_of
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.simulation.runs import run_planned
 from wirewear.simulation.together import ObserverFor
@@ -137,6 +138,7 @@ class PlanarRun:
                 fresh=unloaded_state,
                 aged=lambda problem, age: problem_with(problem, own.effects, age),
                 under=lambda problem: planar_problem(own, problem.upper, problem.lower),
+                held=held_of(own, own.contact.friction, holder_of(own.holder, own.conditions.normal_load_N_per_mm)),
             )
 
         stretches = study.schedule.stretches

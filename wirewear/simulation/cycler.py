@@ -1,16 +1,19 @@
 """Fretting cycles of a contact that ages: pressed, moved, worn, measured."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
+from wirewear.simulation.held import Held, Search
 from wirewear.simulation.tally import Tally
 from wirewear.study.tables import Stop
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]
+
+Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
@@ -23,7 +26,8 @@ class Motion:
     increments, wear_increments: of a measured cycle, and of one that only wears.  follows_force: whether a measured
     cycle has more of them where its force bends, which leaves `increments` to set the longest.
     fresh: the state of bodies that just touch.  under: the problem of these bodies under the load, on the rig and with
-    the laws of these cycles.  aged: that as effects have made it at an age of the test.
+    the laws of these cycles.  aged: that as effects have made it at an age of the test.  held: what the drive holds by
+    its amplitude, where that is not its own.
     """
 
     drive: solvers.Drive
@@ -33,6 +37,7 @@ class Motion:
     fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
+    held: Held | None = None
 
 
 @dataclass(frozen=True)
@@ -112,13 +117,31 @@ class Cycler:
         """The problem under another motion, and the state at the same end of its stroke."""
         self.motion, self.guide = motion, None
         problem = motion.under(problem)
-        side = 1.0 if state.drive > 0.0 else -1.0
-        current = self.aged(problem, state, done)
-        end = motion.drive.end(side)
+        drive = motion.drive if motion.held is None else replace(motion.drive, amplitude_mm=motion.held.first_mm)
+        return problem, self._turned(self.aged(problem, state, done), state, drive, self._watch)
+
+    def _turned(
+        self, current: solvers.ContactProblem, state: solvers.ContactState, drive: solvers.Drive, watch: Told
+    ) -> solvers.ContactState:
+        """The state at the same end of another drive's stroke.
+
+        A contact that slid remembers, on a soft rig, the force that it slid with: where what the drive holds asks for a
+        shorter stroke, the bodies are pressed anew.
+        """
+        if self.motion.held is not None and drive.amplitude_mm < abs(state.drive):
+            return solvers.anew(current, state, drive, self.motion.wear_increments, watch)
+        end = drive.end(1.0 if state.drive > 0.0 else -1.0)
         state, reports = solvers.advance(current, state, float(end.drive[-1]), 0.0, load_share=float(end.load[-1]))
         for report in reports:
-            self._watch(state, report)
-        return problem, state
+            watch(state, report)
+        return state
+
+    def _drive(self, state: solvers.ContactState) -> solvers.Drive:
+        """That of the motion; where it holds something, with the amplitude that it has come to."""
+        motion = self.motion
+        if motion.held is None:
+            return motion.drive
+        return replace(motion.drive, amplitude_mm=abs(state.drive) or motion.held.first_mm)
 
     def aged(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float
@@ -136,7 +159,7 @@ class Cycler:
     def moved_out(self, problem: solvers.ContactProblem, state: solvers.ContactState) -> solvers.ContactState:
         """From mid-stroke to +amplitude, without wear."""
         fresh, motion = self.aged(problem, state, 0.0), self.motion
-        return solvers.first_quarter(fresh, state, motion.drive, motion.increments, self._watch)
+        return solvers.first_quarter(fresh, state, self._drive(state), motion.increments, self._watch)
 
     def worn(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, before: float, cycles: float
@@ -194,9 +217,21 @@ class Cycler:
             reports.append(report)
             self._tell(passed, self.now)
 
-        start, trace = solvers.closed_trace(
-            current, state, motion.drive, motion.wear_increments, symmetry, watch, self.guide
-        )
+        def forced(begins: solvers.ContactState, place: float) -> float:
+            after, told = solvers.advance(current, begins, place, 0.0)
+            reports.extend(told)
+            return float(after.primary_force[:, 0].sum())
+
+        drive, begin, guide = self._drive(state), state, self.guide
+        probe = forced if drive.load.steady else None
+        search = None if motion.held is None else Search(motion.held)
+        while True:
+            start, trace = solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
+            wanted = None if search is None else search.following(drive.amplitude_mm, trace, probe)
+            if wanted is None:
+                break
+            drive = replace(drive, amplitude_mm=wanted)
+            begin, guide = self._turned(current, start, drive, watch), trace.guide
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
 
@@ -210,14 +245,22 @@ class Cycler:
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """A closed loop with the wear frozen."""
         current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
-        how = (motion.drive, motion.increments, self._watch, guide, motion.wear_increments)
-        if motion.follows_force and motion.drive.load.steady:
-            # Where the contact wears, the next jump starts from the cycle that leads to the loop.
-            moved = None if problem.unchanging else self._traced(problem, state, done).trace
-            after, trace = solvers.closed_adaptive_cycle(current, state, *how, moved=moved)
-        else:
-            after, trace = solvers.closed_cycle(current, state, *how)
-        self._took(trace)
+        # Where the contact wears, the next jump starts from the cycle that leads to the loop.
+        moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
+        drive, begin = self._drive(state if moved is None else moved.states[-1]), state
+        search = None if motion.held is None else Search(motion.held)
+        while True:
+            how = (drive, motion.increments, self._watch, guide, motion.wear_increments)
+            if motion.follows_force and drive.load.steady:
+                after, trace = solvers.closed_adaptive_cycle(current, begin, *how, moved=moved)
+            else:
+                after, trace = solvers.closed_cycle(current, begin, *how)
+            self._took(trace)
+            wanted = None if search is None else search.following(drive.amplitude_mm, trace)
+            if wanted is None:
+                break
+            drive, moved = replace(drive, amplitude_mm=wanted), None
+            begin, guide = self._turned(current, after, drive, self._watch), trace.guide
         if self.goes_on_from(problem, state):
             self.guide = guide
         return after, trace
@@ -234,7 +277,7 @@ class Cycler:
         before, after = (self.aged(either, state, done) for either in (problem, onto))
         state, report = solvers.remeshed(before, state, after)
         self.tally.counters.count(report)
-        state, trace = solvers.settled(after, state, self.motion.drive, self.motion.wear_increments, self._watch)
+        state, trace = solvers.settled(after, state, self._drive(state), self.motion.wear_increments, self._watch)
         self.guide = trace.guide
         return state
 

@@ -251,8 +251,8 @@ class _Run:
                 foreseen = "" if self.record.ends else self.ending.foreseen()
                 self._store("running", f"{counted(done)} of {counted(end)} cycles simulated{foreseen}")
             self._keep(done, wanted, state)
-        reached = self.ending.reached(state)
-        told = self.ending.foreseen() if reached is None else f": {reached} has reached its stop"
+        stop = self.ending.reached(state)
+        told = self.ending.foreseen() if stop is None else f": {stop} has reached its stop"
         return f"{counted(done)} cycles simulated{told}"
 
     def _stepped(
@@ -297,7 +297,8 @@ class _Run:
     def _measured(self, problem: ContactProblem, state: ContactState, done: float, jump: float) -> ContactState:
         """Close a loop with the wear frozen, and record it; the state from which the run goes on."""
         after, trace = self.cycler.measured(problem, state, done)
-        self.record.measured(self.cycler.aged(problem, after, done), after, trace, done, jump)
+        held = self.cycler.motion.held
+        self.record.measured(self.cycler.aged(problem, after, done), after, trace, done, jump, held)
         return state if self.cycler.goes_on_from(problem, state) else after
 
     def _moved(self, state: ContactState, done: float) -> None:

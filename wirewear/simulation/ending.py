@@ -12,6 +12,7 @@ from wirewear.study.tables import Stop
 _MET = 1e-3
 #: The course of a figure is taken from where the test had done its cycles over this, and that before from there.
 _BACK = 2.0
+_CHANGES = 2.0  # Of the change of the power so far: what it may change by on the way.
 _LEAST_SLOPE = 0.02  # Of logarithms: a figure that grows more slowly has no end to foresee.
 
 FIGURES: Mapping[str, Callable[[ContactState], float]] = {
@@ -57,7 +58,7 @@ class Ending:
             self.course.setdefault(key, []).append((done, FIGURES[key](state)))
 
     def foreseen(self) -> str:
-        """When the first stop will be met, with an interval, as the rest of a sentence; empty where that is not known."""
+        """When the first stop will be met, with an interval, as the rest of a sentence; empty if it cannot be said."""
         found = {key: ends for key in self.stops if (ends := self._ends(key)) is not None}
         if not found:
             return ""
@@ -67,7 +68,7 @@ class Ending:
 
     def _ends(self, key: str) -> tuple[float, float, float] | None:
         """Cycles at which a figure meets its stop if it goes on by its latest power of the cycles, and the ends of an
-        interval: by the power before that one, and by one that has changed once more.
+        interval: by the power before that one, and by one that has changed on the way as those did and more.
         """
         course = [(done, figure) for done, figure in self.course.get(key, ()) if done >= 1.0 and figure > 0.0]
         if not course:
@@ -77,7 +78,7 @@ class Ending:
         if earlier[0] is None or earlier[1] is None:
             return None
         late, early = _slope(earlier[0], course[-1]), _slope(earlier[1], earlier[0])
-        slopes = [late, early, 2.0 * late - early]
+        slopes = [late, early, late + _CHANGES * (late - early)]
         if min(slopes) < _LEAST_SLOPE:
             return None
         best, *others = (done * (self.stops[key] / figure) ** (1.0 / slope) for slope in slopes)

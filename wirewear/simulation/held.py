@@ -6,17 +6,18 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from scipy.optimize import brentq
 
 from geometry.arrays import Array, IntArray
-from solvers import CycleTrace, SolverError
+from solvers import ContactState, CycleTrace, Holder, SolverError
 from wirewear.effects import Age, Seam, applied
-from wirewear.loops.sensor import Sensor
-from wirewear.loops.signals import LoopSignals, enclosed_area
+from wirewear.loops.sensor import LoopSignals, Sensor, enclosed_area
 from wirewear.study.programme import held_keys
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
 MOST_CORRECTIONS = 12
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
+_PROBED = 2e-4  # Of the amplitude: how well the place of the mean force is sought.
 _INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
 
 
@@ -74,12 +75,55 @@ def _sticking(trace: CycleTrace) -> IntArray:
     return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
 
 
+#: The force after one increment from a state to a place of the drive in mm, N.
+Probe = Callable[[ContactState, float], float]
+
+
+def probed_slip_mm(trace: CycleTrace, probe: Probe) -> float:
+    """The slip amplitude of a cycle, or of half of one, whose increments are too long to show where it begins.
+
+    From each end of the stroke an increment is sought that meets the mean force.
+    """
+    force, drive = trace.tangential_force, trace.drive
+    strokes = [(trace.start, slice(None), -force[-1])]
+    mean = 0.0
+    if not _is_half(trace):
+        turn = int(np.argmax(np.abs(drive - trace.start.drive)))
+        strokes = [(trace.start, slice(turn + 1), force[-1]), (trace.states[turn], slice(turn + 1, None), force[turn])]
+        step = np.abs(np.diff(drive, prepend=drive[-1]))
+        mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
+    met = 0.0
+    for start, own, begins in strokes:
+        travel = np.append(0.0, np.abs(drive[own] - start.drive))
+        sign = float(np.sign(begins - mean))
+        above = sign * (np.append(begins, force[own]) - mean)
+        passed = int(np.argmax(above <= 0.0))
+        if passed == 0:
+            met += float(travel[-1])
+            continue
+        known = dict(zip(travel.tolist(), above.tolist(), strict=True))
+
+        def force_above(way: float, start: ContactState, known: dict[float, float], sign: float) -> float:
+            if way in known:
+                return known[way]
+            place = start.drive - np.sign(start.drive) * way
+            return float(sign * (probe(start, place) - mean))
+
+        within = _PROBED * abs(trace.start.drive)
+        met += float(brentq(force_above, *travel[passed - 1 : passed + 1], (start, known, sign), within))
+    return max(abs(trace.start.drive) - met / len(strokes), 0.0)
+
+
+#: A figure of a cycle, or of half of one whose other half is its mirror image; a probe where increments are long.
+Measure = Callable[[CycleTrace, Probe | None], float]
+
+
 @dataclass(frozen=True)
 class Held:
     """A figure of the loop that a drive holds by its amplitude, with which the figure grows.
 
     key: of the study, which states `target`, in `unit`.  largest_mm: amplitude that the drive has at most.
-    measure: the figure of a cycle, or of half of one whose other half is its mirror image.  slope: how much it is
+    slope: how much it is
     expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in proportion.
     first_mm: amplitude to begin with.
     """
@@ -88,13 +132,13 @@ class Held:
     target: float
     unit: str
     largest_mm: float
-    measure: Callable[[CycleTrace], float]
+    measure: Measure
     slope: Callable[[CycleTrace], float] | None
     first_mm: float
 
     def error(self, trace: CycleTrace) -> float:
-        """Relative difference of the figure from what is to be held."""
-        return self.measure(trace) / self.target - 1.0
+        """Relative difference of a measured loop's figure from what is to be held."""
+        return self.measure(trace, None) / self.target - 1.0
 
 
 @dataclass
@@ -105,15 +149,25 @@ class Search:
     small_mm: float = 0.0
     large_mm: float = field(default=np.inf)
     _latest: tuple[float, float] | None = None
+    _tries: int = 0
 
-    def following(self, amplitude_mm: float, trace: CycleTrace) -> float | None:
+    def following(self, amplitude_mm: float, trace: CycleTrace, probe: Probe | None = None) -> float | None:
         """The amplitude to try after this one, None where it holds the figure.
+
+        probe: for a trace whose increments are long.
         Raises SolverError where none that the drive has does.
         """
-        held, found = self.held, self.held.measure(trace)
-        lacking = held.target - found
+        held, found = self.held, self.held.measure(trace, probe)
+        lacking, self._tries = held.target - found, self._tries + 1
         if abs(lacking) <= WITHIN * held.target:
             return None
+        if self._tries > MOST_CORRECTIONS:
+            raise SolverError(
+                f"no amplitude was found at which the drive holds {held.key} = {held.target:g}: at "
+                f"{1e3 * amplitude_mm:.4g} um it comes to {found:.4g} {held.unit}"
+            )
+        if self.large_mm - self.small_mm <= WITHIN * amplitude_mm:
+            return None  # steps of the figure, where nodes come to slide, are larger than what is wanted
         if lacking > 0.0:
             self.small_mm = max(self.small_mm, amplitude_mm)
         else:
@@ -138,44 +192,49 @@ class Search:
         return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
 
 
-def _apart_um(trace: CycleTrace) -> float:
+def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
+    return 1e3 * (slip_amplitude_mm(trace) if probe is None else probed_slip_mm(trace, probe))
+
+
+def _apart_um(trace: CycleTrace, _: Probe | None) -> float:
     """Amplitude of the bodies' motion against each other where they are held, half of its range."""
     return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
 
 
-def _largest_force_N(trace: CycleTrace) -> float:
+def _largest_force_N(trace: CycleTrace, _: Probe | None = None) -> float:
     return float(np.abs(trace.tangential_force).max())
 
 
-def _energy_mJ(trace: CycleTrace) -> float:
+def _energy_mJ(trace: CycleTrace, _: Probe | None) -> float:
     return (2.0 if _is_half(trace) else 1.0) * trace.friction_work
 
 
-def _read_um(sensor: Sensor, trace: CycleTrace) -> float:
+def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
     """Amplitude that a sensor at the drive reads, but for its lag."""
     drive, force, normal = 1e3 * trace.drive, trace.tangential_force, trace.normal_force
     if _is_half(trace):
         drive, force, normal = np.append(drive, -drive), np.append(force, -force), np.append(normal, normal)
-    return 0.5 * float(np.ptp(sensor.read(LoopSignals(np.arange(drive.size), drive, force, normal)).displacement_um))
+    return 0.5 * float(
+        np.ptp(sensor.read(LoopSignals(np.arange(float(drive.size)), drive, force, normal)).displacement_um)
+    )
 
 
-def held_of(study: Any, friction_N: float, rig_mm_per_N: float) -> Held | None:
-    """What a study's drive holds in place of its amplitude, None where it holds that.
-
-    friction_N: the friction force in gross slip.  rig_mm_per_N: how far it carries the rig at the contact.
-    """
+def held_of(study: Any, friction: float, holder: Holder) -> Held | None:
+    """What a study's drive holds in place of its amplitude, None where it holds that."""
     conditions = study.conditions
     key = next(iter(held_keys(conditions)), None)
     if key is None:
         return None
     target, largest_mm = float(getattr(conditions, key)), 1e-3 * conditions.displacement_amplitude_um
+    rig_mm_per_N, friction_N = holder.compliance_at_contact_mm_per_N, friction * holder.normal_load_N
     carried_mm = friction_N * rig_mm_per_N
     sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
     figure, _, unit = key.removeprefix("held_").partition("_")
     per_mm: Callable[[CycleTrace], float] | None = lambda _: 1e3  # noqa: E731
+    measure: Measure
     match figure:
         case "slip":
-            measure, unit, first_mm = lambda trace: 1e3 * slip_amplitude_mm(trace), "um", 1e-3 * target + carried_mm
+            measure, unit, first_mm = _slip_um, "um", 1e-3 * target + carried_mm
         case "motion":
             measure, first_mm = _apart_um, 1e-3 * target + carried_mm
         case "reading":

@@ -16,9 +16,11 @@ from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.folder import MeshHistory, Report
+from wirewear.simulation.held import held_of
 from wirewear.simulation.problem import (
     contact_problem,
     fresh_state,
+    holder_of,
     problem_at,
     under_conditions,
     with_nodes_moved,
@@ -220,6 +222,7 @@ class RunPlan:
             fresh=lambda problem: fresh_state(problem, study),
             aged=lambda problem, age: problem_at(problem, study, age),
             under=lambda problem: under_conditions(problem, study),
+            held=held_of(study, study.contact.friction, holder_of(study)),
         )
 
     @property

@@ -17,7 +17,7 @@ from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, P
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
-from wirewear.simulation.held import dissipated_energy_mJ, slip_amplitude_mm
+from wirewear.simulation.held import Held, dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study
 
@@ -195,15 +195,25 @@ class Recorded(ABC):
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
 
     def measured(
-        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float
+        self,
+        problem: ContactProblem,
+        state: ContactState,
+        trace: CycleTrace,
+        done: float,
+        jump: float,
+        held: Held | None,
     ) -> None:
-        """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
+        """Record a closed loop with the wear frozen, with the scars where the study asks for it.
+
+        held: what the drive holds in place of its amplitude.
+        """
         block = self.schedule.at(done)
         cycle, conditions = round(done), block.study.conditions
         loop = loop_of(trace, cycle, conditions.frequency_Hz)
         scars = self.scars(problem, trace, cycle)
         pressures = pressure_figures(problem, trace, self._pressure_length_mm)
         row = evolution_row(problem, state, trace, scars, pressures, done, jump)
+        row |= {} if held is None else {"held_error": held.error(trace)}
         by_block = {"block": float(block.block)} if len(self.schedule.stretches) > 1 else {}
         self._rows.append(row | self.further_columns(loop, scars) | by_block)
         if len(self._rows) == 1:

@@ -15,6 +15,7 @@ from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
+from wirewear.simulation.held import Held
 from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan, affordable_jobs, require_affordable
 from wirewear.simulation.problem import condense_bodies
@@ -63,11 +64,17 @@ class PointRecord(Recorded):
         }
 
     def measured(
-        self, problem: ContactProblem, state: ContactState, trace: CycleTrace, done: float, jump: float
+        self,
+        problem: ContactProblem,
+        state: ContactState,
+        trace: CycleTrace,
+        done: float,
+        jump: float,
+        held: Held | None,
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
         self._holder = holder_settings(problem, trace)
-        super().measured(problem, state, trace, done, jump)
+        super().measured(problem, state, trace, done, jump, held)
 
     def follows(self, state: ContactState, done: float, work_mJ: float) -> bool:
         """Whether the energy since the latest loop has gone as between two loops it is taken to."""
