@@ -104,7 +104,7 @@ def test_the_end_is_foreseen_where_a_figure_grows_by_a_power_of_the_cycles() -> 
 
 def test_the_interval_of_a_foreseen_end_holds_that_of_a_power_that_changes() -> None:
     def depth(n: float) -> float:
-        return 0.1 * n**0.5 / (1.0 + n / 2e4)
+        return float(0.1 * n**0.5 / (1.0 + n / 2e4))
 
     ending = grown({float(n): depth(n) for n in (1, 10, 100, 400, 1000, 2000, 4000)}, depth(8000.0))
     ends: Any = ending._ends("depth_um")
