@@ -249,6 +249,7 @@ BUDGETS = {
     # 70 are tables of verdicts, which scripts that run on their own take from the package.
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
+    # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 450 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     "lines of geometry, solvers and wirewear": 63_481,
@@ -260,7 +261,7 @@ BUDGETS = {
     # 1 000 of them are one test for each fault found from outside and for laws that no other test holds; walls of a
     # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
-    # 150 are checks of tests by blocks.
+    # 270 are checks of tests by blocks, of drives that hold a figure, and of stops.
     # 140 are checks of tubes: a ring as a curved bar, a narrow bore as a wire, where they are held.
     "lines of tests": 25_699,
     # What files about a test are asked stands apart from the keys of a record; bodies of any shapes have a file there.
