@@ -308,7 +308,10 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
     A run that is `resumed` after every jump knows nothing of a cycle traced before.
     """
     bare = crossed_wires(0.005, rig_N_per_mm=RIG_N_per_mm, wear=RATES)
-    motion, tally = Motion(solvers.Drive(STROKE_mm), INCREMENTS, INCREMENTS, False, unloaded_state, rough, lambda own: own), Tally()
+    motion, tally = (
+        Motion(solvers.Drive(STROKE_mm), INCREMENTS, INCREMENTS, False, unloaded_state, rough, lambda own: own),
+        Tally(),
+    )
 
     def begun() -> WholeCycles:
         return WholeCycles(
