@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
-from wirewear.simulation.held import Held, Search
+from wirewear.simulation.held import AmplitudeSearch, HeldFigure
 from wirewear.simulation.tally import Tally
 from wirewear.study.tables import Stop
 
@@ -37,7 +37,7 @@ class Motion:
     fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
-    held: Held | None = None
+    held: HeldFigure | None = None
 
 
 @dataclass(frozen=True)
@@ -224,7 +224,7 @@ class Cycler:
 
         drive, begin, guide = self._drive(state), state, self.guide
         probe = forced if drive.load.steady else None
-        search = None if motion.held is None else Search(motion.held)
+        search = None if motion.held is None else AmplitudeSearch(motion.held)
         while True:
             start, trace = solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
             wanted = None if search is None else search.following(drive.amplitude_mm, trace, probe)
@@ -248,7 +248,7 @@ class Cycler:
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
         moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
         drive, begin = self._drive(state if moved is None else moved.states[-1]), state
-        search = None if motion.held is None else Search(motion.held)
+        search = None if motion.held is None else AmplitudeSearch(motion.held)
         while True:
             how = (drive, motion.increments, self._watch, guide, motion.wear_increments)
             if motion.follows_force and drive.load.steady:

@@ -119,7 +119,7 @@ Measure = Callable[[CycleTrace, Probe | None], float]
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldFigure:
     """A figure of the loop that a drive holds by its amplitude, with which the figure grows.
 
     key: of the study, which states `target`, in `unit`.  largest_mm: amplitude that the drive has at most.
@@ -142,10 +142,10 @@ class Held:
 
 
 @dataclass
-class Search:
+class AmplitudeSearch:
     """Looks for the amplitude that holds a figure: one too small, one too large, and the latest with its figure."""
 
-    held: Held
+    held: HeldFigure
     small_mm: float = 0.0
     large_mm: float = field(default=np.inf)
     _latest: tuple[float, float] | None = None
@@ -219,7 +219,7 @@ def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
     )
 
 
-def held_of(study: Any, friction: float, holder: Holder) -> Held | None:
+def held_of(study: Any, friction: float, holder: Holder) -> HeldFigure | None:
     """What a study's drive holds in place of its amplitude, None where it holds that."""
     conditions = study.conditions
     key = next(iter(held_keys(conditions)), None)
@@ -244,4 +244,4 @@ def held_of(study: Any, friction: float, holder: Holder) -> Held | None:
             first_mm = target / (4.0 * friction_N) + carried_mm if friction_N else largest_mm
         case _:
             measure, unit, per_mm, first_mm = _largest_force_N, "N", None, 0.3 * largest_mm + target * rig_mm_per_N
-    return Held(key, target, unit, largest_mm, measure, per_mm, min(first_mm, largest_mm))
+    return HeldFigure(key, target, unit, largest_mm, measure, per_mm, min(first_mm, largest_mm))

@@ -17,7 +17,7 @@ from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, P
 from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
-from wirewear.simulation.held import Held, dissipated_energy_mJ, slip_amplitude_mm
+from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study
 
@@ -201,7 +201,7 @@ class Recorded(ABC):
         trace: CycleTrace,
         done: float,
         jump: float,
-        held: Held | None,
+        held: HeldFigure | None,
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it.
 

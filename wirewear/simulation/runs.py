@@ -15,7 +15,7 @@ from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
-from wirewear.simulation.held import Held
+from wirewear.simulation.held import HeldFigure
 from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan, affordable_jobs, require_affordable
 from wirewear.simulation.problem import condense_bodies
@@ -70,7 +70,7 @@ class PointRecord(Recorded):
         trace: CycleTrace,
         done: float,
         jump: float,
-        held: Held | None,
+        held: HeldFigure | None,
     ) -> None:
         """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
         self._holder = holder_settings(problem, trace)
