@@ -16,6 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
 
+from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.pictures import style
@@ -49,7 +50,7 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
         (panels[3], "max_tangential_force_N", "peak force", "largest tangential force [N]"),
     ):
         for index, result in enumerate(results):
-            axes.plot(result.evolution["cycle"], result.evolution[column], **style.variant_style(index))
+            _draw_course(axes, result, column, **style.variant_style(index))
         axes.set(title=title, ylabel=label)
         style.cycle_axis(axes)
         _widen(axes)
@@ -59,16 +60,41 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
     return figure
 
 
+def _draw_course(axes: Axes, result: RunResult, column: str, *, label: str = "", **look: Any) -> None:
+    """A column over the cycles; in a test by blocks a line for each, with the block's number as its marker."""
+    cycles, values, blocks = result.evolution["cycle"], result.evolution[column], _blocks(result)
+    for number in np.unique(blocks):
+        own = blocks == number
+        marker = f"${number:.0f}$" if number else ""
+        axes.plot(cycles[own], values[own], **look, marker=marker, markersize=4.5, label=label or None)
+        label = ""
+
+
+def _blocks(result: RunResult) -> Array:
+    """Of each row of the evolution, the number of the block that it belongs to; 0 in a test of one."""
+    return result.evolution["block"] if "block" in result.evolution else np.zeros(len(result.evolution["cycle"]))
+
+
+def _shown_cycles(results: Sequence[RunResult]) -> Sequence[int]:
+    """Cycles whose loops are shown; in a test by blocks the last logged one of each block."""
+    logged = {loop.cycle for result in results for loop in result.loops}
+    latest = {
+        (index, number): int(cycle)
+        for index, result in enumerate(results)
+        for cycle, number in zip(result.evolution["cycle"], _blocks(result), strict=True)
+        if number and int(cycle) in logged
+    }
+    return sorted(set(latest.values())) or chosen_cycles([loop.cycle for result in results for loop in result.loops])
+
+
 def draw_amplitudes(axes: Axes, results: Sequence[RunResult]) -> None:
     """Displacement and slip amplitude over the cycles."""
     for index, result in enumerate(results):
-        columns = result.evolution
-        look = style.variant_style(index)
-        axes.plot(columns["cycle"], columns["slip_amplitude_um"], **look, label=f"{result.label}: slip δ0")
+        label = f"{result.label}: slip δ0"
+        _draw_course(axes, result, "slip_amplitude_um", **style.variant_style(index), label=label)
     axes.plot([], [], color=style.INK, linewidth=1.0, label="displacement δa")
     for result in results:
-        columns = result.evolution
-        axes.plot(columns["cycle"], columns["displacement_amplitude_um"], color=style.INK, linewidth=1.0)
+        _draw_course(axes, result, "displacement_amplitude_um", color=style.INK, linewidth=1.0)
     axes.set(title="displacement and slip amplitude", ylabel="amplitude [µm]")
     style.cycle_axis(axes)
     _widen(axes)
@@ -109,7 +135,7 @@ WIDEST, THINNEST = 1.8, 1.1  #: Line widths of the first and the last loop [poin
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
     """One panel for each run, its loops at chosen cycles in colour; all panels on the same axes. unit: of forces."""
     figure, panels = _panels(len(results))
-    cycles = chosen_cycles([loop.cycle for result in results for loop in result.loops])
+    cycles = _shown_cycles(results)
     for axes, result in zip(panels, results, strict=True):
         draw_loops(axes, result, cycles)
         axes.set_title(result.label)
@@ -127,7 +153,7 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
 
     Earlier loops are drawn broader below later ones, so that loops which coincide are seen to.
     """
-    chosen = chosen_cycles([loop.cycle for loop in result.loops]) if cycles is None else cycles
+    chosen = _shown_cycles([result]) if cycles is None else cycles
     logged = {loop.cycle: loop for loop in result.loops}
     for cycle, colour, width in zip(chosen, style.cycle_colours(len(chosen)), _widths(len(chosen)), strict=True):
         if cycle in logged:
