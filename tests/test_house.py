@@ -252,8 +252,8 @@ BUDGETS = {
     # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 450 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
-    "lines of geometry, solvers and wirewear": 63_928,
-    "lines of wirewear": 51_310,
+    "lines of geometry, solvers and wirewear": 63_954,
+    "lines of wirewear": 51_336,
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
