@@ -32,19 +32,7 @@ from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sizes import DRAWS, drawn_parameters
 from studies.blind.scoring.seams import OUTSIDE_SEAMS
-from tests.blind_causes import (
-    AT_SEAMS,
-    LOOP,
-    NOTHING,
-    ONE_WAY_IN_DISPLACEMENT,
-    ONE_WAY_IN_FORCE,
-    READ,
-    STEEL,
-    drawn,
-    seen,
-    unevenness,
-    worn,
-)
+from tests import blind_causes
 from tests.test_blind_finite_element import a_loop, plain_nuisances
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
@@ -58,7 +46,7 @@ def test_there_are_sixteen_kinds_and_more_in_two_halves() -> None:
     assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD) | set(RESERVED)
     assert set(OUTSIDE_SEAMS) >= set(OUTSIDE)
     assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)
-    assert set(NOTHING) == set(UNSEEN) | set(WITHHELD) | set(RESERVED)
+    assert set(blind_causes.NOTHING) == set(UNSEEN) | set(WITHHELD) | set(RESERVED)
     assert set(RESERVED) <= set(DRAWS)
     assert len(OF_RUNS["unseen"]) >= 6
 
@@ -80,9 +68,12 @@ def test_a_set_has_kinds_of_its_own_at_all_seams(name: str, kinds: int, twice: t
     assert not set(own) & {effect for other, effects in OUTSIDE_SETS.items() if other != name for effect in effects}
 
 
-@pytest.mark.parametrize("effect", NOTHING)
+@pytest.mark.parametrize("effect", blind_causes.NOTHING)
 def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
-    (snapshot, found), (plain, expected) = worn(effect, **NOTHING[effect]), worn()
+    (snapshot, found), (plain, expected) = (
+        blind_causes.worn(effect, **blind_causes.NOTHING[effect]),
+        blind_causes.worn(),
+    )
     # A leaking charge holds no mean force, however slowly it leaks.
     mean = float(np.mean(expected.tangential_force_N)) if effect == "leaking_charge" else 0.0
     assert found.displacement_mm == pytest.approx(expected.displacement_mm, abs=1e-9)
@@ -92,15 +83,19 @@ def test_a_cause_of_no_size_leaves_the_test_as_it_is(effect: str) -> None:
     assert snapshot.shapes.moving == pytest.approx(plain.shapes.moving, abs=1e-12)
 
 
-@pytest.mark.parametrize("effect", READ)
+@pytest.mark.parametrize("effect", blind_causes.READ)
 def test_a_loop_stays_odd_over_half_a_cycle_but_where_one_end_or_direction_differs(effect: str) -> None:
-    parameters = drawn(effect)
-    found = seen(effect, LOOP, parameters.get("cycle_1", 1e5 if effect in WITHHELD else 3e4), **parameters)
+    parameters = blind_causes.drawn(effect)
+    found = blind_causes.seen(
+        effect, blind_causes.LOOP, parameters.get("cycle_1", 1e5 if effect in WITHHELD else 3e4), **parameters
+    )
     for values, one_way in (
-        (found.tangential_force_N, ONE_WAY_IN_FORCE),
-        (found.displacement_um, ONE_WAY_IN_DISPLACEMENT),
+        (found.tangential_force_N, blind_causes.ONE_WAY_IN_FORCE),
+        (found.displacement_um, blind_causes.ONE_WAY_IN_DISPLACEMENT),
     ):
-        assert (unevenness(values) > 1e-3) if effect in one_way else (unevenness(values) < 1e-9)
+        assert (
+            (blind_causes.unevenness(values) > 1e-3) if effect in one_way else (blind_causes.unevenness(values) < 1e-9)
+        )
 
 
 @pytest.mark.first_case
@@ -120,16 +115,16 @@ def test_records_are_the_same_again_and_their_files_of_one_size_without_the_caus
     assert made["first"][1] == made["without"][1]
 
 
-@pytest.mark.parametrize("effect", [*READ, *list(SEALED)[:3]])
+@pytest.mark.parametrize("effect", [*blind_causes.READ, *list(SEALED)[:3]])
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
-    parameters = drawn(effect)
+    parameters = blind_causes.drawn(effect)
     loops = [a_loop(n, increments=400) for n in (1, 100, 100000)]
     effects = [TrueEffect(effect, parameters)]
     found = dict(
         read_test(loops, changes_of(effects, QUIET), effects, Nominal(), plain_nuisances(), QUIET, loops[0].time_s)
     )
     true = TrueLoop(1e-3 * loops[0].displacement_um, loops[0].tangential_force_N, loops[0].normal_force_N, (0.0, 0.0))
-    world = changed(STEEL, effect, parameters)
+    world = changed(blind_causes.STEEL, effect, parameters)
     for cycle in (100, 100000):
         displacement, force, normal = found[cycle]
         there = read(world, true, cycle)
@@ -138,10 +133,10 @@ def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
         assert normal == pytest.approx(there.normal_force_N, abs=1e-9)
 
 
-@pytest.mark.parametrize("effect", AT_SEAMS)
+@pytest.mark.parametrize("effect", blind_causes.AT_SEAMS)
 def test_both_tiers_have_the_same_holder_friction_load_and_wear_at_every_cycle(effect: str) -> None:
-    parameters = drawn(effect, 2)
-    world = changed(STEEL, effect, parameters)
+    parameters = blind_causes.drawn(effect, 2)
+    world = changed(blind_causes.STEEL, effect, parameters)
     changes = changes_of([TrueEffect(effect, parameters)], QUIET)
     believed_study(Nominal(), plain_nuisances(), NUMERICS["T1"]).with_effects(*changes)
     for cycle in (0.0, 10.0, 1000.0, 3e4, 1e5):

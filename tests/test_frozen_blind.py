@@ -7,16 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from studies.blind import TIERS
-from studies.blind.frozen import (
-    FrozenRecord,
-    complaints,
-    diagnosed,
-    frozen_records,
-    is_wrongly_named,
-    points_of,
-    unpack,
-)
+from studies.blind import TIERS, frozen
 from studies.blind.frozen_anew import cases_of
 from studies.blind.generators.finite_element.model import FiniteElementModel
 from studies.blind.generators.generator import Generator
@@ -29,24 +20,24 @@ from wirewear import read_record
 
 def require_no_lower_score(tier: str, folder: Path) -> None:
     """The diagnosis scores no lower than when the records were frozen, all of the article's nominal test."""
-    records = frozen_records((tier,), article_only=True)
+    records = frozen.frozen_records((tier,), article_only=True)
     assert len(records) >= 15
-    judgements = diagnosed(records, folder)
-    assert complaints(records, judgements) == []
+    judgements = frozen.diagnosed(records, folder)
+    assert frozen.complaints(records, judgements) == []
     # What the guard compares with was right, so it can fall. Gaps of about what is tolerated, one in twenty, are none.
     assert sum(one.points for one in records) >= 0.75 * len(records)
-    assert sum(map(points_of, judgements)) >= 0.75 * len(records)
-    assert sum(map(is_wrongly_named, judgements)) <= 2
+    assert sum(map(frozen.points_of, judgements)) >= 0.75 * len(records)
+    assert sum(map(frozen.is_wrongly_named, judgements)) <= 2
 
 
-def complained(records: tuple[FrozenRecord, ...], answers: list[Answer]) -> list[str]:
+def complained(records: tuple[frozen.FrozenRecord, ...], answers: list[Answer]) -> list[str]:
     judgements = [judged(one.truth, said) for one, said in zip(records, answers, strict=True)]
-    return complaints(records, judgements)
+    return frozen.complaints(records, judgements)
 
 
 @pytest.mark.parametrize("tier", TIERS)
 def test_each_tier_has_twenty_records_of_every_kind(tier: str) -> None:
-    records = frozen_records((tier,))
+    records = frozen.frozen_records((tier,))
     assert len(records) >= 20
     assert {one.truth.kind for one in records} == {"none", "single", "pair", "outside", "left_out"}
     effects = {effect for one in records if one.truth.kind == "single" for effect in one.truth.effects}
@@ -60,21 +51,21 @@ def test_each_tier_has_twenty_records_of_every_kind(tier: str) -> None:
 )
 def test_the_truth_of_a_frozen_record_is_what_the_seed_of_its_batch_draws(model: Generator) -> None:
     """Effects and their sizes are compared by `cases_of` itself."""
-    records = frozen_records((model.tier,))
+    records = frozen.frozen_records((model.tier,))
     drawn = [(case.kind, case.left_out) for _, case in cases_of(records, model)]
     assert drawn == [(one.truth.kind, one.left_out) for one in records]
 
 
 def test_the_archives_hold_records(tmp_path: Path) -> None:
-    records = frozen_records()
-    unpack(records, tmp_path)
+    records = frozen.frozen_records()
+    frozen.unpack(records, tmp_path)
     assert {path.name for path in tmp_path.iterdir()} == {one.name for one in records}
     for one in records[::10]:
         assert read_record(tmp_path / one.name).loops
 
 
 def test_one_new_false_alarm_is_a_complaint() -> None:
-    records = frozen_records()
+    records = frozen.frozen_records()
     alarmed = next(one for one in records if one.truth.kind == "none")
     said = [
         answer("explained", {"free_play": 0.9}) if one is alarmed else perfect(one.truth) for one in records

@@ -17,14 +17,7 @@ from tests.strangers_maps import MAPS, DEPTH_um, volume_mm3
 from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.sensor import enclosed_area
-from wirewear.records.importing import import_record
-from wirewear.records.importing.guessing import (
-    GuessedMapping,
-    crossed_wires,
-    guessed_mapping,
-    line_contact,
-    mapping_text,
-)
+from wirewear.records.importing import guessing, import_record
 from wirewear.records.importing.reader import open_lines
 from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops
@@ -149,15 +142,15 @@ def filled_in(text: str, answers: dict[str, str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def guessed(files: Sequence[Path], known: dict[str, Any]) -> GuessedMapping:
+def guessed(files: Sequence[Path], known: dict[str, Any]) -> guessing.GuessedMapping:
     """The mapping for tests of steel wires."""
-    return guessed_mapping(files, known, crossed_wires(known, STEEL))
+    return guessing.guessed_mapping(files, known, guessing.crossed_wires(known, STEEL))
 
 
 def imported(written: Written, folder: Path) -> ExperimentRecord:
     """What guess, answers and import make of the files."""
     files = write(written, folder)
-    text = mapping_text(guessed(files, {"diameter_mm": 0.45} | dict(written.known)))
+    text = guessing.mapping_text(guessed(files, {"diameter_mm": 0.45} | dict(written.known)))
     mapping = folder / "mapping.toml"
     mapping.write_text(text, encoding="utf-8")
     if left := open_lines(text):
@@ -264,7 +257,9 @@ def test_a_strangers_line_ends_in_the_right_profile(tmp_path: Path, kind: str, f
     language = (SPANISH if "alone" in kind or kind == "depths" else GERMAN) if foreign else ENGLISH
     written = strangers_profiles.PROFILES[kind](language)
     (tmp_path / "specimen.csv").write_text(written.text, encoding="utf-8")
-    text = mapping_text(guessed_mapping([tmp_path / "specimen.csv"], KNOWN, line_contact(KNOWN, OF_STEEL, OF_STEEL)))
+    text = guessing.mapping_text(
+        guessing.guessed_mapping([tmp_path / "specimen.csv"], KNOWN, guessing.line_contact(KNOWN, OF_STEEL, OF_STEEL))
+    )
     mapping = tmp_path / "mapping.toml"
     assert {key for _, key in open_lines(text)} == written.answers.keys()
     mapping.write_text(filled_in(text, written.answers), encoding="utf-8")

@@ -11,16 +11,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.base.writing import json_text
-from wirewear.faces.group import (
-    STRENGTH,
-    OutputFile,
-    OutputFolder,
-    busy,
-    cli,
-    default_output,
-    most_memory,
-    scheduler_option,
-)
+from wirewear.faces import group
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
@@ -31,11 +22,11 @@ if TYPE_CHECKING:
     from wirewear.sweeps.sweep import SweepRow
 
 
-@cli.command()
+@group.cli.command()
 @click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=OutputFolder(), default=Path("runs/maps"), show_default=True)
+@click.option("--output", metavar="DIR", type=group.OutputFolder(), default=Path("runs/maps"), show_default=True)
 @click.option(
-    "--fatigue-limit", "limit", metavar="MPa", type=STRENGTH,
+    "--fatigue-limit", "limit", metavar="MPa", type=group.STRENGTH,
     help="Draw the line of this tension only.",
 )  # fmt: skip
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
@@ -45,9 +36,9 @@ def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bo
     from wirewear.faces.maps_reading import fretting_tests
     from wirewear.faces.study_script import wide_console
 
-    with busy("reading the tests"):
+    with group.busy("reading the tests"):
         tests = [test for path in paths for test in fretting_tests(path)]
-    with busy("drawing the maps"):
+    with group.busy("drawing the maps"):
         written = write_maps(tests, output, limit)
     if as_json:
         click.echo(json_text(maps_json(tests)))
@@ -59,13 +50,13 @@ def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bo
         click.echo(path)
 
 
-@cli.command()
+@group.cli.command()
 @click.argument("sweep_path", metavar="SWEEP.toml", type=click.Path(path_type=Path))
-@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<sweep>]")
+@click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Result folder.  [default: runs/<sweep>]")
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
-@scheduler_option
+@group.scheduler_option
 @click.option("--estimate", is_flag=True, help="Make three runs only, and say what all of them will take.")
-@most_memory
+@group.most_memory
 def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: str | None, estimate: bool) -> None:
     """Run a study with keys or effects varied; the same command goes on with a sweep that was interrupted.
 
@@ -139,14 +130,16 @@ class _Told:
         self._bar.update(self._task, completed=rows)
 
 
-@cli.command()
+@group.cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="The variant of the study to refine, if it has variants.")
-@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>/converge]")
+@click.option(
+    "--output", metavar="DIR", type=group.OutputFolder(), help="Result folder.  [default: runs/<study>/converge]"
+)
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
-@scheduler_option
-@most_memory
+@group.scheduler_option
+@group.most_memory
 def converge(
     study_path: Path, fidelity: str, variant: str | None, output: Path | None, jobs: int | None, scheduler: str | None
 ) -> None:
@@ -163,7 +156,7 @@ def converge(
     study = load_any_study(study_path)
     if variant is not None:
         study = study.variant(variant)
-    folder = output or default_output(study_path) / "converge"
+    folder = output or group.default_output(study_path) / "converge"
     engine = None if scheduler is None else engine_of(scheduler=scheduler)
     asked: dict[str, Any] = {
         "fidelity": fidelity,
@@ -180,25 +173,25 @@ def converge(
     click.echo(f"the table is in {written}")
 
 
-@cli.command()
+@group.cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
-@click.option("--output", metavar="DIR", type=OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
-@most_memory
+@click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
+@group.most_memory
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
     from wirewear.base.writing import usable_folder
     from wirewear.kinds import kind_of, load_any_study
 
-    folder = usable_folder(output or default_output(study_path) / "mesh")
+    folder = usable_folder(output or group.default_output(study_path) / "mesh")
     study = load_any_study(study_path)
     for path in kind_of(study).write_meshes(study, fidelity, folder):
         click.echo(path)
 
 
-@cli.command()
+@group.cli.command()
 @click.option("--quick", is_flag=True, help="Coarse meshes and wider tolerances.")
-@click.option("--json", "json_path", metavar="FILE", type=OutputFile(), help="Write the table there too.")
+@click.option("--json", "json_path", metavar="FILE", type=group.OutputFile(), help="Write the table there too.")
 @click.pass_context
 def verify(context: click.Context, quick: bool, json_path: Path | None) -> None:
     """Solve the reference problems and compare with closed forms; exit code 1 if any check fails."""

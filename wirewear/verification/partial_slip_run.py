@@ -18,15 +18,7 @@ from wirewear.results import RunResult
 from wirewear.simulation import discretise, simulate
 from wirewear.study import Study, study_from_tables
 from wirewear.study.bodies import hertz_of
-from wirewear.verification.hertz import (
-    STEEL,
-    CONTACT_MODULUS_MPa,
-    bulk_compliance,
-    condensed,
-    crossed,
-    crossed_bulk_compliance,
-    pressed_rows,
-)
+from wirewear.verification import hertz
 from wirewear.verification.partial_slip import FRICTION, sliding_rows
 from wirewear.verification.rows import Level, Row, compared
 
@@ -70,7 +62,7 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
 def _study(resolution: float) -> Study:
     """Steel wires held at an approach that move by half of what they need to slide."""
     element_um = 1e3 * _CONTACT_RADIUS_mm / resolution
-    steel = {"youngs_modulus_MPa": STEEL.youngs_modulus_MPa, "poissons_ratio": STEEL.poissons_ratio}
+    steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     tables = {
         "format": 1,
         "name": "partial slip under a held approach",
@@ -96,11 +88,11 @@ def _study(resolution: float) -> Study:
 
 def _exact(resolution: float) -> reference.LimitingShape:
     """The shape at which the wear of such a run ends, the bulk of its wires counted."""
-    body = condensed(discretise(_study(resolution), "quick").fixed)
-    bulk = [crossed_bulk_compliance(body, normal=n, contact_radius_mm=_CONTACT_RADIUS_mm) for n in (True, False)]
-    shear = reference.tangential_contact_modulus(STEEL, STEEL)
+    body = hertz.condensed(discretise(_study(resolution), "quick").fixed)
+    bulk = [hertz.crossed_bulk_compliance(body, normal=n, contact_radius_mm=_CONTACT_RADIUS_mm) for n in (True, False)]
+    shear = reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
     radius = 0.5 * _DIAMETER_mm
-    contact = reference.WearingContact(radius, CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
+    contact = reference.WearingContact(radius, hertz.CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
     return contact.under_approach(_APPROACH_mm)
 
 
@@ -148,7 +140,7 @@ def study_of(
     lower: dict[str, Any], upper: dict[str, Any], amplitude_um: float = 30.0, cycles: int = 1, **tables: Any
 ) -> Study:
     """A study of two steel bodies."""
-    steel = {"youngs_modulus_MPa": STEEL.youngs_modulus_MPa, "poissons_ratio": STEEL.poissons_ratio}
+    steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
     conditions = {
         "normal_load_N": _LOAD_N,
         "displacement_amplitude_um": amplitude_um,
@@ -171,7 +163,7 @@ def study_of(
 
 def _meshed(study: Study, level: Level) -> tuple[CondensedBody, CondensedBody]:
     meshes = discretise(study, level.fidelity)
-    return condensed(meshes.moving), condensed(meshes.fixed)
+    return hertz.condensed(meshes.moving), hertz.condensed(meshes.fixed)
 
 
 def block_rows(level: Level) -> tuple[Row, ...]:
@@ -180,12 +172,12 @@ def block_rows(level: Level) -> tuple[Row, ...]:
     for name, lower, upper in _PAIRS:
         study = study_of(lower, upper)
         exact = hertz_of(_LOAD_N, *study.bodies)
-        rows += pressed_rows(name, *_meshed(study, level), exact, study.crossing_angle_deg, level)
+        rows += hertz.pressed_rows(name, *_meshed(study, level), exact, study.crossing_angle_deg, level)
     study = study_of(_FLAT, _BALL, _STICKING_um, wear=_WEAR)
     flat, ball = _meshed(study, level)
     radius_mm = hertz_of(_LOAD_N, *study.bodies).contact_radius_mm
-    bulk = sum(bulk_compliance(body, 0, radius_mm) for body in (flat, ball))
-    modulus = reference.tangential_contact_modulus(STEEL, STEEL)
+    bulk = sum(hertz.bulk_compliance(body, 0, radius_mm) for body in (flat, ball))
+    modulus = reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
     slip = reference.partial_slip_point(_LOAD_N, FRICTION, radius_mm, modulus)
-    problem = crossed(flat, ball, Holder(_LOAD_N), friction=FRICTION, angle_deg=0.0)
+    problem = hertz.crossed(flat, ball, Holder(_LOAD_N), friction=FRICTION, angle_deg=0.0)
     return (*rows, *sliding_rows(problem, slip, bulk, ball, level, (_SHARE,), "Ball on flat, partial slip"))

@@ -15,17 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
+from wirewear.diagnosis.model import readings
 from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
 from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
-from wirewear.diagnosis.model.readings import (
-    END,
-    POSITIONS,
-    SlidingContact,
-    branch_of,
-    elastic_of,
-    loop_energy,
-    read_by_sensors,
-)
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import LAYER_MEMORY, WearStates
 from wirewear.effects import Chain
@@ -39,12 +31,12 @@ _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
-_ODD = np.stack([POSITIONS**power for power in ODD_POWERS])
-_EVEN = np.stack([POSITIONS**power for power in EVEN_POWERS])
-_LIFT = np.stack([POSITIONS**power for power in LIFT_POWERS])
+_ODD = np.stack([readings.POSITIONS**power for power in ODD_POWERS])
+_EVEN = np.stack([readings.POSITIONS**power for power in EVEN_POWERS])
+_LIFT = np.stack([readings.POSITIONS**power for power in LIFT_POWERS])
 
 #: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
-_ENDS, _TILT = POSITIONS**4 - 0.2, POSITIONS**2 - 1.0 / 3.0
+_ENDS, _TILT = readings.POSITIONS**4 - 0.2, readings.POSITIONS**2 - 1.0 / 3.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,8 +113,8 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
     layer = _Layer.of(states, chain, slip)
     end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
-    x, q = branch_of(contact, chain, slip[at])
-    x, q, p = read_by_sensors(setup, chain, x, q, contact.load_N)
+    x, q = readings.branch_of(contact, chain, slip[at])
+    x, q, p = readings.read_by_sensors(setup, chain, x, q, contact.load_N)
     return LoopCourse(
         cycles=cycles,
         displacement_um=x,
@@ -155,7 +147,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
-        energy = loop_energy(contact, slip)
+        energy = readings.loop_energy(contact, slip)
     return chain, slip, energy
 
 
@@ -165,7 +157,9 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
     return np.cumsum(middle * steps, axis=1)
 
 
-def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None) -> SlidingContact:
+def _contact(
+    states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None
+) -> readings.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
@@ -204,7 +198,7 @@ def _contact(states: WearStates, setup: Setup, chain: Chain, slip: Array, layer:
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
     if setup.creep:
         force = force * (1.0 - setup.creep * _creeping(force, stiffness, slip))
-    return SlidingContact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
+    return readings.SlidingContact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
 
 
 def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
@@ -213,14 +207,14 @@ def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
     Under Dahl's law it fades over the travel that the initial stiffness takes for the whole rise from one friction to
     the other (Dahl, Aerospace Report TOR-0158, 1968); Mindlin's and Iwan's contacts have none.
     """
-    length = np.maximum(force[:, END] + force[:, 0], 1e-6) / stiffness
-    return np.asarray(np.exp(-(1.0 + POSITIONS) * (slip / length)[:, None]))
+    length = np.maximum(force[:, readings.END] + force[:, 0], 1e-6) / stiffness
+    return np.asarray(np.exp(-(1.0 + readings.POSITIONS) * (slip / length)[:, None]))
 
 
 @cache
 def _odd_hats(count: int) -> Array:
     """From values at so many even positions from the middle to an end to all positions (count, m): they are odd."""
-    sign, at, known = np.sign(POSITIONS), np.abs(POSITIONS), np.linspace(0.0, 1.0, count)
+    sign, at, known = np.sign(readings.POSITIONS), np.abs(readings.POSITIONS), np.linspace(0.0, 1.0, count)
     return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(count)])
 
 
@@ -233,13 +227,13 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.clip(share, 0.0, 3.0)
 
 
-def _missing_amplitude(setup: Setup, chain: Chain, contact: SlidingContact, slip: Array) -> Array:
+def _missing_amplitude(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
     """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
-    tip = contact.force_N[:, END]
-    stroke = slip + elastic_of(contact) * tip + 0.5 * chain.free_play_um
+    tip = contact.force_N[:, readings.END]
+    stroke = slip + readings.elastic_of(contact) * tip + 0.5 * chain.free_play_um
     if setup.drive == "sensor":
         if chain.linear_um_per_N.any() or chain.quadratic_um_per_N2.any():
-            return (setup.amplitude_um - _half_reading(chain, *branch_of(contact, chain, slip))) / chain.gain
+            return (setup.amplitude_um - _half_reading(chain, *readings.branch_of(contact, chain, slip))) / chain.gain
         return setup.amplitude_um / chain.gain - stroke
     return setup.amplitude_um - stroke
 

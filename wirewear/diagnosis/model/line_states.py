@@ -18,15 +18,8 @@ from geometry import TabledProfile
 from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.model import loop_states
 from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
-from wirewear.diagnosis.model.loop_states import (
-    EVEN_POWERS,
-    ODD_POWERS,
-    fitted_angles,
-    fitted_load,
-    smoothed,
-    travelled,
-)
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.study.faces import Face
@@ -138,11 +131,11 @@ class LineStates(WearStates):
             volume_um3=volume,
             slip_um=slip,
             similarity=np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
-            slope=smoothed(volume, slope),
-            angle=smoothed(volume, angle),
-            stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
+            slope=loop_states.smoothed(volume, slope),
+            angle=loop_states.smoothed(volume, angle),
+            stiffness_N_per_um=loop_states.smoothed(volume, stiffness[:, None])[:, 0],
             load_drop_N=np.maximum(load - normal, 0.0),
-            lift_N=smoothed(volume, lift),
+            lift_N=loop_states.smoothed(volume, lift),
             scars=np.zeros((volume.size, 2, 4)),
             stroke_um=float(study["conditions"]["displacement_amplitude_um"]),
             length_um=length_um,
@@ -223,7 +216,7 @@ def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
     x = loop.relative_displacement_um
     q, p = loop.tangential_force_N, loop.normal_force_N
     p = np.where(np.isfinite(p), p, np.nanmean(p))
-    travel, forward = travelled(x)
+    travel, forward = loop_states.travelled(x)
     top, low = float(q[np.argmax(x)]), float(q[np.argmin(x)])
     done = np.where(forward, q - low, top - q) / (top - low)
     stuck = (done > _STUCK[0]) & (done < _STUCK[1])
@@ -238,10 +231,12 @@ def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
     slip = float(0.5 * np.ptp(s))
     slides = travel > _SLIDES_PAST * reach
     sign = np.where(forward, 1.0, -1.0)
-    if np.count_nonzero(slides) < len(ODD_POWERS) + len(EVEN_POWERS):
+    if np.count_nonzero(slides) < len(loop_states.ODD_POWERS) + len(loop_states.EVEN_POWERS):
         return None
-    slope, angle = fitted_angles(sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction)
-    return loop.cycle, slip, slope, angle, stiffness, full, *fitted_load(s[slides] / slip, p[slides])
+    slope, angle = loop_states.fitted_angles(
+        sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction
+    )
+    return loop.cycle, slip, slope, angle, stiffness, full, *loop_states.fitted_load(s[slides] / slip, p[slides])
 
 
 def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:

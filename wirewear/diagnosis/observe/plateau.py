@@ -12,22 +12,9 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.readings import still_to_come
+from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import (
-    ROUGH,
-    ByLocalLines,
-    ModelLoops,
-    OfLoops,
-    Scale,
-    Site,
-    Sites,
-    Smoothness,
-    SolverSize,
-    Zone,
-    along_branches,
-    rows_of,
-)
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.loops.noise import noise_factor
 
@@ -63,91 +50,95 @@ _OF_WINDOWS = constants("observe.knee")
 PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")
 
 
-class PlateauForce(ByLocalLines):
+class PlateauForce(observable.ByLocalLines):
     """Levels are displacements in µm."""
 
     name = "plateau"
     words, unit = "force at equal displacement", "N"
     zones = (
-        Zone("plateau", "plateau", "on the plateaus"),
-        Zone("tip", "end of the stroke", "at the ends of the stroke"),
+        observable.Zone("plateau", "plateau", "on the plateaus"),
+        observable.Zone("tip", "end of the stroke", "at the ends of the stroke"),
     )
     simulated = True
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """Even places past the knee of every repeat."""
         amplitude = reading.amplitude_um
         sites = []
         for cycle in reading.cycles:
             for side, sign in enumerate((1, -1)):
                 knee = max(loop.branches[side].knee_um for loop in reading.at(cycle)) / amplitude
-                sites += [Site(cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + PAST_KNEE]
+                sites += [
+                    observable.Site(cycle, sign, sign * at * amplitude) for at in POSITIONS if at > knee + PAST_KNEE
+                ]
         return sites
 
-    def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
+    def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
         """Through the samples near the place."""
         branch, window_um = loop.branches[int(site.branch < 0)], POSITION_WINDOW * loop.amplitude_um
         return force_at(branch, branch.sign * site.level, window_um, loop.sample_noise_N, loop.correlation)
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Linear between the model's points."""
         place = self.along(sites)
-        return sites.branch * along_branches(course, sites, lambda x, q, at: np.interp(place[at], still_to_come(x), q))
+        return sites.branch * observable.along_branches(
+            course, sites, lambda x, q, at: np.interp(place[at], still_to_come(x), q)
+        )
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Ripples of the worn surface."""
-        return SolverSize(SLOPE_SHARE * loops.rise_N(sites), wall=np.sign(sites.level))
+        return observable.SolverSize(SLOPE_SHARE * loops.rise_N(sites), wall=np.sign(sites.level))
 
-    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:
+    def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:
         """The end of the stroke is one of its own."""
         return np.where(self.along(sites) > TIP * amplitude_um, "tip", "plateau")
 
-    def along(self, sites: Sites) -> Array:
+    def along(self, sites: observable.Sites) -> Array:
         """Displacement in the branch's direction."""
         return sites.level * sites.branch
 
-    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
+    def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
         """Smooth along the stroke, least at the walls."""
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
         lengths = np.sign(along) * ((np.abs(along) - beyond) / REACH + beyond / REACH_WALL)
-        rough = np.where(beyond > 0.0, ROUGH_WALL, ROUGH)
-        return replace(Smoothness.of_whole_loops(len(sites)), along=lengths, rough=rough)
+        rough = np.where(beyond > 0.0, ROUGH_WALL, observable.ROUGH)
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=lengths, rough=rough)
 
 
-class KneePeak(OfLoops):
+class KneePeak(observable.OfLoops):
     """One a branch, positive along +x."""
 
     name = "knee"
     words, unit = "force just past the knee over that beyond", "N"
-    zones = (Zone("knee", "knee, where sliding begins"),)
+    zones = (observable.Zone("knee", "knee, where sliding begins"),)
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """Both branches of every loop."""
-        return [Site(cycle, sign) for cycle in reading.cycles for sign in (1, -1)]
+        return [observable.Site(cycle, sign) for cycle in reading.cycles for sign in (1, -1)]
 
-    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+    def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
         """Means over two windows past the knee."""
         branch = loop.branches[int(site.branch < 0)]
         x = branch.displacement_um[branch.knee :]
         peak, weight = peak_N(x - x[0], branch.force_N[branch.knee :], loop.amplitude_um, loop.correlation)
         return branch.sign * peak, loop.sample_noise_N * weight
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """The same of computed branches."""
         peaks = computed_peaks_N(course.displacement_um, course.tangential_force_N)
-        return np.asarray(sites.branch * peaks[rows_of(course, sites), (sites.branch < 0).astype(int)])
+        return np.asarray(sites.branch * peaks[observable.rows_of(course, sites), (sites.branch < 0).astype(int)])
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """How steep a wall begins depends on the elements as soon as there is one, and no more once it is high."""
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
         size = PEAK_SHARE * np.abs(self.predict(loops.course, sites))
-        return SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
+        return observable.SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
 
-    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+    def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """Each branch has its knee at a wall of its own."""
-        return replace(Smoothness.of_whole_loops(len(sites)), turned=0.0)
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), turned=0.0)
 
 
 def peak_N(past_um: Array, force_N: Array, amplitude_um: float, correlation: float = 0.0) -> tuple[float, float]:

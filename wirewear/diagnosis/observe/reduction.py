@@ -15,13 +15,7 @@ from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.observe.channels import (
-    Amplitude,
-    NormalForce,
-    NormalForceAtEnds,
-    NormalForceByDirection,
-    NormalForceBySides,
-)
+from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
@@ -183,11 +177,11 @@ LIBRARY: tuple[type[Observable], ...] = (
     ShelfTravel,
     KneePeak,
     PlateauForce,
-    Amplitude,
-    NormalForce,
-    NormalForceByDirection,
-    NormalForceAtEnds,
-    NormalForceBySides,
+    channels.Amplitude,
+    channels.NormalForce,
+    channels.NormalForceByDirection,
+    channels.NormalForceAtEnds,
+    channels.NormalForceBySides,
     Energy,
     SlipAmplitude,
     LargestForce,

@@ -11,16 +11,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, crossings, scar_figures, scar_skew
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.observable import (
-    ModelLoops,
-    Observable,
-    Scale,
-    Site,
-    Sites,
-    Smoothness,
-    SolverSize,
-    Zone,
-)
+from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.records import MeasuredProfile, MeasuredScar
 
@@ -41,18 +32,18 @@ FEWEST_POINTS = _KNOWN.count("fewest_points")
 FREE_FIGURE, FREE_SKEW = _KNOWN.each("free_figure", "free_skew")
 
 
-class _OfScars(Observable):
+class _OfScars(observable.Observable):
     """One number a body, after the last cycle."""
 
     of_scars = True
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:  # noqa: ARG002
         """Whatever the hooks."""
-        return SolverSize(np.zeros(len(sites)), hooked=False)
+        return observable.SolverSize(np.zeros(len(sites)), hooked=False)
 
-    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+    def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """No number has anything in common with another."""
-        return replace(Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), family=np.arange(len(sites)))
 
 
 class ScarFigures(_OfScars):
@@ -61,13 +52,13 @@ class ScarFigures(_OfScars):
     name = "scar"
     words, unit = "scar", "relative"
     free_share = FREE_FIGURE
-    zones = (Zone("scar", "scars"),)
+    zones = (observable.Zone("scar", "scars"),)
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """All figures of the bodies that have maps."""
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
-    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+    def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
         """From the map above the unworn ground."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
@@ -81,7 +72,7 @@ class ScarFigures(_OfScars):
                     noise[place] = np.hypot(FIGURE_ERROR, _shallow(figures, least))
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         figure = np.array([SCAR_FIGURES.index(name) for name in sites.figure], dtype=int)
         least = np.where(figure == SCAR_FIGURES.index("depth"), DEPTH_ERROR_um, 1e-6)
@@ -94,13 +85,13 @@ class ScarSkew(_OfScars):
     name = "skew"
     words, unit = "skew of the scar", "rad"
     free_share = FREE_SKEW
-    zones = (Zone("skew", "skew of the scars"),)
+    zones = (observable.Zone("skew", "skew of the scars"),)
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """One a body that has maps."""
         return _of_bodies(reading)
 
-    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+    def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
         """From the map above the unworn ground."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
@@ -109,16 +100,16 @@ class ScarSkew(_OfScars):
             noise[sites.wire == scar.body] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         return np.asarray(course.skew[sites.level.astype(int)])
 
 
-def _of_bodies(reading: Reading) -> list[Site]:
+def _of_bodies(reading: Reading) -> list[observable.Site]:
     """One for each body that has maps; the level is its place among both."""
     worn = {scar.body for scar in reading.scars}
     names = enumerate(reading.body_names)
-    return [Site(reading.last_cycle, level=float(place), wire=body) for place, body in names if body in worn]
+    return [observable.Site(reading.last_cycle, level=float(place), wire=body) for place, body in names if body in worn]
 
 
 def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
@@ -215,20 +206,20 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
     return ReadProfile(x, depth, half, deepest, rough_um, max(off, UNKNOWN_ZERO * deepest), max(alike, 0.0))
 
 
-class ProfileDepths(Observable):
+class ProfileDepths(observable.Observable):
     """Levels are places in µm from the scar's middle."""
 
     name = "profile"
     words, unit = "worn depth along the profile", "um"
     zones = (
-        Zone("profile_middle", "profile: middle", "in the middle of the scar"),
-        Zone("profile_flanks", "profile: flanks", "on the flanks of the scar"),
-        Zone("profile_edges", "profile: edges", "at the edges of the scar"),
+        observable.Zone("profile_middle", "profile: middle", "in the middle of the scar"),
+        observable.Zone("profile_flanks", "profile: flanks", "on the flanks of the scar"),
+        observable.Zone("profile_edges", "profile: edges", "at the edges of the scar"),
     )
     simulated = True
     of_scars = True
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """Even places across the scars of both bodies."""
         found = []
         for body in BODIES:
@@ -236,10 +227,10 @@ class ProfileDepths(Observable):
             if own:
                 half = float(np.median([one.half_width_um for one in own]))
                 places = sorted({side * half * at for at in PLACES for side in (-1.0, 1.0)})
-                found += [Site(reading.last_cycle, level=place, wire=body) for place in places]
+                found += [observable.Site(reading.last_cycle, level=place, wire=body) for place in places]
         return found
 
-    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+    def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
         """Means of bins about the places."""
         values, noise = np.full((2, len(sites)), np.nan)
         for profile in reading.profiles:
@@ -257,7 +248,7 @@ class ProfileDepths(Observable):
                 noise[place] = one.error_of(count, reading.depth_noise_um)
         return values, noise
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Those of the course's end."""
         values = np.zeros(len(sites))
         for body, (x, depth) in course.profiles.items():
@@ -265,7 +256,7 @@ class ProfileDepths(Observable):
             values[own] = np.interp(sites.level[own], x, depth, left=0.0, right=0.0)
         return values
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """A share of the depth, and walls that stand elsewhere."""
         size = np.zeros(len(sites))
         for body, (x, depth) in loops.course.profiles.items():
@@ -278,23 +269,23 @@ class ProfileDepths(Observable):
             walls = ASIDE * half * np.interp(at, x, slope, left=0.0, right=0.0)
             share = DEPTH_SHARE * np.interp(at, x, depth, left=0.0, right=0.0)
             size[own] = np.sqrt(walls**2 + share**2 + (LEAST_ERROR * float(depth.max())) ** 2)
-        return SolverSize(size, hooked=False)
+        return observable.SolverSize(size, hooked=False)
 
     def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
         """A share of the largest depth."""
         return np.full(predicted.size, FREE_SHARE * max(float(np.abs(predicted).max(initial=0.0)), 1e-6))
 
-    def zone(self, sites: Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
+    def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
         """By the place over the scar's half-width."""
         place = np.abs(places_of(sites))
         return np.where(place < MIDDLE, "profile_middle", np.where(place < FLANK, "profile_flanks", "profile_edges"))
 
-    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:  # noqa: ARG002
+    def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """Smooth along each body's scar."""
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
-        return replace(Smoothness.of_whole_loops(len(sites)), along=places_of(sites) / REACH, family=family)
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=places_of(sites) / REACH, family=family)
 
-    def common_error(self, reading: Reading, sites: Sites) -> Array:
+    def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
         """What the zero of the profiles may be off by."""
         off = np.zeros(len(sites))
         for body in BODIES:
@@ -303,7 +294,7 @@ class ProfileDepths(Observable):
         return off
 
 
-def places_of(sites: Sites) -> Array:
+def places_of(sites: observable.Sites) -> Array:
     """Places (n,) of profile depths over the half-width of their body's scar."""
     places = np.zeros(len(sites))
     for body in BODIES:

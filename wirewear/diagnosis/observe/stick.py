@@ -7,21 +7,9 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.observable import (
-    ByLocalLines,
-    ModelLoops,
-    OfLoops,
-    Scale,
-    Site,
-    Sites,
-    Smoothness,
-    SolverSize,
-    Zone,
-    along_branches,
-    travel_um,
-)
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.loops.noise import noise_factor
 
@@ -64,54 +52,56 @@ DEVIATIONS = _OF_SHELF.number("deviations")
 TRAVEL_SHARE = _OF_SHELF.number("travel_share")
 
 
-class Stick(ByLocalLines):
+class Stick(observable.ByLocalLines):
     """Levels are forces in the branch's direction in N."""
 
     name = "stick"
     words, unit = "displacement at equal force", "um"
     free_share = FREE_SHARE
-    zones = (Zone("stick", "stick, after a reversal", "just after a reversal"),)
+    zones = (observable.Zone("stick", "stick, after a reversal", "just after a reversal"),)
     sides = ("ahead of", "behind")
     simulated = True
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """Forces below the knees of all repeats."""
         sites = []
         for cycle in reading.cycles:
             for side, sign in enumerate((1, -1)):
                 branches = [loop.branches[side] for loop in reading.at(cycle)]
-                sites += [Site(cycle, sign, level) for level in _levels(branches, reading.force_N)]
+                sites += [observable.Site(cycle, sign, level) for level in _levels(branches, reading.force_N)]
         return sites
 
-    def line(self, loop: ReducedLoop, site: Site) -> LocalLine | None:
+    def line(self, loop: ReducedLoop, site: observable.Site) -> LocalLine | None:
         """Through the samples near the force."""
         branch = loop.branches[int(site.branch < 0)]
         return displacement_at(branch, site.level, FORCE_WINDOW * loop.mid_force_N, loop)
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
         level = sites.level
-        places = along_branches(course, sites, lambda x, q, at: np.interp(level[at], np.maximum.accumulate(q), x))
+        places = observable.along_branches(
+            course, sites, lambda x, q, at: np.interp(level[at], np.maximum.accumulate(q), x)
+        )
         return sites.branch * places
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Where a branch turns under another force, it lies elsewhere as a whole."""
         turned = TIP_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
         crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         # A local line is no corner: that of a shelf is read beside its place.
         cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
-        return SolverSize(
+        return observable.SolverSize(
             turned, np.hypot(crossing, cornered), crossing * sites.branch, wall=-sites.branch.astype(float)
         )
 
-    def along(self, sites: Sites) -> Array:
+    def along(self, sites: observable.Sites) -> Array:
         """Force in the branch's direction."""
         return sites.level
 
-    def smoothness(self, sites: Sites, scale: Scale) -> Smoothness:
+    def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
         """Smooth over the force."""
-        return replace(Smoothness.of_whole_loops(len(sites)), along=sites.level / scale.force_N / REACH)
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=sites.level / scale.force_N / REACH)
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
@@ -142,34 +132,34 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
     return sorted(float(at) for at in levels if abs(at) > SHELF_SHARE * force_N)
 
 
-class ShelfTravel(OfLoops):
+class ShelfTravel(observable.OfLoops):
     """One a branch. Levels are the largest forces in N that count as none."""
 
     name = "shelf"
     words, unit = "travel without force", "um"
     free_share = FREE_SHARE
-    zones = (Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
+    zones = (observable.Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
-    def sites(self, reading: Reading) -> list[Site]:
+    def sites(self, reading: Reading) -> list[observable.Site]:
         """Branches of few samples, in all repeats."""
         level = max(SHARE * reading.force_N, DEVIATIONS * reading.sample_noise_N)
         return [
-            Site(cycle, sign, level)
+            observable.Site(cycle, sign, level)
             for cycle in reading.cycles
             for side, sign in enumerate((1, -1))
             if has_few_samples([loop.branches[side] for loop in reading.at(cycle)], reading.force_N)
         ]
 
-    def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:
+    def read(self, loop: ReducedLoop, site: observable.Site) -> tuple[float, float]:
         """As the samples say; half of the variance of what they allow is each reading's own."""
         travel, unsure = travel_between(loop.branches[int(site.branch < 0)], site.level)
         return travel, float(np.hypot(np.sqrt(0.5) * unsure, loop.displacement_noise_um))
 
-    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+    def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Between the same forces, linear between the model's points."""
-        return travel_um(course, sites, -sites.level, sites.level)
+        return observable.travel_um(course, sites, -sites.level, sites.level)
 
-    def common_error(self, reading: Reading, sites: Sites) -> Array:
+    def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
         """A drive that repeats itself takes its samples at the same places of every branch: the other half."""
         unsure = [
             travel_between(loop.branches[int(site.branch < 0)], site.level)[1]
@@ -179,9 +169,9 @@ class ShelfTravel(OfLoops):
         usual = float(np.nanmedian(unsure)) if np.isfinite(unsure).any() else 0.0
         return np.full(len(sites), np.sqrt(0.5) * usual)
 
-    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+    def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """A share of the travel."""
-        return SolverSize(TRAVEL_SHARE * self.predict(loops.course, sites), hooked=False)
+        return observable.SolverSize(TRAVEL_SHARE * self.predict(loops.course, sites), hooked=False)
 
 
 def travel_between(branch: ObservedBranch, level_N: float) -> tuple[float, float]:
