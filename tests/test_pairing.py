@@ -1,6 +1,6 @@
 """Coupling of two surfaces that face each other with different meshes."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -338,11 +338,12 @@ def solved(*, longest_mm: float, misleading: bool) -> tuple[Any, list[tuple[floa
     return solve, calls
 
 
+@dataclass
 class At:
     """A state of which nothing but the drive counts."""
 
-    def __init__(self, drive: float) -> None:
-        self.drive, self.load_share = drive, 0.0
+    drive: float
+    load_share: float = 0.0
 
 
 def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(
