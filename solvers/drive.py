@@ -20,7 +20,7 @@ Points = tuple[tuple[float, float], ...]
 
 _SAME = 1e-9  # Shares that differ by less are the same.
 _LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to one where the load bends give way to it.
-_SAMPLES = 720  # Places of a cycle at which loads are compared.
+_SAMPLES = 720  # Places of a stroke at which loads are compared.
 
 
 def _curve(points: Sequence[tuple[float, float]], what: str) -> tuple[Array, Array]:
@@ -176,20 +176,10 @@ class LoadCycle:
         every = np.add.outer([-1.0, 0.0, 1.0, 2.0], np.array(within) % 1.0).ravel()
         return np.sort(every[(every > start + _SAME) & (every < end - _SAME)])
 
-    @cached_property
-    def _sampled(self) -> Array:
-        times = np.arange(_SAMPLES) / _SAMPLES
-        return self.shares(np.append(times, self.bends(-_SAME, 1.0)))
-
     @property
     def largest(self) -> float:
         """The largest load of the cycle."""
-        return float(self._sampled.max())
-
-    @property
-    def mean(self) -> float:
-        """Mean load of the cycle."""
-        return float(self._sampled[:_SAMPLES].mean())
+        return max((share for _, share in self.points), default=1.0 + abs(self.amplitude))
 
 
 @dataclass(frozen=True)
@@ -267,11 +257,22 @@ class Drive:
     @cached_property
     def symmetric(self) -> bool:
         """Whether both strokes, with what the load does at their ends, are mirror images of each other."""
-        if self.load.steady:
-            return True
-        places = self.amplitude_mm * np.cos(np.pi * np.arange(1, _SAMPLES + 1) / _SAMPLES)
-        there, back = (self.stroke(side, side * places).load for side in (1.0, -1.0))
+        there, back = (path.load for path in self._sampled)
         return there.shape == back.shape and bool(np.abs(there - back).max() <= _SAME)
+
+    @property
+    def mean_load(self) -> float:
+        """The load over the test's as a mean over the way: what bodies that slide all the way feel of it."""
+        if self.load.steady:
+            return 1.0
+        paths = (np.column_stack([path.drive, path.load]) for path in self._sampled)
+        means = (np.abs(np.diff(way[:, 0])) @ (way[1:, 1] + way[:-1, 1]) for way in paths)
+        return float(sum(means)) / (8.0 * self.amplitude_mm)
+
+    @cached_property
+    def _sampled(self) -> tuple[Path, Path]:
+        places = self.amplitude_mm * np.cos(np.pi * np.arange(_SAMPLES + 1) / _SAMPLES)
+        return self.stroke(1.0, places), self.stroke(-1.0, -places)
 
 
 def phases(places: Array, *, falling: bool) -> Array:

@@ -11,7 +11,7 @@ from solvers.contact.linearisation import faced, law_at, levers, linearised, pai
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
-from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, solve_contact
+from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, nothing_pressed, solve_contact
 
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
@@ -221,20 +221,14 @@ _NO_LOAD = 1e-3  # Of the normal load: less presses nothing, for a contact of so
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
-    """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest.
-
-    What no load presses down stands just where the bodies would touch.
-    """
+    """The state at `drive` of bodies that do not touch, and the report of it: no force, and the holder at rest."""
     stop = 0.5 * problem.holder.play_mm
-    holder_x, height = float(np.clip(state.holder_x, -stop, stop)), state.holder_z
-    if problem.holder.approach_mm is None:
-        height = -float(vertical_gaps(problem, state, drive, holder_x).min())
+    holder_x = float(np.clip(state.holder_x, -stop, stop))
     none = np.zeros_like(state.traction)
     apart = replace(
         state,
         drive=drive,
         holder_x=holder_x,
-        holder_z=height,
         holder_tilt=state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x),
         holder_rate=0.0,
         overlap_area=0.0,
@@ -266,6 +260,36 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
     )
 
 
+def opened(
+    problem: ContactProblem, state: ContactState, drive: float, cycles: float
+) -> tuple[ContactState, IncrementReport]:
+    """The state at `drive` of bodies from which the load has been taken, and the report of the increment.
+
+    What no load presses stands just where the bodies would touch. As the load goes, they slide by what strain and rig
+    give back: that is half of the work which pressures of before would do along it, as in any increment.
+    """
+    apart, report = parted(problem, state, drive)
+    height = -float(vertical_gaps(problem, apart, drive, apart.holder_x).min())
+    before = paired_before(problem, state)
+    if not len(before.nodes):
+        return replace(apart, holder_z=height), report
+    pairing = faced(problem, state, before.nodes, drive, apart.holder_x, apart.holder_tilt)
+    system = linearised(problem, state, before, pairing, drive, apart.holder_x, height, state.slip_share)
+    place = apart.holder_x, height, apart.holder_tilt
+    return accepted(
+        problem,
+        state,
+        system,
+        nothing_pressed(len(before.nodes), *place),
+        drive,
+        cycles,
+        0.0,
+        0.0 * state.slip_share,
+        0,
+        0,
+    )
+
+
 def advance(
     problem: ContactProblem,
     state: ContactState,
@@ -288,13 +312,14 @@ def advance(
     loaded, more = state.load_share, 0.0 if load_share is None else load_share - state.load_share
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
-        place = start + (done + share) * (drive - start)
-        current = replace(current, load_share=loaded + (done + share) * more)
-        if current.load_share < _NO_LOAD:
-            current, report = parted(problem, current, place)
+        place, load = start + (done + share) * (drive - start), loaded + (done + share) * more
+        if load < _NO_LOAD:
+            current, report = opened(problem, current, place, cycles)
+            current = replace(current, load_share=load)
             done += share
             reports.append(report)
             continue
+        current = replace(current, load_share=load)
         if more != 0.0 and not current.traction.any():
             current = replace(current, holder_z=_height_under_load(replace(problem, friction=0.0), current))
         try:

@@ -76,6 +76,27 @@ def converged_outcome(
     )
 
 
+def nothing_pressed(count: int, holder_x: float, height: float, tilt: float) -> NewtonOutcome:
+    """The answer of so many nodes that bear nothing, with the holder at that place."""
+    return NewtonOutcome(
+        converged=True,
+        message="nothing is pressed",
+        iterations=0,
+        traction=np.zeros((count, 3)),
+        holder_x=holder_x,
+        height=height,
+        tilt=tilt,
+        sliding=np.zeros(count, dtype=bool),
+        slip_length=np.zeros(count),
+        sticking=0,
+        force_error=0.0,
+        penetration=0.0,
+        complementarity=0.0,
+        slip_direction_error=0.0,
+        elastic_slip=0.0,
+    )
+
+
 class _Largest(NamedTuple):
     """How well the conditions are met: nodes that stick, the deepest penetration and the largest gap under pressure in
     mm, the largest angle between friction and slip in rad, the largest tangential traction in MPa.

@@ -136,7 +136,8 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
     """
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
-    load, stroke = conditions.normal_load_N_per_mm, 1e-3 * conditions.displacement_amplitude_um
+    load = conditions.drive.load.largest * conditions.normal_load_N_per_mm
+    stroke = 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
     pad_half = study.pad.half_width_mm or half_width_of(face)
     try:
@@ -257,6 +258,7 @@ def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: f
     energy_mJ = (
         4e-3
         * study.contact.friction
+        * conditions.drive.mean_load
         * conditions.normal_load_N_per_mm
         * conditions.displacement_amplitude_um
         * conditions.cycles

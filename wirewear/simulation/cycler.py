@@ -19,6 +19,10 @@ Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
 
 
+#: Increments of a loop whose force bends with its load all the way, over those where it is followed.
+_FINER = 4
+
+
 @dataclass(frozen=True)
 class Motion:
     """How a contact is moved, and how it ages.
@@ -249,8 +253,9 @@ class Cycler:
         moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
         drive, begin = self._drive(state if moved is None else moved.states[-1]), state
         search = None if motion.held is None else AmplitudeSearch(motion.held)
+        increments = motion.increments * (1 if drive.load.steady or not motion.follows_force else _FINER)
         while True:
-            how = (drive, motion.increments, self._watch, guide, motion.wear_increments)
+            how = (drive, increments, self._watch, guide, motion.wear_increments)
             if motion.follows_force and drive.load.steady:
                 after, trace = solvers.closed_adaptive_cycle(current, begin, *how, moved=moved)
             else:

@@ -185,10 +185,11 @@ def expected_contact(study: Study) -> ExpectedContact:
     driven, held = study.bodies
     gap = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, radians(study.crossing_angle_deg))
     conditions, face = study.conditions, driven.face or held.face
-    hertz = hertz_of(conditions.normal_load_N, driven, held)
+    load_N = conditions.drive.load.largest * conditions.normal_load_N
+    hertz = hertz_of(load_N, driven, held)
     if face is not None:
         modulus = reference.contact_modulus(driven.material, held.material)
-        curvature = 0.375 * conditions.normal_load_N / (modulus * hertz.contact_radius_mm**3)
+        curvature = 0.375 * load_N / (modulus * hertz.contact_radius_mm**3)
         gap = (curvature, curvature, 0.0)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     flattened = _flattened_volume(study, gap)
@@ -208,10 +209,10 @@ def expected_contact(study: Study) -> ExpectedContact:
 def _sticks(study: Study, hertz: reference.PointContact) -> bool:
     """Whether the displacement is too small for the unworn bodies to slide by Cattaneo and Mindlin, on a rigid rig.
 
-    The contact between gripped bodies is softer and slides later. Effects may make it slide earlier: with any, it is
-    taken to slide.
+    The contact between gripped bodies is softer and slides later. Effects, and a load that falls, may make it slide
+    earlier: with any, it is taken to slide.
     """
-    if study.effects or not study.contact.friction:
+    if study.effects or not study.contact.friction or not study.conditions.drive.load.steady:
         return False
     radius = (hertz.major_semi_axis_mm * hertz.minor_semi_axis_mm) ** 0.5
     modulus = reference.tangential_contact_modulus(*(body.material for body in study.bodies))
@@ -227,7 +228,7 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     sliding_m = 4e-6 * conditions.displacement_amplitude_um * conditions.cycles
     largest = study.wear.largest_factor * factors.beyond_margin
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
-    return per_sliding * conditions.normal_load_N * sliding_m
+    return per_sliding * conditions.drive.mean_load * conditions.normal_load_N * sliding_m
 
 
 def _flattened_volume(study: Study, gap: GapCurvatures) -> float:

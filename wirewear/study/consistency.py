@@ -117,6 +117,10 @@ def _holder(tables: ContactTables) -> Inconsistency | None:
             ("holder", "rotational_stiffness_N_mm_per_rad"),
             "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing",
         )
+    if tables.conditions.approach_um is not None and tables.conditions.load_cycle is not None:
+        return Inconsistency(
+            ("conditions", "load_cycle"), "says how the load goes, but approach_um holds the bodies at a fixed approach"
+        )
     if tables.conditions.approach_um is not None and holder.normal_spring_stiffness_N_per_mm > 0.0:
         return Inconsistency(
             ("conditions", "approach_um"),
