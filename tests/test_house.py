@@ -251,7 +251,7 @@ BUDGETS = {
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
-    # 450 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
+    # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     "lines of geometry, solvers and wirewear": 63_888,
     "lines of wirewear": 51_270,
     # 90 draw bodies of any shapes at random.
@@ -263,6 +263,7 @@ BUDGETS = {
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
     # 270 are checks of tests by blocks, of drives that hold a figure, and of stops.
     # 140 are checks of tubes: a ring as a curved bar, a narrow bore as a wire, where they are held.
+    # 230 are checks of waveforms and loads within the cycle: a slider's equation, contacts that open, mistakes in keys.
     "lines of tests": 25_623,
     # What files about a test are asked stands apart from the keys of a record; bodies of any shapes have a file there.
     "files of geometry, solvers and wirewear": 316,
