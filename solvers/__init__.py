@@ -27,6 +27,7 @@ from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
 from solvers.local_state import DriveTiming, LocalState
 from solvers.placement import PlacedBody, facing, place
 from solvers.stuck import StuckMotion, move_stuck
+from solvers.surface_layer import SurfaceLayer, bare_depth
 from solvers.transfer import remeshed, transferred, transferred_wear
 from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_law import (
@@ -47,10 +48,11 @@ __all__ = [
     "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
     "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate",
     "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
-    "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "Symmetry",
-    "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew", "change_by_work",
-    "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
-    "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned",
-    "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred",
-    "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_law", "wear_laws",
+    "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
+    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew",
+    "bare_depth", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing",
+    "first_quarter", "flattened", "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
+    "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of",
+    "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_law",
+    "wear_laws",
 ]  # fmt: skip

@@ -13,14 +13,17 @@ Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and 
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
+from solvers.local_state import LocalState
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
+from solvers.surface_layer import SurfaceLayer, friction_factor, receded
 from solvers.wear_law import EnergyLaw, WearLaw, WornCycle, breathing
 
 
@@ -61,7 +64,20 @@ def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
     return distance
 
 
+# Wear work over which a rate is taken: beside what is done, and of it.
+_LITTLE_mJ_per_mm2, _LITTLE = 1e-3, 1e-6
+
 Rate = float | Array  #: A wear coefficient, one for all nodes of a patch or one for each, (n_a, n_t).
+
+
+class Recession(NamedTuple):
+    """How the primary and the secondary recede by wear work: per work in all, exact however much it is; per further
+    work; and the depth (n_a, n_t) in mm by which they are beyond the latter times the work, if they are.
+    """
+
+    secant: tuple[Rate, Rate]
+    tangent: tuple[Rate, Rate]
+    beyond: tuple[Array, Array] | None = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +86,7 @@ class WearRates:
     load times sliding.
 
     oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it, single increments do not.
+    upper_layers, lower_layers: on either body, the outermost first.
     Raises SolverError if a coefficient is negative.
     """
 
@@ -77,6 +94,8 @@ class WearRates:
     lower_mm3_per_mJ: float = 0.0
     law: WearLaw = field(default_factory=EnergyLaw)
     oxygen: OxygenSupply | None = None
+    upper_layers: tuple[SurfaceLayer, ...] = ()
+    lower_layers: tuple[SurfaceLayer, ...] = ()
 
     def __post_init__(self) -> None:
         if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
@@ -100,20 +119,29 @@ class WearRates:
         """Whether nothing wears."""
         return self.upper_mm3_per_mJ == 0.0 and self.lower_mm3_per_mJ == 0.0
 
-    def rates(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> tuple[Rate, Rate]:
-        """By how much the primary and the secondary recede per wear work, in a state of wear and over that much work
-        per area, each (n_a, n_t); exact however much it is.
-        """
+    def recession(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> Recession:
+        """How the primary and the secondary recede from a state of wear over wear work per area, each (n_a, n_t)."""
         pair = (self.upper_mm3_per_mJ, self.lower_mm3_per_mJ)
-        both = pair if primary_is_upper else pair[::-1]
-        if not self.law.remembers:
-            return both
+        both, layers = pair if primary_is_upper else pair[::-1], (self.upper_layers, self.lower_layers)
+        if not (self.law.remembers or any(layers)):
+            return Recession(both, both)
         energies = wear.primary_energy, wear.secondary_energy
-        first, last = (
-            of * np.divide(self.law.counted(energy, done), done, out=np.zeros_like(done), where=done > 0.0)
-            for of, energy, done in zip(both, energies, work, strict=True)
+        secants, tangents = [], []
+        for of, own, depth, energy, done in zip(
+            both, layers if primary_is_upper else layers[::-1], wear.depths, energies, work, strict=True
+        ):
+            more = _LITTLE_mJ_per_mm2 + _LITTLE * float(done.max())
+            now, then = (receded(own, depth, of * self.law.counted(energy, one)) for one in (done, done + more))
+            tangents.append((then - now) / more)
+            secants.append(np.divide(now, done, out=tangents[-1].copy(), where=done > 0.0))
+        offsets = tuple(
+            (secant - tangent) * done for secant, tangent, done in zip(secants, tangents, work, strict=True)
         )
-        return first, last
+        return Recession((secants[0], secants[1]), (tangents[0], tangents[1]), (offsets[0], offsets[1]))
+
+    def friction_factor(self, local: LocalState) -> float | Array:
+        """Factor on friction by the layers that lie on the surfaces at k nodes, one for all or (k,)."""
+        return friction_factor(self.upper_layers, self.lower_layers, local)
 
 
 @dataclass(frozen=True)
@@ -163,7 +191,7 @@ def _after(
     energy = spread(part.energy)
     work = energy if part.wear_work is part.energy else spread(part.wear_work)
     totals = cycles * float(pairing.areas @ part.energy), cycles * float(pairing.areas @ part.wear_work)
-    return after_work(wear, rates.rates(wear, work, bodies[0].facing < 0), energy, work, totals, bodies)
+    return after_work(wear, rates.recession(wear, work, bodies[0].facing < 0).secant, energy, work, totals, bodies)
 
 
 def after_work(

@@ -58,7 +58,7 @@ class Record:
     ) -> None:
         self.rows.append((done, stage_of(problem)))
 
-    def follows(self, _state: ContactState, done: float, _work_mJ: float) -> bool:
+    def follows(self, _problem: ContactProblem, _state: ContactState, done: float, _work_mJ: float) -> bool:
         return done not in self.bends_at
 
     def result(self, status: str, message: str, _history: MeshHistory) -> Result:

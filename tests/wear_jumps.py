@@ -43,7 +43,9 @@ def _line_bodies(element_mm: float) -> tuple[solvers.PlacedBody, solvers.PlacedB
     return placed[0], placed[1]
 
 
-def line_contact(element_mm: float = 0.008, *, primary_is_upper: bool = True) -> solvers.ContactProblem:
+def line_contact(
+    element_mm: float = 0.008, *, primary_is_upper: bool = True, wear: solvers.WearRates | None = None
+) -> solvers.ContactProblem:
     """A cylinder of 6 mm radius on a flat, both of steel, in plane strain; its contact is 65 µm wide on each side."""
     upper, lower = _line_bodies(element_mm)
     return solvers.ContactProblem(
@@ -51,7 +53,7 @@ def line_contact(element_mm: float = 0.008, *, primary_is_upper: bool = True) ->
         lower=lower,
         holder=solvers.Holder(LINE_LOAD_N_per_mm),
         friction=FRICTION,
-        wear=solvers.WearRates(*RATES),
+        wear=wear or solvers.WearRates(*RATES),
         primary_is_upper=primary_is_upper,
     )
 

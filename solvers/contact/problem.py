@@ -67,7 +67,8 @@ class ContactProblem:
 
     def law_at(self, local: LocalState) -> Friction:
         """The friction law as it is at k nodes."""
-        return Friction(self.friction * self.friction_law.factor(local), self.friction_law)
+        factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
+        return Friction(self.friction * factor, self.friction_law)
 
     @property
     def unchanging(self) -> bool:

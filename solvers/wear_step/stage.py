@@ -17,10 +17,11 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem
+from solvers.contact_layer import open_share
 from solvers.contact_state import WearState
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
-from solvers.wear import Rate, after_work
+from solvers.wear import Recession, after_work
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits
 from solvers.wear_step.released import released_slip
@@ -71,7 +72,8 @@ def solve_stage(
     Raises NotConvergedError if no active set was found that fits.
     """
     nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)
-    gaps, rates = cycle.gaps(problem, before.depths), problem.wear.rates(before, nothing, problem.primary_is_upper)
+    recession = problem.wear.recession(before, nothing, problem.primary_is_upper)
+    base, share = cycle.gaps(problem, before.depths), open_share(problem.layers)
     worn, active, cycles = before, pressure > 0.0, lasting(pressure)
     every = np.ones(cycle.orbits.count)
     stretch = every, every
@@ -84,13 +86,14 @@ def solve_stage(
         friction = cycle.law_at(problem, worn, slip)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
-        opening = cycle.orbits.opening_by(rates)
+        opening, beyond = cycle.orbits.opening_by(recession.tangent), recession.beyond
+        gaps = base if beyond is None else base + share * cycle.orbits.opening(*beyond)
         equations = CycleEquations(problem, cycle, facing, gaps, opening, slip, cycles, worn.depths, friction)
         found = equations.improved(pressure, active)
         change = float(np.abs(found.pressure - pressure).max())
         pressure, active = found.pressure, found.active
         works = equations.works(np.maximum(pressure, 0.0))
-        worn, rates = worn_by(problem, cycle.orbits, before, works, cycles)
+        worn, recession = worn_by(problem, cycle.orbits, before, works, cycles)
         stretch = _stretch(problem, cycle, facing, pressure, worn, friction)
         allowed = (_SETTLED if found.linear else _SETTLED_LAYERS) * float(pressure.max())
         settled = change <= allowed and not friction.differs(known)
@@ -103,10 +106,10 @@ def solve_stage(
 
 def worn_by(
     problem: ContactProblem, orbits: Orbits, before: WearState, works: tuple[Array, Array], cycles: Array
-) -> tuple[WearState, tuple[Rate, Rate]]:
+) -> tuple[WearState, Recession]:
     """The wear state after friction work and wear work per area (N,) of one cycle, repeated for so many cycles (N,).
 
-    By how much either body has receded per wear work is told as well.
+    How both bodies recede by it is told as well.
     """
     shapes = before.primary_depth.shape, before.secondary_depth.shape
 
@@ -117,8 +120,9 @@ def worn_by(
     energy = spread(works[0])
     work = energy if works[1] is works[0] else spread(works[1])
     totals = float(problem.surface.areas @ energy[0].ravel()), float(problem.surface.areas @ work[0].ravel())
-    rates = problem.wear.rates(before, work, problem.primary_is_upper)
-    return after_work(before, rates, energy, work, totals, (problem.primary, problem.secondary)), rates
+    recession = problem.wear.recession(before, work, problem.primary_is_upper)
+    bodies = problem.primary, problem.secondary
+    return after_work(before, recession.secant, energy, work, totals, bodies), recession
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:

@@ -184,6 +184,7 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
             axes.set_title(f"{result.label}: {called(scar.body)}")
+            _draw_layers(axes, result, scar)
             note = f"{style.cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
             style.sliding_arrow(axes)
@@ -199,6 +200,9 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
     figure, grid = _grid_of_maps(rows, PowerNorm(0.5, 0.0, worst), root_ticks(worst))
     for axes, scar in zip(grid[0], rows[0], strict=True):
         axes.set_title(f"cycle {style.cycle_name(scar.cycle)}")
+    for of_body, scars in zip(grid, rows, strict=True):
+        for axes, scar in zip(of_body, scars, strict=True):
+            _draw_layers(axes, result, scar)
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
     for axes, body in zip(grid[:, 0], result.bodies, strict=True):
@@ -251,6 +255,15 @@ def _grid_of_maps(
     if ticks is not None:
         bar.set_ticks(ticks, labels=[f"{tick:.3g}" for tick in ticks], minor=False)
     return figure, grid
+
+
+def _draw_layers(axes: Axes, result: RunResult, scar: Scar) -> None:
+    """Lines around the places where layers are worn through, on a map of the depth."""
+    faces = [face for face in result.layer_faces_um(scar.body) if 0.0 < face < scar.max_depth_um]
+    if faces:
+        x, y = (np.linspace(*ends, RESOLUTION) for ends in (axes.get_xlim(), axes.get_ylim()))
+        depth = smooth_scar(scar).sampled(x, y).T
+        axes.contour(x, y, depth, levels=faces, colors="black", linewidths=0.9, linestyles="dashed")
 
 
 def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:

@@ -27,6 +27,7 @@ from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import measured
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
+from wirewear.study.layers import layers_of
 from wirewear.study.surfaces import StatedSurface
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
@@ -226,7 +227,13 @@ def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) ->
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
         timing=DriveTiming(conditions.drive, conditions.frequency_Hz),
-        wear=WearRates(upper_mm3_per_mJ=1e-3 * rates[0], lower_mm3_per_mJ=1e-3 * rates[1], law=study.wear.of_law),
+        wear=WearRates(
+            upper_mm3_per_mJ=1e-3 * rates[0],
+            lower_mm3_per_mJ=1e-3 * rates[1],
+            law=study.wear.of_law,
+            upper_layers=layers_of(study.pad.layers, study.contact.friction),
+            lower_layers=layers_of(study.specimen.layers, study.contact.friction),
+        ),
     )
 
 

@@ -14,6 +14,7 @@ from wirewear.study import keys
 from wirewear.study.consistency import log_within, merged
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
+from wirewear.study.layers import LAYERS, LayerTable, unfit_layers
 from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, held_keys, too_many, worked_cycles
 from wirewear.study.reading import variants_in
@@ -75,6 +76,7 @@ class HeldTable(MaterialTable):
         "rigid", description='stiffness of the grip per area, a number or "rigid"'
     )
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
         """That body, held so."""
@@ -279,6 +281,11 @@ class PlanarStudy(keys.NamedTable):
         """Those of friction and of wear."""
         return self.contact.friction_law, self.wear.of_law
 
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Coatings and hard skins on both bodies, by their names."""
+        return {"specimen": self.specimen.layers, "pad": self.pad.layers}
+
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""
         return self.model_dump(mode="json", exclude_none=True, exclude_unset=True)
@@ -421,6 +428,8 @@ def _require_consistent(study: PlanarStudy, where: str) -> None:
             f"friction_law in [contact] of {where} is {study.contact.friction_law.name!r}, but line contacts compute "
             "Archard wear from Coulomb's friction energy: give energy wear coefficients instead."
         )
+    if told := unfit_layers((*study.pad.layers, *study.specimen.layers), study.contact.friction):
+        raise StudyError(f"layers in {where} {told}.")
     law = wear.of_law
     if law.coefficient == "archard" or (archard > 0.0 and not isinstance(law, EnergyLaw)):
         raise StudyError(

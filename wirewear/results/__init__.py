@@ -17,6 +17,7 @@ if TYPE_CHECKING:
         COLUMN_MEANINGS,
         EVOLUTION_COLUMNS,
         LATER_COLUMNS,
+        LAYERS_OF_BODIES,
         PLAY_TRAVEL,
         PRESSURE_LENGTH,
         SPRING_TRAVEL,
@@ -29,9 +30,9 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "BODIES", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS", "PLAY_TRAVEL", "POSITIONS", "PRESSURE_LENGTH",
-    "RESULT_FILE_NAME", "SPRING_TRAVEL", "ContactForces", "Evolution", "Loop", "RunResult", "Scar", "age_at",
-    "largest_mean_pressure_MPa", "largest_means", "read_loops", "read_result", "read_results", "sensor_of",
+    "BODIES", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS", "LAYERS_OF_BODIES", "PLAY_TRAVEL", "POSITIONS",
+    "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL", "ContactForces", "Evolution", "Loop", "RunResult", "Scar",
+    "age_at", "largest_mean_pressure_MPa", "largest_means", "read_loops", "read_result", "read_results", "sensor_of",
     "write_result",
 ]  # fmt: skip
 

@@ -32,7 +32,7 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")
-    for section in (_STATE, _MOTION, _wear_rows(results[0].bodies), _PRESSURES, _quality_rows(results), _COST):
+    for section in (_STATE, _MOTION, _wear_rows(results), _PRESSURES, _quality_rows(results), _COST):
         for name, cell in section:
             table.add_row(Text(name), *(cell(result) for result in results))
         table.add_section()
@@ -85,9 +85,20 @@ def _quality_rows(results: Sequence[RunResult]) -> list[Row]:
     return [(f"worst {name.replace('_', ' ')}", value(name)) for name in names]
 
 
-def _wear_rows(bodies: Sequence[str]) -> list[Row]:
+def _worn_through(body: str) -> Callable[[RunResult], str]:
+    def cell(result: RunResult) -> str:
+        cycles = ["not" if cycle is None else counted(round(cycle)) for cycle in result.worn_through(body)]
+        return ", ".join(cycles) or NOTHING
+
+    return cell
+
+
+def _wear_rows(results: Sequence[RunResult]) -> list[Row]:
+    bodies = results[0].bodies
+    layered = [body for body in bodies if any(len(result.layer_faces_um(body)) for result in results)]
     return [
         *((f"deepest wear, {called(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
+        *((f"layers worn through, {called(body)} [cycle]", _worn_through(body)) for body in layered),
         *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
     ]
 

@@ -10,6 +10,7 @@ from typing import Any, NoReturn, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
+from solvers.surface_layer import SurfaceLayer, bare_depth, work_through
 from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
@@ -92,6 +93,7 @@ EVOLUTION_COLUMNS = (
 #: What columns of a body begin with; between this and the unit stands the body.
 _OF_A_BODY = ("worn_volume_", "max_depth_")
 
+LAYERS_OF_BODIES = "layers"  #: What a result's settings call layers on bodies: lists of thickness and wear factor.
 PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
 
 #: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
@@ -313,6 +315,38 @@ class RunResult:
         """What both bodies have lost, over the measured cycles."""
         driven, other = (self.evolution[f"worn_volume_{body}_mm3"] for body in self.bodies)
         return np.asarray(driven + other)
+
+    def layer_faces_um(self, body: str) -> Array:
+        """Depths of the lower faces of a body's layers, the outermost first."""
+        return 1e3 * work_through(self._layers(body))[0][1:]
+
+    def worn_through(self, body: str) -> tuple[float | None, ...]:
+        """The cycle at which each of a body's layers was first worn through, None of one that was not.
+
+        The body without layers would wear by a power of the cycles: that between the last two measured before, up to
+        the first one after.
+        """
+        layers, cycles = self._layers(body), self.evolution["cycle"]
+        bare = bare_depth(layers, 1e-3 * np.maximum.accumulate(self.evolution[f"max_depth_{body}_um"]))
+        found: list[float | None] = []
+        for through in work_through(layers)[1][1:]:
+            later = int(np.searchsorted(bare, through))
+            if later == len(bare):
+                found.append(None)
+            elif later == 0 or bare[later - 1] <= 0.0:
+                found.append(float(cycles[later] * through / bare[later]))
+            else:
+                # What is worn through wears by other pressures: of the measured cycles, those before tell more.
+                first = later - 2 if later > 1 and 0.0 < bare[later - 2] < bare[later - 1] else later - 1
+                known = np.log(np.array([bare[first : first + 2], cycles[first : first + 2]]))
+                slope = (known[1, 1] - known[1, 0]) / (known[0, 1] - known[0, 0])
+                foreseen = np.exp(known[1, 0] + slope * (np.log(through) - known[0, 0]))
+                found.append(float(min(foreseen, cycles[later])))
+        return tuple(found)
+
+    def _layers(self, body: str) -> list[SurfaceLayer]:
+        stated = self.settings.get(LAYERS_OF_BODIES, {}).get(body, ())
+        return [SurfaceLayer(1e-3 * thickness_um, factor) for thickness_um, factor in stated]
 
     def loop(self, cycle: float) -> Loop:
         """The loop logged nearest to `cycle` (within NEAREST_CYCLE_FACTOR), or ResultError naming the logged ones."""

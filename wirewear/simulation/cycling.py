@@ -243,7 +243,7 @@ class _Run:
             if (
                 self.record.ends
                 or done in self.test.milestones
-                or not self.record.follows(state, done, self.cycler.friction_work_mJ)
+                or not self.record.follows(problem, state, done, self.cycler.friction_work_mJ)
             ):
                 # On the meshes on which the surfaces have worn: they fit each other worse on the next ones.
                 self.cycler.now = done

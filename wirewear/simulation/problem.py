@@ -21,6 +21,7 @@ from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
 from wirewear.study import Study
+from wirewear.study.layers import layers_of
 from wirewear.study.surfaces import StatedSurface
 
 
@@ -204,6 +205,7 @@ def under_conditions(problem: solvers.ContactProblem, study: Study) -> solvers.C
         holder=holder_of(study),
         friction=contact.friction,
         friction_law=contact.friction_law,
+        timing=solvers.DriveTiming(study.conditions.drive, study.conditions.frequency_Hz),
         wear=wear_rates(study),
     )
 
@@ -258,10 +260,14 @@ def wear_rates(study: Study) -> solvers.WearRates:
     """Wear law and coefficients of the held (upper) and driven (lower) body, before any variation."""
     if study.wear is None:
         return solvers.WearRates()
-    wear = study.wear
+    wear, (driven, held) = study.wear, study.bodies
     energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
     # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
     both = 1e-3 * (archard or energy or 0.0)
     return solvers.WearRates(
-        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both, lower_mm3_per_mJ=wear.moving_share * both, law=wear.of_law
+        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
+        lower_mm3_per_mJ=wear.moving_share * both,
+        law=wear.of_law,
+        upper_layers=layers_of(held.layers, study.contact.friction),
+        lower_layers=layers_of(driven.layers, study.contact.friction),
     )

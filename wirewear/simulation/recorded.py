@@ -4,7 +4,7 @@ Loop, scars, a row of the evolution, how well energies and volumes close; whatev
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib.metadata import version
 from math import nan
@@ -14,12 +14,23 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
-from wirewear.results import PLAY_TRAVEL, SPRING_TRAVEL, ContactForces, Evolution, Loop, RunResult, Scar
+from wirewear.results import (
+    LAYERS_OF_BODIES,
+    PLAY_TRAVEL,
+    SPRING_TRAVEL,
+    ContactForces,
+    Evolution,
+    Loop,
+    RunResult,
+    Scar,
+)
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
 from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_amplitude_mm
+from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study
+from wirewear.study.layers import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
 
@@ -121,6 +132,12 @@ def evolution_row(
     }
 
 
+def layer_settings(layers: Mapping[str, Sequence[LayerTable]]) -> dict[str, Any]:
+    """What a result records of layers, the bodies' by name: thickness and wear factor of each."""
+    stated = {body: [[one.thickness_um, one.wear_factor] for one in own] for body, own in layers.items() if own}
+    return {LAYERS_OF_BODIES: stated} if stated else {}
+
+
 def holder_settings(problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
     """What a closed loop shows of the holder's elements; nothing where it has no forces in both directions."""
     try:
@@ -163,6 +180,10 @@ _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Pac
 def _versions() -> Mapping[str, str]:
     """Of the packages; each is read from a file of its own."""
     return {program: version(program) for program in _PROGRAMS}
+
+
+# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is foreseen from near.
+_NEARLY = 0.9
 
 
 class Recorded(ABC):
@@ -228,9 +249,15 @@ class Recorded(ABC):
             self._scars.extend(scars)
             self._forces.extend(self.forces(problem, trace, cycle))
 
-    def follows(self, _state: ContactState, _done: float, _work_mJ: float) -> bool:
-        """Whether the energy since the latest loop has gone as between two loops it is taken to."""
-        return True
+    def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
+        """Whether the energy since the latest loop has gone as between two loops it is taken to, and no layer has come
+        near to being worn through.
+        """
+        return not any(
+            self._rows[-1][f"max_depth_{body}_um"] < nearly <= 1e3 * float(depth.max())
+            for body, depth in zip(self.bodies, worn_depths(problem, state), strict=True)
+            for nearly in _NEARLY * np.cumsum([layer.thickness_um for layer in self._study.layers[body]])
+        )
 
     def logs(self, _cycle: int, _done: float) -> bool:
         """Whether loop and scars of a measured cycle are kept."""
@@ -271,7 +298,7 @@ class Recorded(ABC):
             evolution=Evolution.from_rows(self._rows),
             scars=tuple(self._scars),
             contact_forces=tuple(self._forces),
-            settings=self.settings(history),
+            settings=self.settings(history) | layer_settings(self._study.layers),
             quality=tally.counters.quality(),
             versions=dict(_versions()),
             timings_s={

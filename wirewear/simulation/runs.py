@@ -76,9 +76,11 @@ class PointRecord(Recorded):
         self._holder = holder_settings(problem, trace)
         super().measured(problem, state, trace, done, jump, held)
 
-    def follows(self, state: ContactState, done: float, work_mJ: float) -> bool:
-        """Whether the energy since the latest loop has gone as between two loops it is taken to."""
+    def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
+        """Whether the energy since the latest loop has gone as between two loops it is taken to; see `Recorded`."""
         last = self._rows[-1]
+        if not super().follows(problem, state, done, work_mJ):
+            return False
         if self.schedule.at(last["cycle"]) is not self.schedule.at(done):
             return True  # a loop of another block says nothing of this one's
         since = (last["cycle"], last["dissipated_energy_mJ"], 1e3 * last["accumulated_energy_J"])

@@ -13,6 +13,7 @@ from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.study.faces import Face, half_width_of
+from wirewear.study.layers import LayerTable
 from wirewear.study.surfaces import StatedSurface
 
 _COARSE_PER_DIAMETER = 0.155
@@ -30,7 +31,7 @@ Found = TypeVar("Found")
 class Body(ABC):
     """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards.
 
-    surface: as it was measured before the test, None of one that has its unworn shape.
+    surface: as it was measured before the test, None of one that has its unworn shape.  layers: on it, outermost first.
     """
 
     name: str
@@ -39,6 +40,7 @@ class Body(ABC):
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
     surface: StatedSurface | None = field(default=None, kw_only=True)
+    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)
 
     @property
     def material(self) -> Elastic:

@@ -6,6 +6,7 @@ from typing import Any
 from wirewear.base.errors import StudyError
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Inconsistency
+from wirewear.study.layers import unfit_layers
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.programme import CycleBlock, held_keys, logged_ends, too_many
@@ -75,7 +76,17 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 def inconsistency(tables: ContactTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (lambda own: own.contradiction(), _wear, _holder, _effects, _explicit, _fidelities, _programme, _held)
+    checks = (
+        lambda own: own.contradiction(),
+        _wear,
+        _layers,
+        _holder,
+        _effects,
+        _explicit,
+        _fidelities,
+        _programme,
+        _held,
+    )
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -108,6 +119,12 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
             f'is "{wear.update}", but explicit_jump_cycles belongs to update = "explicit" and must be given with it',
         )
     return None
+
+
+def _layers(tables: ContactTables) -> Inconsistency | None:
+    stated = [layer for body in tables.bodies_of_test() for layer in body.layers]
+    told = unfit_layers(stated, tables.contact.friction)
+    return None if told is None else Inconsistency(("bodies", "layers"), told)
 
 
 def _holder(tables: ContactTables) -> Inconsistency | None:

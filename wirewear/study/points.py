@@ -12,6 +12,7 @@ from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.keys import Inconsistency
+from wirewear.study.layers import LAYERS, LayerTable
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import ContactTables, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
@@ -45,6 +46,7 @@ class GrippedBody(keys.OfMaterial):
         "rigid", description='stiffness per area of what holds back and sides, a number or "rigid"'
     )
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, axis_angle_deg: float = 0.0
@@ -52,7 +54,8 @@ class GrippedBody(keys.OfMaterial):
         """The body of a name, of these curvatures."""
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
         extents = (self.half_width_mm, self.height_mm, size_mm)
-        return BlockBody(name, *held, axis_angle_deg, curvatures, *extents, surface=self.surface)
+        stated = BlockBody(name, *held, axis_angle_deg, curvatures, *extents, surface=self.surface)
+        return replace(stated, layers=self.layers)
 
 
 class _Diameter(keys.Table):
@@ -169,6 +172,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
             held_at=self.held_at,
             bore_mm=self.bore_mm or 0.0,
             surface=self.surface,
+            layers=self.layers,
         )
 
 

@@ -15,6 +15,7 @@ from wirewear.study.bodies import Body
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
+from wirewear.study.layers import LayerTable
 from wirewear.study.programme import Schedule, worked_cycles
 from wirewear.study.tables import (
     Conditions,
@@ -144,6 +145,11 @@ class Study:
         """Those of friction and of wear, if it wears."""
         friction = self.contact.friction_law
         return (friction,) if self.wear is None else (friction, self.wear.of_law)
+
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Coatings and hard skins on both bodies, by their names."""
+        return {body.name: body.layers for body in self.bodies}
 
     @property
     def holder(self) -> HolderTable:

@@ -9,6 +9,7 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
+from wirewear.study.layers import LAYERS, LayerTable
 from wirewear.study.surfaces import StatedSurface
 
 
@@ -47,6 +48,7 @@ class WireOverride(keys.OfMaterial):
         None, description="stiffness of this wire's grip per area"
     )
     surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
 
 
 class Wires(keys.OfMaterial):
