@@ -6,6 +6,7 @@ and the surfaces do may change from cycle to cycle, by a Gaussian process over t
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -78,79 +79,60 @@ SPOTS, SPOT = _KNOWN.numbers("spots"), _KNOWN.number("spot")
 #: A load rattles at such harmonics of the drive, and fades within this share of a cycle.
 RATTLES, RATTLED = _KNOWN.numbers("rattles"), _KNOWN.number("rattled")
 
+_sensor, _holder, _contact, _loading = (
+    partial(Family, seam) for seam in (Seam.SENSOR, Seam.HOLDER, Seam.CONTACT, Seam.LOADING)
+)
+
 #: All of them. What the library holds (a gain, a compliance, an offset of friction) lies in none.
 FAMILIES: tuple[Family, ...] = (
-    Family(
-        Seam.SENSOR,
+    _sensor(
         "distortion of the force channel, odd in Q",
         (force_read(between_ends(3)), force_read(between_ends(5))),
         # A cell that saturates is right at small forces: it reads plateaus lower, stick branches bent, and nothing else
         # of a lower friction. Shapes that leave the plateaus where they are see a small part of that.
         instead=((force_read(cubic),),),
     ),
-    Family(
-        Seam.SENSOR,
-        "distortion of the force channel, even in Q",
-        (force_read(between_ends(2)), force_read(between_ends(4))),
-    ),
-    Family(
-        Seam.SENSOR,
+    _sensor("distortion of the force channel, even in Q", (force_read(between_ends(2)), force_read(between_ends(4)))),
+    _sensor(
         "distortion of the displacement channel, odd in the displacement",
         (displacement_read(between_ends(3)), displacement_read(between_ends(5))),
         allowed=SOLVERS,
     ),
-    Family(
-        Seam.SENSOR,
+    _sensor(
         "distortion of the displacement channel, even in the displacement",
         (displacement_read(between_ends(2)), displacement_read(between_ends(4))),
     ),
-    Family(Seam.SENSOR, "force channel that comes after the force by a play", (force_after_play(),)),
-    Family(
-        Seam.SENSOR,
+    _sensor("force channel that comes after the force by a play", (force_after_play(),)),
+    _sensor(
         "displacement channel that comes after the motion by a play",
         (displacement_after_play(held=True), displacement_after_play(held=False)),
     ),
-    Family(Seam.SENSOR, "gain of the displacement channel that changes over the test", column="gain"),
-    Family(Seam.SENSOR, "zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
-    Family(
-        Seam.HOLDER, "holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=MICRO_SLIP
-    ),
-    Family(Seam.HOLDER, "holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
-    Family(
-        Seam.HOLDER, "holder whose compliance changes over the test", column="compliance_um_per_N", scale="compliance"
-    ),
-    Family(
-        Seam.CONTACT,
+    _sensor("gain of the displacement channel that changes over the test", column="gain"),
+    _sensor("zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
+    _holder("holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=MICRO_SLIP),
+    _holder("holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
+    _holder("holder whose compliance changes over the test", column="compliance_um_per_N", scale="compliance"),
+    _contact(
         "friction that differs along the stroke, alike on both sides of its middle",
         (resisting(in_travel(2)), resisting(in_travel(4))),
         develops=True,
     ),
-    Family(
-        Seam.CONTACT,
+    _contact(
         "friction that differs along the stroke from one side to the other",
         (resisting(on_the_rig(1)), resisting(on_the_rig(3))),
         develops=True,
         allowed=WALLS,
     ),
-    Family(
-        Seam.CONTACT,
-        "friction that passes after each reversal",
-        tuple(map(since, LENGTHS)),
-        develops=True,
-        allowed=SOLVERS,
-    ),
-    Family(Seam.CONTACT, "friction that changes over the test", column="friction"),
-    Family(
-        Seam.LOADING,
+    _contact("friction that passes after each reversal", tuple(map(since, LENGTHS)), develops=True, allowed=SOLVERS),
+    _contact("friction that changes over the test", column="friction"),
+    _loading(
         "load that differs along the stroke, alike on both sides of its middle",
         (loaded(in_travel(2)), loaded(in_travel(4))),
     ),
-    Family(
-        Seam.LOADING,
-        "load that differs along the stroke from one side to the other",
-        (loaded(on_the_rig(1)), loaded(on_the_rig(3))),
+    _loading(
+        "load that differs along the stroke from one side to the other", (loaded(on_the_rig(1)), loaded(on_the_rig(3)))
     ),
-    Family(Seam.LOADING, "load that changes over the test", column="load_N"),
+    _loading("load that changes over the test", column="load_N"),
     Family(
         Seam.SPECIMENS,
         "force that follows the place, as slopes of a surface make it",
@@ -159,37 +141,30 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
-    Family(Seam.SENSOR, "force channel that leaks, as charge does", (leaking(LEAK),), allowed=WALLS, counts=False),
+    _sensor("force channel that leaks, as charge does", (leaking(LEAK),), allowed=WALLS, counts=False),
     Family.one_of(Seam.SENSOR, "force channel that rings", (ringing(at, DAMPING) for at in RINGS), allowed=SOLVERS),
-    Family(
-        Seam.SENSOR,
+    _sensor(
         "displacement channel that gives way late under the force",
         tuple(map(giving_late, LATE)),
         allowed=SOLVERS,
         counts=False,
     ),
-    Family(
-        Seam.SENSOR,
+    _sensor(
         "displacement channel behind the motion, most in mid-stroke",
         (displacement_behind(behind),),
         allowed=SOLVERS,
         counts=False,
     ),
-    Family(
-        Seam.LOADING,
+    _loading(
         "load that swings in time with the drive",
         (loaded(in_travel(2)), loaded(later), loaded(fast)),
         allowed=WALLS,
         counts=False,
     ),
-    Family(
-        Seam.LOADING,
-        "load that is more in one direction of motion than in the other",
-        tuple(map(turning, LENGTHS)),
-        counts=False,
+    _loading(
+        "load that is more in one direction of motion than in the other", tuple(map(turning, LENGTHS)), counts=False
     ),
-    Family(
-        Seam.SENSOR,
+    _sensor(
         "force that the cell bears beside the contact, as a spring or a mass makes it",
         (force_beside(in_travel(1)),),
         allowed=WALLS,
