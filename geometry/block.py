@@ -55,17 +55,14 @@ class BlockGeometry(BodyGeometry):
 
     @property
     def meshed_profile(self) -> Barrel:
-        """Curved along and across."""
         return Barrel(self.curvature_along_per_mm, self.curvature_across_per_mm)
 
     @property
     def half_length_mm(self) -> float:
-        """As wide along."""
         return self.half_width_along_mm
 
     @property
     def least_extent_mm(self) -> float:
-        """Its width, or its height."""
         return min(2.0 * self.half_width_along_mm, 2.0 * self.half_width_across_mm, self.height_mm)
 
     def section(self) -> tuple[Array, IntArray]:

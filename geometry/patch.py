@@ -56,7 +56,6 @@ class ContactPatch:
 
     @property
     def size(self) -> int:
-        """Number of nodes."""
         return len(self.axial_mm) * len(self.transverse_mm)
 
     @property

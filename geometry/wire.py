@@ -63,27 +63,22 @@ class WireGeometry(BodyGeometry):
 
     @property
     def radius_mm(self) -> float:
-        """Radius of the wire."""
         return self.diameter_mm / 2.0
 
     @property
     def profile(self) -> Cylinder:
-        """Round across."""
         return Cylinder(self.radius_mm)
 
     @property
     def round_mm(self) -> float:
-        """Its radius."""
         return self.radius_mm
 
     @property
     def half_length_mm(self) -> float:
-        """Half of its modelled length."""
         return self.length_mm / 2.0
 
     @property
     def least_extent_mm(self) -> float:
-        """Its diameter or wall, or its length."""
         return min(0.5 * (self.diameter_mm - self.bore_mm) if self.bore_mm else self.diameter_mm, self.length_mm)
 
     def section(self) -> tuple[Array, IntArray]:

@@ -178,7 +178,6 @@ class LoadCycle:
 
     @property
     def largest(self) -> float:
-        """The largest load of the cycle."""
         return max((share for _, share in self.points), default=1.0 + abs(self.amplitude))
 
 

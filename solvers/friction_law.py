@@ -79,7 +79,6 @@ class Friction:
 
     @property
     def none(self) -> bool:
-        """Whether the contact is frictionless."""
         return not np.any(self.coefficient)
 
     def among(self, chosen: slice) -> "Friction":

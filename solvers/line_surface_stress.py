@@ -44,7 +44,6 @@ class LineSurfaceStress:
 
     @property
     def spacing_mm(self) -> float:
-        """Size of these elements."""
         return float(np.diff(self.patch.axial_mm[self.window]).mean())
 
     @cached_property
@@ -90,7 +89,6 @@ class LoadedLine:
 
     @cached_property
     def between(self) -> SubgridTraction:
-        """The tractions between these nodes."""
         return SubgridTraction.of_nodes(self.traction[:, None])
 
     def edge(self) -> Array:

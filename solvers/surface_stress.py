@@ -115,7 +115,6 @@ class LoadedSurface:
 
     @cached_property
     def between(self) -> SubgridTraction:
-        """The tractions between these nodes."""
         return SubgridTraction.of_nodes(self.traction)
 
     def edge(self) -> Array:

@@ -116,7 +116,6 @@ class WearRates:
 
     @property
     def none(self) -> bool:
-        """Whether nothing wears."""
         return self.upper_mm3_per_mJ == 0.0 and self.lower_mm3_per_mJ == 0.0
 
     def recession(self, wear: WearState, work: tuple[Array, Array], primary_is_upper: bool) -> Recession:

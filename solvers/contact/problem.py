@@ -82,7 +82,6 @@ class ContactProblem:
 
     @property
     def secondary(self) -> PlacedBody:
-        """The other body."""
         return self.lower if self.primary_is_upper else self.upper
 
     @cached_property

@@ -88,7 +88,6 @@ class ContactConditions:
 
     @cached_property
     def count(self) -> int:
-        """Number k of nodes."""
         return len(self.system.pairing.nodes)
 
     @cached_property

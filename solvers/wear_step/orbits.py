@@ -45,7 +45,6 @@ class Position:
 
     @property
     def nodes(self) -> IntArray:
-        """The (k,) nodes of the primary."""
         return self.pairing.nodes
 
     @property

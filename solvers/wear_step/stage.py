@@ -59,7 +59,6 @@ class StageSolution:
 
     @property
     def works(self) -> tuple[Array, Array]:
-        """Friction work and wear work."""
         return self.friction_work, self.wear_work
 
 

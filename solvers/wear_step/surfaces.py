@@ -104,7 +104,6 @@ class Cycle:
 
     @cached_property
     def nodes(self) -> CycleNodes:
-        """The nodes of all positions."""
         return CycleNodes.of(self.positions, self.orbits.rows)
 
     @cached_property

@@ -94,7 +94,6 @@ class LocalProcesses(Engine):
 
     @property
     def workers(self) -> int:
-        """The number of processes."""
         return self._jobs
 
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
@@ -184,7 +183,6 @@ class DaskCluster(Engine):
 
     @property
     def workers(self) -> int:
-        """The number of workers there are now."""
         with self._client() as client:
             return len(_workers(client))
 

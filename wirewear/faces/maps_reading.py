@@ -93,7 +93,6 @@ class MappedTest:
 
     @property
     def repeats(self) -> int:
-        """Tests whose wear is known."""
         return len(self.worn)
 
     @property

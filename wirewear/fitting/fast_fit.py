@@ -190,17 +190,14 @@ class FastFit:
 
     @property
     def runs_in(self) -> bool:
-        """Whether friction changes."""
         return self.coordinates.size > 2
 
     @property
     def friction(self) -> Course:
-        """Friction over the cycles."""
         return _friction(self.coordinates)
 
     @property
     def compliance_um_per_N(self) -> float:
-        """Compliance of the holder."""
         return float(self.coordinates[-1])
 
 

@@ -33,12 +33,10 @@ class WornBody:
 
     @property
     def mesh(self) -> HexMesh:
-        """Its hexahedra."""
         return self.wire.mesh
 
     @property
     def patch(self) -> ContactPatch:
-        """Its contact patch."""
         return self.wire.patch
 
     @cached_property

@@ -120,7 +120,6 @@ class InnerState(Generic[B]):
 
     @property
     def name(self) -> str:
-        """Which body it is."""
         return self.forces.body
 
     @property

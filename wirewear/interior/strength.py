@@ -122,7 +122,6 @@ class Strength:
 
     @property
     def body(self) -> str:
-        """What it is called."""
         return called(self.wire)
 
     @property

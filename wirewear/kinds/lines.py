@@ -35,7 +35,6 @@ class LineContacts:
 
     @property
     def template(self) -> Template:
-        """A cylinder on a flat."""
         from wirewear.planar.tables import LINE_CONTACT
 
         return LINE_CONTACT
@@ -74,7 +73,6 @@ class LineContacts:
 
     @property
     def refined(self) -> Any:
-        """Meshes, positions, and jumps where it wears."""
         from wirewear.planar.run import LINES
 
         return LINES

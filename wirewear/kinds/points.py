@@ -61,7 +61,6 @@ class AtAPoint:
 
     @property
     def refined(self) -> Any:
-        """Meshes, positions and jumps."""
         from wirewear.simulation import point_contact
 
         return point_contact(self.bodies)
@@ -155,7 +154,6 @@ class AnyBodies(AtAPoint):
 
     @property
     def template(self) -> Template:
-        """Crossed cylinders."""
         from wirewear.study.points import ANY_BODIES
 
         return ANY_BODIES
@@ -178,7 +176,6 @@ class BallOnFlat(AnyBodies):
 
     @property
     def template(self) -> Template:
-        """Steel on steel."""
         from wirewear.study.points import BALL
 
         return BALL

@@ -24,7 +24,6 @@ class CrossedWires(AtAPoint):
 
     @property
     def template(self) -> Template:
-        """The article's test."""
         from wirewear.study.template import CROSSED_WIRES
 
         return CROSSED_WIRES

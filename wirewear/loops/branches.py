@@ -173,7 +173,7 @@ class MicroSlip:
     shape: int
 
     @property
-    def share(self) -> float:  # noqa: D102 - see above
+    def share(self) -> float:
         return float(SHARES[self.shape])
 
     @property

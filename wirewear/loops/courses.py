@@ -212,7 +212,6 @@ class Courses:
 
     @property
     def both(self) -> tuple[Course, Course]:
-        """Forward and backward."""
         return self.forward, self.backward
 
     @property

@@ -193,17 +193,14 @@ class PlanarBody:
 
     @property
     def mesh(self) -> QuadMesh:
-        """Its quadrilaterals."""
         return self.meshed.mesh
 
     @property
     def patch(self) -> ContactPatch:
-        """Its contact patch."""
         return self.meshed.patch
 
     @cached_property
     def surface(self) -> LineSurfaceStress:
-        """Its contact surface, for corrections of the stresses at it."""
         return LineSurfaceStress.of(self.meshed, self.material)
 
 

@@ -109,12 +109,10 @@ class PlanarRun:
 
     @property
     def label(self) -> str:
-        """What the run is called beside others of its study."""
         return self.study.variant_name or self.study.name
 
     @property
     def identity(self) -> Identity:
-        """Equal for runs that give the same result."""
         study = self.study
         asked = {
             "study": study.model_dump(mode="json", exclude_none=True),
@@ -126,7 +124,6 @@ class PlanarRun:
 
     @property
     def test(self) -> FrettingTest:
-        """The test as the run goes through it."""
         study, n = self.study, self.planned.increments_per_cycle
 
         def motion(own: PlanarStudy) -> Motion:

@@ -126,7 +126,6 @@ class PlanarConditions(HeldByDrive):
 
     @property
     def drive(self) -> Drive:
-        """Displacement and load in the course of a cycle."""
         return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
@@ -217,12 +216,10 @@ class PlanarStudy(keys.NamedTable):
 
     @property
     def variant_name(self) -> str:
-        """Which variant of a study this is; empty for a study as a whole."""
         return self._variant_name
 
     @property
     def variant_names(self) -> tuple[str, ...]:
-        """Names of the variants in the file's order; empty for a study without."""
         return tuple(name for name, _ in self._variants)
 
     def variant(self, name: str) -> "PlanarStudy":
@@ -245,7 +242,6 @@ class PlanarStudy(keys.NamedTable):
 
     @property
     def schedule(self) -> Schedule["PlanarStudy"]:
-        """The blocks of cycles that the test goes through, each with the study of its conditions."""
         alone = self.model_copy(update={"programme": ()})
 
         def under(values: Mapping[str, Any]) -> PlanarStudy:

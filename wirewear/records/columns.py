@@ -48,7 +48,6 @@ class ColumnTable:
 
     @property
     def rows(self) -> int:
-        """Number of rows."""
         return len(next(iter(self.columns.values())))
 
     def line(self, row: int) -> int:

@@ -154,7 +154,6 @@ class LineTest(OfRecord):
 
     @property
     def length_mm(self) -> float:
-        """Length of the contact."""
         return self.contact.length_mm
 
     @property
@@ -196,7 +195,6 @@ class LineTest(OfRecord):
 
     @property
     def of_study(self) -> dict[str, float | None]:
-        """Load, amplitude and the pad's face."""
         return {
             "normal_load_N_per_mm": self.conditions.normal_load_N / self.length_mm,
             "displacement_amplitude_um": self.conditions.displacement_amplitude_um,
@@ -265,7 +263,6 @@ class LineTest(OfRecord):
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """What [stated] lacks for a simulation."""
         worn = any(getattr(self.stated, key) is not None for key in LineStatedWear.model_fields)
         needs = {"friction": self.stated.final_friction is not None, "a wear coefficient of pad or specimen": worn}
         return tuple(key for key, given in needs.items() if not given)
@@ -308,7 +305,6 @@ class BodiesTest(PointTest, Generic[Bodies]):
 
     @property
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """As their study has them."""
         return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:

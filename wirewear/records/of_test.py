@@ -36,7 +36,6 @@ class OfTest(Table):
 
     @property
     def length_mm(self) -> float | None:
-        """Length of the contact, where it has one."""
         return None
 
     @property

@@ -119,7 +119,6 @@ class MeasuredScar:
 
     @property
     def sizes(self) -> str:
-        """Its figures for a sentence."""
         return f"{np.nanmax(self.depth_um, initial=0.0):.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
     def volume_of(self, _length_mm: float | None) -> float:
@@ -224,12 +223,10 @@ class MeasuredProfile:
 
     @property
     def spans_um(self) -> dict[str, float]:
-        """Lengths of what is worn."""
         return {"width": self.width_um}
 
     @property
     def points(self) -> dict[str, Array]:
-        """Its columns (n,) in a file."""
         return {"x_um": self.x_um, "depth_um": self.depth_um}
 
     def bridged(self) -> "tuple[MeasuredProfile, str]":
@@ -238,7 +235,6 @@ class MeasuredProfile:
 
     @property
     def sizes(self) -> str:
-        """Its figures for a sentence."""
         return f"{self.smooth_um.max():.3g} µm deep, {self.width_um:.4g} µm wide, {self.area_um2:.4g} µm²"
 
     @property

@@ -299,7 +299,6 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def of_study(self) -> dict[str, float | None]:
-        """Load and amplitude."""
         asked = self.conditions
         return {"normal_load_N": asked.normal_load_N, "displacement_amplitude_um": asked.displacement_amplitude_um}
 
@@ -315,7 +314,6 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def missing(self) -> tuple[str, ...]:
-        """Keys of [stated] without which there is no simulation."""
         needs = {
             "friction": self.stated.final_friction,
             "energy_wear_coefficient_mm3_per_J": self.stated.energy_wear_coefficient_mm3_per_J,

@@ -165,12 +165,10 @@ class ExperimentRecord(Generic[Tables, Surface]):
 
     @property
     def contact_kind(self) -> str:
-        """Name of the kind of contact."""
         return self.tables.contact_kind
 
     @property
     def name(self) -> str:
-        """Title of the experiment."""
         return self.tables.name
 
     @property
@@ -181,7 +179,6 @@ class ExperimentRecord(Generic[Tables, Surface]):
 
     @property
     def cycles(self) -> tuple[int, ...]:
-        """Cycles of which at least one repeat has a loop, increasing."""
         return tuple(sorted({loop.cycle for loop in self.loops}))
 
     def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:

@@ -132,7 +132,6 @@ class LimitingShape:
 
     @cached_property
     def volume_mm3(self) -> float:
-        """Worn volume."""
         from scipy.integrate import quad
 
         value, _ = quad(

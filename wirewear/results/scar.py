@@ -211,7 +211,6 @@ class Scar:
 
     @property
     def max_depth_um(self) -> float:
-        """Largest worn depth on the grid [µm]."""
         return float(self.depth_um.max())
 
     @property

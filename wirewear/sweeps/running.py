@@ -47,7 +47,6 @@ class Forecast:
 
     @property
     def sentence(self) -> str:
-        """For people."""
         workers = "one worker" if self.workers == 1 else f"{self.workers} workers"
         return (
             f"{counted(self.runs)} runs on {workers} take about {time_text(self.wall_s)} "

@@ -80,7 +80,6 @@ class Signature:
 
     @cached_property
     def cycles(self) -> tuple[int, ...]:
-        """The cycles of these loops."""
         return tuple(nominal.cycle for nominal, _ in self.loops)
 
     @cached_property

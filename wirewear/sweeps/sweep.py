@@ -61,7 +61,6 @@ class Design:
 
     @property
     def keys(self) -> tuple[str, ...]:
-        """The varied keys, in the points' order."""
         return tuple(factor.key for factor in self.factors)
 
     @cached_property
@@ -191,7 +190,6 @@ class SweepRow:
 
     @property
     def failed(self) -> bool:
-        """Whether it left no figures."""
         return self.figures is None
 
     def to_json(self) -> dict[str, Any]:

@@ -156,7 +156,6 @@ class ScarPair:
 
     @property
     def name(self) -> str:
-        """What the body is called."""
         return called(self.wire)
 
     @property

@@ -87,7 +87,6 @@ class Fit:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the effects; empty for none."""
         return tuple(candidate.name for candidate in self.candidates)
 
     @property

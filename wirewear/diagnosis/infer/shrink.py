@@ -275,7 +275,6 @@ class _LeftOut:
 
     @property
     def floor(self) -> float:
-        """That of a perfect model."""
         return self.scores.size(self.squares["floor"])
 
     def refit(self, one: Fit) -> Fit:

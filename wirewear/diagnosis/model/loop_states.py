@@ -250,7 +250,6 @@ class FastMotion:
 
     @cached_property
     def half_range(self) -> float:
-        """Half of its stroke."""
         return 0.5 * float(np.ptp(self._even))
 
     @property

@@ -124,7 +124,6 @@ class ReducedLoop:
 
     @property
     def energy_mJ(self) -> float:
-        """Area of the loop."""
         x = np.concatenate([branch.sign * branch.displacement_um for branch in self.branches])
         q = np.concatenate([branch.sign * branch.force_N for branch in self.branches])
         return 1e-3 * abs(enclosed_area(x, q))

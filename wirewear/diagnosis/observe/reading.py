@@ -45,12 +45,10 @@ class Reading:
 
     @property
     def repeats(self) -> tuple[int, ...]:
-        """Those that have loops or profiles."""
         return tuple(sorted({one.repeat for part in (self.loops, self.profiles) for one in part}))
 
     @property
     def cycles(self) -> list[int]:
-        """Cycles that have loops."""
         return sorted({loop.cycle for loop in self.loops})
 
     @cached_property

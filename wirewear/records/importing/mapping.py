@@ -250,7 +250,6 @@ class PointMapping(PointTest):
 
     @property
     def surfaces(self) -> Scars:
-        """Where the worn surfaces are."""
         return self.scars
 
     def require_whole(self, where: str) -> None:
@@ -344,7 +343,6 @@ class LineMapping(LineTest):
 
     @property
     def surfaces(self) -> Profiles:
-        """Where the worn surfaces are."""
         return self.profiles
 
     def asked(self, path: Path) -> LineConditions:
