@@ -78,7 +78,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     from rich.console import Console
 
     from wirewear.records import check_record, read_record
-    from wirewear.records.printing import report_text
+    from wirewear.records.checking import report_text
 
     with busy("reading and checking the record"):
         report = check_record(read_record(record_path))

@@ -1,15 +1,18 @@
-"""What is wrong with a record, and what it can and cannot support, in plain words."""
+"""What is wrong with a record, and what it can and cannot support, in plain words and on a terminal."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from rich.console import Group
+from rich.padding import Padding
+from rich.text import Text
 
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import course_checks, exchanges, loop_checks
-from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, loop_statistics, plural
+from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, listed, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.values import AnyRecord, MeasuredLoop
@@ -233,3 +236,31 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     exchanges.copied_loops,
     exchanges.copied_evolution,
 )
+
+
+def report_text(report: RecordReport) -> Group:
+    """The report, to be printed with rich."""
+    lines: list[Text | Padding] = [
+        Text(report.name, style="bold"),
+        Text(
+            f"{plural(len(report.repeats), 'repeat')}, {plural(report.loops, 'loop')} of "
+            f"{plural(report.samples, 'sample')} in all, cycles {listed(report.cycles)}"
+        ),
+    ]
+    if report.metadata:
+        lines += _list("Of the test", report.metadata, "default")
+    for level, heading, colour in (("problem", "Problems", "red"), ("note", "To be known", "yellow")):
+        own = [remark for remark in report.remarks if remark.level == level]
+        if own:
+            lines += _list(heading, [f"{remark.topic}: {remark.text}" for remark in own], colour)
+    if not report.remarks:
+        lines.append(Text("Nothing odd was found.", style="green"))
+    lines += _list("The record supports", report.supports, "green")
+    if report.cannot:
+        lines += _list("It cannot support", report.cannot, "yellow")
+    return Group(*lines)
+
+
+def _list(heading: str, sentences: tuple[str, ...] | list[str], colour: str) -> list[Text | Padding]:
+    items = [Padding(Text(f"– {sentence}"), (0, 0, 0, 2)) for sentence in sentences]
+    return [Text(heading, style=colour), *items]
