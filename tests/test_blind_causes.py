@@ -42,6 +42,7 @@ QUIET = SpecimenDraw()
 def test_there_are_sixteen_kinds_and_more_in_two_halves() -> None:
     assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
     assert not set(DEVELOPMENT) & set(SEALED)
+    assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
     assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
     assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD) | set(RESERVED)
     assert set(OUTSIDE_SEAMS) >= set(OUTSIDE)

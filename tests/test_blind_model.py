@@ -8,16 +8,12 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.foundation import Grid, Shapes
 from studies.blind.generators.independent.friction import LAWS
 from studies.blind.generators.independent.loop import TrueLoop, chebyshev_step, stages_needed
-from studies.blind.generators.independent.reserved import RESERVED
 from studies.blind.generators.independent.sensing import Reading, read
-from studies.blind.generators.independent.unknown_causes import DEVELOPMENT, FIRST, OUTSIDE, SEALED, UNSEEN
 from studies.blind.generators.independent.wear_test import Snapshot, snapshots
-from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.independent.worlds import believed_world
 from studies.blind.generators.nominal import Nominal
@@ -267,15 +263,6 @@ def loop_of(effect: str = "", **parameters: float) -> Reading:
 def area_mJ(reading: Reading) -> float:
     x, q = reading.displacement_mm, reading.tangential_force_N
     return abs(float(np.sum(0.5 * (q + np.roll(q, -1)) * (np.roll(x, -1) - x))))
-
-
-def test_there_are_sixteen_kinds_and_more_in_two_halves_over_all_seams() -> None:
-    assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
-    assert set(DEVELOPMENT) & set(SEALED) == set()
-    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD) | set(RESERVED)
-    assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
-    assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
-    assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)
 
 
 def test_an_asymmetric_cell_stretches_one_sign_of_the_force() -> None:

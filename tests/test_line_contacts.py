@@ -1,13 +1,21 @@
 """Line contacts of any even pad on any rig: worn on both springs, their zero-wear limit, variants, sensors."""
 
 from copy import deepcopy
+from dataclasses import replace
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
+import geometry
+import solvers
 from geometry import Cylinder, RoundedFlat, TabledProfile
+from solvers.pairing import pair, primary_surface
+from solvers.strain import stiffness_matrix
 from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
@@ -18,6 +26,15 @@ from wirewear.planar.run import LINES
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
 from wirewear.simulation.convergence import converge, convergence_table
+from wirewear.verification.line_contact import (
+    FRICTION,
+    MATERIAL,
+    LOAD_N_per_mm,
+    RADIUS_mm,
+    cylinder_on_flat,
+    half_width,
+    tangential_force,
+)
 
 FLAT = {
     "face_half_width_mm": 0.6,
@@ -159,3 +176,194 @@ def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:
     at_edge = np.diff(lines)[lines[:-1] > 0.55].max()
     assert np.diff(lines).max() > 1.5 * at_edge
     assert lines[-1] > 0.6 + 1.0 * 0.012 / 8.0
+
+
+E, NU = 200_000.0, 0.3
+STEEL = geometry.Elastic(E, NU)
+HERTZ = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+
+ALONG = geometry.GradedAxis(0.02, 0.1, 0.08, 0.4)
+PROFILES: dict[str, geometry.Profile] = {
+    "cylinder": geometry.Cylinder(6.0, curved_along=True),
+    "flat": geometry.Flat(),
+    "rounded": geometry.RoundedFlat(0.3, 2.0),
+}
+
+
+def block(fine_mm: float, half_mm: float = 0.5, height_mm: float = 1.0, *, upper: bool = False) -> solvers.PlacedBody:
+    along = geometry.GradedAxis(fine_mm, 0.5 * half_mm, fine_mm, 0.98 * half_mm)
+    meshed = geometry.build_planar(geometry.PlanarGeometry(geometry.Flat(), half_mm, height_mm, along, far_mm=0.2))
+    return solvers.place(solvers.condense(meshed.mesh, meshed.patch, STEEL), upper=upper, axis_angle_rad=0.0)
+
+
+@cache
+def line_contact() -> tuple[solvers.ContactProblem, solvers.ContactState]:
+    problem = cylinder_on_flat(HERTZ.half_width_mm / 10.0)
+    return problem, solvers.press(problem, solvers.unloaded_state(problem))[0]
+
+
+def test_uniform_strain_is_reproduced_in_plane_and_out_of_it() -> None:
+    mesh = geometry.build_planar(
+        geometry.PlanarGeometry(
+            geometry.Cylinder(6.0, curved_along=True), 1.0, 1.0, geometry.GradedAxis(0.1, 0.2, 0.1, 0.5), far_mm=0.2
+        )
+    ).mesh
+    stiffness = stiffness_matrix(mesh, STEEL)
+    x, z = mesh.points.T
+    strain = np.array([[3e-4, 2e-4, 0.0], [0.0, 5e-4, 0.0], [1e-4, -4e-4, 0.0]])
+    displacement = np.column_stack([a * x + b * z for a, b, _ in strain])
+    force = (stiffness @ displacement.ravel()).reshape(-1, 3)
+    edges = np.concatenate([mesh.surfaces["contact"], mesh.surfaces["grip"], mesh.surfaces["sides"]])
+    inner = np.setdiff1d(np.arange(len(x)), [*edges.ravel(), *np.flatnonzero(np.abs(x) > 0.49)])
+    assert np.abs(force[inner]).max() < 1e-10 * np.abs(force).max()
+    # The energy of a state of uniform stress is its density times the area; plane strain means eps_yy = 0.
+    (exx, exz), (uyx, uyz), (ezx, ezz) = strain[:, :2]
+    shear, lame = E / (2.0 * (1.0 + NU)), E * NU / ((1.0 + NU) * (1.0 - 2.0 * NU))
+    density = 0.5 * lame * (exx + ezz) ** 2 + shear * (exx**2 + ezz**2 + 0.5 * ((exz + ezx) ** 2 + uyx**2 + uyz**2))
+    assert 0.5 * displacement.ravel() @ force.ravel() == pytest.approx(density * mesh.area_mm2(), rel=1e-10)
+
+
+@pytest.mark.parametrize("primary_is_upper", [True, False])
+def test_uniform_pressure_crosses_planar_meshes_that_do_not_match(primary_is_upper: bool) -> None:
+    upper, lower = block(0.05, upper=True), block(0.07)
+    primary, secondary = (upper, lower) if primary_is_upper else (lower, upper)
+    nodes = np.flatnonzero(np.abs(primary.patch.axial_mm) < 0.42)
+    fresh = [np.zeros(b.patch.shape) for b in (primary, secondary)]
+    pairing = pair(primary_surface(primary), secondary, nodes, np.array([0.003, 0.0]), fresh[0], fresh[1])
+    force = pairing.secondary.T @ np.ones(len(nodes))
+    assert force.sum() == pytest.approx(pairing.areas.sum(), rel=1e-12)
+    whole = np.abs(secondary.patch.axial_mm) < 0.35
+    assert force[whole] == pytest.approx(secondary.patch.node_areas()[whole], rel=0.1)
+
+
+def test_a_cylinder_on_a_flat_is_hertzs_line_contact() -> None:
+    problem, pressed = line_contact()
+    assert pressed.primary_force[:, 2].sum() == pytest.approx(LOAD_N_per_mm, rel=1e-9)
+    assert pressed.traction[:, 2].max() == pytest.approx(HERTZ.peak_pressure_MPa, rel=0.01)
+    assert half_width(problem, pressed.traction[:, 2]) == pytest.approx(HERTZ.half_width_mm, rel=0.01)
+
+
+def test_mirrored_planar_motion_gives_exactly_the_mirrored_forces() -> None:
+    problem, pressed = line_contact()
+    one, other = pressed, pressed
+    for drive in (0.0006, 0.0012, 0.0030, 0.0050, 0.0044, 0.0030):
+        one, other = solvers.advance(problem, one, drive, 0.0)[0], solvers.advance(problem, other, -drive, 0.0)[0]
+        assert tangential_force(other) == pytest.approx(-tangential_force(one), rel=1e-9)
+        mirrored = other.traction[::-1] * [-1.0, 1.0, 1.0]
+        assert mirrored == pytest.approx(one.traction, abs=1e-6 * HERTZ.peak_pressure_MPa)
+    assert not one.traction[:, 1].any()
+
+
+def test_a_contact_in_partial_slip_repeats_itself_from_the_second_cycle_on() -> None:
+    problem, state = line_contact()
+    stroke = 0.0012 * np.cos(2.0 * np.pi * np.arange(-4, 1) / 16)
+    cycle = 0.0012 * np.cos(2.0 * np.pi * np.arange(1, 17) / 16)
+    ends = []
+    for drive in (*stroke, *cycle, *cycle, *cycle):
+        state = solvers.advance(problem, state, float(drive), 0.0)[0]
+        if drive == cycle[-1]:
+            ends.append(state)
+    assert abs(tangential_force(state)) < 0.9 * FRICTION * LOAD_N_per_mm
+    creep = ends[-1].traction - ends[-2].traction
+    assert np.abs(creep).max() < 1e-4 * FRICTION * HERTZ.peak_pressure_MPa
+
+
+def test_a_planar_contact_wears_alpha_times_energy_on_each_body() -> None:
+    problem, state = line_contact()
+    worn = replace(problem, wear=solvers.WearRates(3e-8, 1e-8), holder=solvers.Holder(LOAD_N_per_mm, 1.0 / 5e4))
+    for drive in (0.01, 0.02, 0.01, -0.01, -0.02):
+        state, _ = solvers.advance(worn, state, drive, 2000.0)
+    energy = state.wear.energy_mJ
+    assert energy > 0.0
+    upper = worn.upper.patch.node_areas() @ state.wear.primary_depth.ravel()
+    lower = worn.lower.patch.node_areas() @ state.wear.secondary_depth.ravel()
+    assert upper == pytest.approx(3e-8 * energy, rel=1e-9)
+    assert lower == pytest.approx(1e-8 * energy, rel=1e-9)
+
+
+def body(profile: geometry.Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> geometry.PlanarMesh:
+    return geometry.build_planar(geometry.PlanarGeometry(profile, half_width_mm, height_mm, ALONG, far_mm=0.3))
+
+
+def line(x: list[float], profile: geometry.Profile | None = None) -> geometry.ContactPatch:
+    return geometry.ContactPatch(np.array(x), np.zeros(1), np.arange(len(x))[:, None], profile or geometry.Flat())
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_a_planar_body_is_meshed_with_valid_quads_between_its_face_and_its_back(name: str) -> None:
+    meshed = body(PROFILES[name])
+    mesh, patch = meshed.mesh, meshed.patch
+    assert meshed.quality == mesh.scaled_jacobians().min() > 0.3
+    contact = mesh.points[patch.nodes[:, 0]]
+    assert contact[:, 0] == pytest.approx(patch.axial_mm, abs=1e-14)
+    assert contact[:, 1] == pytest.approx(patch.height(patch.grid()), abs=1e-14)
+    assert np.array_equal(mesh.surface_nodes("contact"), np.sort(patch.nodes[:, 0]))
+    assert mesh.points[mesh.surface_nodes("grip"), 1] == pytest.approx(-2.0)
+    assert np.abs(mesh.points[mesh.surface_nodes("sides"), 0]) == pytest.approx(1.5)
+    x = np.linspace(-1.5, 1.5, 20_001)
+    below = np.trapezoid(PROFILES[name].height(np.column_stack([x, 0.0 * x])), x)
+    assert mesh.area_mm2() == pytest.approx(6.0 + below, rel=2e-3)
+
+
+@pytest.mark.parametrize("name", PROFILES)
+def test_the_slope_of_a_profile_is_the_derivative_of_its_height(name: str) -> None:
+    profile = PROFILES[name]
+    points = np.column_stack([np.linspace(-1.4, 1.4, 41), np.full(41, 0.1)])
+    for axis in range(2):
+        nudge = 1e-6 * np.eye(2)[axis]
+        rise = profile.height(points + nudge) - profile.height(points - nudge)
+        assert profile.slope(points)[:, axis] == pytest.approx(rise / 2e-6, abs=1e-6)
+
+
+@given(st.lists(st.floats(-1.0, 1.0), min_size=1, max_size=9), st.floats(-3.0, 3.0), st.floats(-3.0, 3.0))
+def test_a_line_patch_reproduces_linear_fields_and_their_gradient(x: list[float], value: float, slope: float) -> None:
+    patch = line([-1.0, -0.4, 0.0, 0.3, 1.0])
+    field = value + slope * patch.axial_mm[:, None]
+    points = np.column_stack([x, np.linspace(-5.0, 5.0, len(x))])
+    nodes, weights, inside = patch.locate(points)
+    assert inside.all()
+    assert (field.ravel()[nodes] * weights).sum(axis=1) == pytest.approx(value + slope * points[:, 0], abs=1e-12)
+    assert patch.gradient(field) == pytest.approx(np.tile([slope, 0.0], (5, 1)), abs=1e-12)
+
+
+def test_a_line_patch_stands_for_a_strip_of_unit_thickness() -> None:
+    patch = line([-1.0, -0.4, 0.0, 0.3, 1.0])
+    points, areas = patch.quadrature(3)
+    assert patch.node_areas().sum() == pytest.approx(2.0)
+    assert areas.sum() == pytest.approx(2.0)
+    assert areas @ points[:, 0] ** 4 == pytest.approx(2.0 / 5.0)
+    assert not points[:, 1].any()
+    assert patch.edge_nodes().tolist() == [True, False, False, False, True]
+    assert patch.smallest_element == pytest.approx(0.3)
+    _, weights, inside = patch.locate(np.array([[1.1, 0.0], [-1.2, 0.0]]))
+    assert not inside.any()
+    assert not weights.any()
+
+
+def test_worn_nodes_stand_in_the_worn_surface_and_the_body_loses_what_is_worn() -> None:
+    fresh = body(PROFILES["cylinder"])
+    x = fresh.patch.axial_mm
+    depth = 0.01 * np.maximum(1.0 - (x / 0.2) ** 2, 0.0)
+    worn = fresh.worn(depth)
+    nodes = worn.patch.nodes[:, 0]
+    np.testing.assert_allclose(worn.mesh.points[nodes, 1], fresh.mesh.points[nodes, 1] - depth, atol=1e-15)
+    np.testing.assert_allclose(worn.patch.height(worn.patch.grid()), worn.mesh.points[nodes, 1], atol=1e-12)
+    assert fresh.mesh.area_mm2() - worn.mesh.area_mm2() == pytest.approx(np.trapezoid(depth, x), rel=1e-9)
+    back = fresh.mesh.surface_nodes("grip")
+    np.testing.assert_array_equal(worn.mesh.points[back], fresh.mesh.points[back])
+    assert worn.quality >= 0.2
+
+
+def test_a_grip_holds_the_stated_part_of_the_back_and_gives_way_as_stated() -> None:
+    whole = body(PROFILES["flat"])
+    assert whole.bedding is None
+    narrow = geometry.build_planar(replace(whole.geometry, grip_half_width_mm=0.5, grip_stiffness_N_per_mm3=1e4))
+    assert np.abs(narrow.mesh.points[narrow.mesh.surface_nodes("grip"), 0]).max() < 0.7
+    assert narrow.bedding is not None
+    assert narrow.bedding.sum() == pytest.approx(1e4 * narrow.mesh.surface_lengths("grip").sum())
+    assert narrow.mesh.surface_lengths("grip").sum() == pytest.approx(1.0, abs=0.31)
+    assert whole.mesh.surface_lengths("grip").sum() == pytest.approx(3.0)
+    with pytest.raises(geometry.GeometryError, match="half-width must be positive"):
+        replace(whole.geometry, grip_half_width_mm=0.0)
+    with pytest.raises(geometry.GeometryError, match="stiffness must be positive"):
+        replace(whole.geometry, grip_stiffness_N_per_mm3=0.0)
