@@ -94,7 +94,7 @@ def test_a_contact_opens_where_nothing_presses_and_bears_the_load_of_every_momen
     problem, drive = crossed_wires(0.01, long_patch=True, rig_N_per_mm=167.0), solvers.Drive(STROKE_mm, load=load)
     trace = loop(problem, drive)
     share = load.shares(trace.time)
-    apart = share == 0.0
+    apart = share < 0.01
     assert 0.2 < apart.mean() < 0.4
     np.testing.assert_allclose(trace.normal_force[~apart], LOAD_N * share[~apart], rtol=1e-9)
     for name in ("tangential_force", "normal_force", "holder_x"):
