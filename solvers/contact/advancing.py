@@ -217,7 +217,7 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
 _MOST_CUTS = 8
 
 _BARELY = 0.01  # Of a held approach.
-_NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is no larger than an element.
+_NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:
