@@ -1,6 +1,7 @@
 """A test by blocks of cycles: what a study states of them, and what a run makes of it."""
 
 from copy import deepcopy
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,7 +9,12 @@ import pytest
 from tests.studies import COARSE, WEARING, coarse
 from tests.test_planar_study import TABLES
 from wirewear import StudyError
+from wirewear.base.errors import RecordError
+from wirewear.diagnosis.diagnose import require_foreseen
 from wirewear.planar import planar_study_from_tables, run_planar_study
+from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
+from wirewear.records.course_checks import accumulated_energy_J
+from wirewear.records.values import believed_study
 from wirewear.simulation.runs import simulate
 
 LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
@@ -99,3 +105,55 @@ def test_a_programme_that_cannot_be_is_told_with_its_block(programme: str, told:
 def test_a_programme_of_more_blocks_than_a_run_goes_through_is_refused() -> None:
     with pytest.raises(StudyError, match=r"programme .*comes to 100.000 blocks"):
         coarse(LONG.replace("cycles = 400", "cycles = 100000") + block(1) + block(1, "contact.friction = 0.3"))
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> ExperimentRecord:
+    """A test by blocks as its logger leaves it, read back from its files."""
+    result = simulate(coarse(LONG + SHORTER + block(60, "contact.friction = 0.5")), fidelity="quick")
+    folder = tmp_path_factory.mktemp("record")
+    write_record(folder, record_of_result(result, repeats=2))
+    return read_record(folder)
+
+
+def test_a_record_states_the_programme_that_its_simulation_had(measured: ExperimentRecord) -> None:
+    believed = believed_study(measured.tables)
+    assert [(own.end, own.block) for own in believed.schedule.stretches] == [
+        (100, 1), (150, 2), (210, 3), (310, 1), (360, 2), (400, 3),
+    ]  # fmt: skip
+    assert [own.study.contact.friction for own in believed.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
+    assert [own.study.conditions.normal_load_N for own in believed.schedule.stretches[:3]] == [2.0, 1.5, 2.0]
+
+
+def test_a_block_of_a_record_is_a_test_of_its_own_conditions_in_which_all_blocks_wear(
+    measured: ExperimentRecord,
+) -> None:
+    third = measured.of_block(3)
+    assert third.tables.stated.friction == 0.5
+    assert {loop.cycle for loop in third.loops} <= set(range(151, 211)) | set(range(361, 401))
+    assert {tuple(part.columns["block"]) for part in third.evolution if "block" in part.columns} <= {(3.0,)}
+    # All energy of the test, from the loops of one block: that of the run.
+    whole = accumulated_energy_J(measured.of_block(1), 1)
+    assert whole == pytest.approx(accumulated_energy_J(third, 1), rel=0.02)
+    assert third.of_block() is third
+    believed = believed_study(third.tables)
+    assert [own.study.contact.friction for own in believed.schedule.stretches[:3]] == [0.62, 0.62, 0.5]
+
+
+def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_at(measured: ExperimentRecord) -> None:
+    assert measured.of_block().block == 1
+    assert measured.of_block(2).scars == ()
+    with pytest.raises(RecordError, match=r"block 2 .* slides in scars of longer strokes"):
+        require_foreseen(measured.of_block(2))
+    with pytest.raises(RecordError, match=r"has no loop of block 7 .*: it has loops of 1, 2, 3"):
+        measured.of_block(7)
+
+
+def test_an_unknown_key_of_a_block_of_a_record_is_passed_over_with_its_line(
+    measured: ExperimentRecord, tmp_path: Path
+) -> None:
+    write_record(tmp_path, measured)
+    file = tmp_path / "experiment.toml"
+    text = file.read_text(encoding="utf-8").partition("# The files as wirewear wrote them")[0]
+    file.write_text(text.replace("cycles = 50,", 'cycles = 50, lubricant = "oil",', 1), encoding="utf-8")
+    assert any("lubricant" in note for note in read_record(tmp_path).notes)

@@ -145,7 +145,7 @@ def _hint(text: str, reason: str) -> str:
 
 def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
     """Tables of texts, numbers, lists and tables as TOML."""
-    own = [f"{key} = {_spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
+    own = [f"{key} = {spelled(value)}" for key, value in tables.items() if not isinstance(value, Mapping)]
     inner = []
     for key, value in tables.items():
         if isinstance(value, Mapping) and value:
@@ -154,7 +154,12 @@ def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
     return "".join(f"{line}\n" for line in own) + "".join(inner)
 
 
-def _spelled(value: object) -> str:
+def spelled(value: object) -> str:
+    """A text, number, list or table as a value in TOML."""
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {spelled(own)}" for key, own in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(spelled, value)) + "]"
     # JSON spells texts, numbers and lists as TOML does, but for one control character.
     return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 

@@ -73,6 +73,7 @@ def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
         RecordError: the record states too little, or has no loops in gross slip.
         StudyError, SolverError: the nominal model cannot be run.
     """
+    record = record.of_block()
     own, _ = mended(record)
     observed = reduce(own)
     nominal = beginning_of(record, None).run(None)
@@ -120,6 +121,19 @@ def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginn
         return Nominal(states, kind.setup(study, tables), limits)
 
     return Beginning(study, run)
+
+
+def require_foreseen(record: AnyRecord) -> None:
+    """See that the fast model foresees the loops that are looked at of a record.
+
+    Raises:
+        RecordError: they are of a block whose stroke is shorter than another's.
+    """
+    if record.within_longer_strokes:
+        raise RecordError(
+            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
+            "fast model does not foresee: look at the block with the longest stroke, which is the default."
+        )
 
 
 def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
@@ -178,6 +192,7 @@ def diagnose(
     for name in left_out:
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
+    record, further = record.of_block(), [other.of_block() for other in further]
     require_of_one_rig(record, further)
     first = _begun(record, model, observer_of, stage)
     others = [_begun(other, None, observer_of, stage) for other in further]
@@ -210,6 +225,7 @@ def _begun(
     observer_of: ObserverOf | None,
     stage: Callable[[str], AbstractContextManager[object]],
 ) -> _Begun:
+    require_foreseen(record)
     beginning = beginning_of(record, model)
     with stage("checking the record"):
         checked = remarks_told(record)

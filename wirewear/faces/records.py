@@ -17,6 +17,11 @@ if TYPE_CHECKING:
     from wirewear.results import RunResult
 
 
+BLOCK = click.option(
+    "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"
+)
+
+
 @cli.command(name="diagnose")
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
 @click.option("--output", metavar="DIR", required=True, type=OutputFolder())
@@ -25,6 +30,7 @@ if TYPE_CHECKING:
 )
 @click.option("--next", "further", metavar="RECORD2", multiple=True, type=click.Path(path_type=Path),
               help="A further measurement of the same rig, which updates the answer; may be repeated.")  # fmt: skip
+@BLOCK
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
 @click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
 @click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
@@ -34,6 +40,7 @@ def diagnose_command(
     output: Path,
     model: Path | None,
     further: tuple[Path, ...],
+    block: int | None,
     confirm: bool,
     without: tuple[str, ...],
     jobs: int | None,
@@ -43,15 +50,16 @@ def diagnose_command(
 
     from wirewear.base.locks import occupied
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.diagnosis.diagnose import beginning_of, require_of_one_rig
+    from wirewear.diagnosis.diagnose import beginning_of, require_foreseen, require_of_one_rig
     from wirewear.kinds import load_any_study
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
 
     study = None if model is None else load_any_study(model)
     with busy("reading the record"):
-        record = read_record(record_path)
+        record = read_record(record_path).of_block(block)
         # Before a folder is made that nothing would come into.
+        require_foreseen(record)
         beginning_of(record, study)
         others = [read_record(path) for path in further]
         require_of_one_rig(record, others)
@@ -71,9 +79,10 @@ def diagnose_command(
 
 @cli.command()
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@BLOCK
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 @click.pass_context
-def check(context: click.Context, record_path: Path, as_json: bool) -> None:
+def check(context: click.Context, record_path: Path, block: int | None, as_json: bool) -> None:
     """Check an experiment record and say what it can and cannot support; exit code 1 if it has problems."""
     from rich.console import Console
 
@@ -81,7 +90,7 @@ def check(context: click.Context, record_path: Path, as_json: bool) -> None:
     from wirewear.records.checking import report_text
 
     with busy("reading and checking the record"):
-        report = check_record(read_record(record_path))
+        report = check_record(read_record(record_path).of_block(block))
     if as_json:
         click.echo(json_text(report.to_json()))
     else:

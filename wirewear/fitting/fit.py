@@ -115,6 +115,7 @@ def fit_record(
     Raises RecordError if the record is unsound, none of its loops slides as a whole, or a worn volume is given and
     neither loops nor evolution tell the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
+    record = record.of_block()
     kind, tables = kind_of(record), record.tables
     with stage("checking the record"):
         told = tuple(remark.text for remark in remarks_told(record))

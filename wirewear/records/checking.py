@@ -142,6 +142,7 @@ MOST_ANALYSED = 30
 
 def check_record(record: AnyRecord) -> RecordReport:
     """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
+    record = record.of_block()
     checked = looked_at(record)
     remarks = [Remark("note", TABLE_FILE_NAME, f"{note}.") for note in record.notes]
     remarks += loop_remarks(checked)

@@ -240,9 +240,9 @@ def accumulated_energy_J(record: AnyRecord, repeat: int) -> float | None:
     cycles, energies = energy_per_cycle(record, repeat)
     if not cycles.size:
         return None
-    end = float(max(record.tables.conditions.cycles, cycles[-1]))
-    steps = enclosed_energy(np.append(cycles, end), np.append(energies, energies[-1]))
-    return 1e-3 * (float(energies[0] * cycles[0]) + steps)
+    ends = record.working_cycles(np.append(cycles, max(record.tables.conditions.cycles, cycles[-1])))
+    steps = enclosed_energy(ends, np.append(energies, energies[-1]))
+    return 1e-3 * (float(energies[0] * ends[0]) + steps)
 
 
 def energy_per_cycle(record: AnyRecord, repeat: int) -> tuple[Array, Array]:

@@ -194,6 +194,7 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
         "format": 1,
         "name": result.full_name,
         **model.bodies_of(study, result.label, result.length_mm),
+        **_programme(study, model, result.length_mm),
         # The simulation imposes the true motion, whatever its sensors read.
         "conditions": {**known_of(conditions, stated), "drive": "stroke"},
         # What is ideal is not stated.
@@ -203,6 +204,18 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
         "files": {"loops": "loops.csv"},
     }
     return validated(model, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
+
+
+def _programme(study: Mapping[str, Any], model: Any, length_mm: float | None) -> dict[str, Any]:
+    """The programme of a study as a record of the whole contact states it."""
+    blocks = study.get("programme") or ()
+    tables = ("conditions", "contact", "wear")
+    whole = [
+        {key: value for key, value in block.items() if key not in tables}
+        | {name: model.stated_by({name: block[name]}, length_mm) for name in tables if block.get(name)}
+        for block in blocks
+    ]
+    return {"programme": whole} if whole else {}
 
 
 def true_loop(loop: Loop, period_s: float = 1.0, samples: int | None = None) -> MeasuredLoop:

@@ -10,6 +10,7 @@ from pydantic import Field, PlainValidator
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.surfaces import WornSurfaces
 from wirewear.study.keys import FORMAT, Table, checked_format, checked_text, one_of
+from wirewear.study.programme import CycleBlock
 
 
 class OfTest(Table):
@@ -59,6 +60,8 @@ class OfTest(Table):
 
 class OfRecord(OfTest, ABC):
     """What the tables of an experiment.toml are asked besides: how a study and a result of the kind say the same."""
+
+    programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
 
     @property
     @abstractmethod

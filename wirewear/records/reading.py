@@ -8,7 +8,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar, cast
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -347,9 +347,10 @@ def _passed_over(keys: Sequence[int | str], text: str, path: Path) -> str:
 
 
 def _below(data: dict[str, Any], table: Sequence[int | str]) -> dict[str, Any]:
+    here: Any = data
     for key in table:
-        data = data[str(key)]
-    return data
+        here = here[key]
+    return cast("dict[str, Any]", here)
 
 
 def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: type[BaseModel]) -> bool:
@@ -358,7 +359,7 @@ def _looks_misspelt(keys: Sequence[int | str], data: Mapping[str, Any], model: t
     key = str(last)
     given: Any = data
     for name in table:
-        given = given[str(name)]
+        given = given[name]
     absent = {name: field for name, field in known_fields(table, model).items() if name not in given}
     for name, field in absent.items():
         quantity = quantity_of(field)

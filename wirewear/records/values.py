@@ -1,6 +1,6 @@
 """An experiment record as a value: loops of each repeat and cycle, evolution, scars."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Generic, TypeAlias
@@ -14,6 +14,8 @@ from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
+from wirewear.study.messages import validated
+from wirewear.study.programme import CycleBlock, Schedule
 
 #: What changes over the cycles, as keys of `[stated]` and as effects of a study.
 _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")
@@ -68,9 +70,16 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
         "holder": tables.for_study(rig or {"tangential_stiffness_N_per_mm": "rigid"}),
         **({"wear": tables.for_study(wear)} if wears else {}),
         **({"effects": effects} if effects else {}),
+        **({"programme": [_believed_block(tables, block) for block in tables.programme]} if tables.programme else {}),
     }
     whole: dict[str, Any] = tables.with_bodies(data)
     return whole
+
+
+def _believed_block(tables: Any, block: CycleBlock) -> dict[str, Any]:
+    """A block of a record's programme as that of a study."""
+    values = {name: tables.for_study(table) for name, table in block.values.items()}
+    return {"cycles": block.cycles, **values, **({"name": block.name} if block.name else {})}
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,13 +156,72 @@ Tables = TypeVar("Tables", bound="AnyTables", default=RecordTables)
 Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=MeasuredScar)
 
 
+#: Where a record has what a block of a programme states in its tables.
+_IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
+
+
+def _schedule(tables: Any) -> Schedule[Any]:
+    """The blocks of a record's programme in turn, each with the tables of a test under its conditions alone, whose
+    programme states the conditions of all of them.
+    """
+
+    def under(values: Mapping[str, Any]) -> Any:
+        own: dict[str, Any] = {}
+        for name, more in values.items():
+            table = _IN_TABLE[name]
+            before = own.get(table, getattr(tables, table))
+            data = {**before.model_dump(exclude_unset=True), **more}
+            own[table] = validated(type(before), data, f"a block of the programme of {tables.name!r}", RecordError)
+        return tables.model_copy(update=own)
+
+    blocks = tables.programme
+    changed = {name: {key for block in blocks for key in getattr(block, name)} for name in _IN_TABLE}
+    whole = []
+    for block in blocks:
+        given = under(block.values)
+        states = {
+            name: {key: getattr(getattr(given, _IN_TABLE[name]), key) for key in keys} for name, keys in changed.items()
+        }
+        whole.append(block.model_copy(update=states))
+    tables = tables.model_copy(update={"programme": tuple(whole)})
+    return Schedule(tables.programme, tables.conditions.cycles, tables, under)
+
+
+def _energies_mJ(evolution: Sequence[MeasuredEvolution], schedule: Schedule[Any]) -> dict[int, float]:
+    """Energy of a cycle by its block: median of those measured, or where a block has none, of all of them the friction
+    work of gross slip on a rigid rig, as far as that differs from block to block.
+    """
+    found: dict[int, float] = {}
+    for block in sorted({one.block for one in schedule.stretches}):
+        rows = [_rows(one, schedule, block).columns.get("dissipated_energy_mJ", np.zeros(0)) for one in evolution]
+        measured = np.concatenate([np.zeros(0), *rows])
+        if not (measured > 0.0).any():
+            break
+        found[block] = float(np.nanmedian(measured))
+    else:
+        return found
+    for one in schedule.stretches:
+        asked = one.study.conditions
+        stroke = asked.normal_load_N * asked.displacement_amplitude_um
+        found[one.block] = float(stroke * (one.study.stated.friction or 1.0))
+    return found
+
+
+def _rows(evolution: MeasuredEvolution, schedule: Schedule[Any], block: int) -> MeasuredEvolution:
+    """The rows of a block."""
+    own = np.array([schedule.at(cycle).block == block for cycle in evolution.columns["cycle"]], dtype=bool)
+    return replace(evolution, columns={name: column[own] for name, column in evolution.columns.items()})
+
+
 @dataclass(frozen=True, eq=False)
 class ExperimentRecord(Generic[Tables, Surface]):
     """A record of format 1; `notes` are sentences about what was passed over on reading.
 
     Loops are ordered by repeat and cycle. `scars` are the worn surfaces at the end: maps of wires, profiles of a line
     contact, whose forces and energies are those of the whole contact. `path` is the folder that it was read from, or
-    None.
+    None. `block` is the number of the block of its programme that is looked at, None for the whole test, and `worked`
+    tells how many of its cycles spend as much energy as all so far; `within_longer_strokes` whether other blocks have
+    longer strokes.
     """
 
     tables: Tables
@@ -162,6 +230,53 @@ class ExperimentRecord(Generic[Tables, Surface]):
     scars: tuple[Surface, ...] = ()
     notes: tuple[str, ...] = ()
     path: Path | None = None
+    block: int | None = None
+    worked: tuple[tuple[float, float], ...] = ()
+    within_longer_strokes: bool = False
+
+    def of_block(self, number: int | None = None) -> "ExperimentRecord[Tables, Surface]":
+        """What was measured under the conditions of one block of the programme: loops, evolution, and the scars at the
+        end where no other block has a longer stroke, which shapes them.
+
+        number: from 1; by default that with most loops of those with the longest stroke. Itself where there is no
+        programme.
+        Raises RecordError where there is no such block, or no loop of it.
+        """
+        tables: Any = self.tables
+        if not tables.programme or self.block is not None:
+            return self
+        schedule = _schedule(tables)
+        belongs = [schedule.at(loop.cycle).block for loop in self.loops]
+        strokes = {one.block: one.study.conditions.displacement_amplitude_um for one in schedule.stretches}
+        chosen = number or max(sorted(set(belongs)), key=lambda one: (strokes[one], belongs.count(one)), default=1)
+        if chosen not in belongs:
+            known = ", ".join(map(str, sorted(set(belongs)))) or "none"
+            raise RecordError(
+                f"the record {self.name!r} has no loop of block {chosen} of its programme: it has loops of {known}."
+            )
+        own: Any = next(one.study for one in schedule.stretches if one.block == chosen)
+        spent = _energies_mJ(self.evolution, schedule)
+        course = [(0.0, 0.0)]
+        for one in schedule.stretches:
+            course.append((float(one.end), course[-1][1] + (one.end - one.start) * spent[one.block] / spent[chosen]))
+        told = f"of the programme, block {chosen} is looked at; the others enter by what they wear"
+        shapes = strokes[chosen] == max(strokes.values())
+        told += "" if shapes else ", and scars of their longer strokes are left out"
+        return replace(
+            self,
+            tables=own,
+            loops=tuple(loop for loop, block in zip(self.loops, belongs, strict=True) if block == chosen),
+            evolution=tuple(_rows(one, schedule, chosen) for one in self.evolution),
+            scars=self.scars if shapes else (),
+            notes=(*self.notes, told),
+            block=chosen,
+            worked=tuple(course),
+            within_longer_strokes=not shapes,
+        )
+
+    def working_cycles(self, cycles: Array) -> Array:
+        """How many cycles (n,) of the block that is looked at spend the friction energy of cycles (n,) of the test."""
+        return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     @property
     def contact_kind(self) -> str:

@@ -129,10 +129,19 @@ def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
     )
 
 
-def worked_cycles(stretches: Sequence[Stretch[AnyStudy]], per_cycle: Callable[[AnyStudy], float], most: float) -> int:
-    """How many cycles that wear by `most` each wear as much as all of a test's, of which each wears by `per_cycle`."""
-    work = sum((own.end - own.start) * per_cycle(own.study) for own in stretches)
-    return max(ceil(work / most), 1) if most else 1
+def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
+    """How many cycles that wear by `most` each wear as much as all of a test's."""
+    return max(ceil(worked_course(stretches, lambda study: study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
+
+
+def worked_course(
+    stretches: Sequence[Stretch[AnyStudy]], share: Callable[[AnyStudy], float]
+) -> tuple[tuple[float, float], ...]:
+    """Cycles of a test, and how many of a kind do as much as these; share: what a block's cycle does of one such."""
+    course = [(0.0, 0.0)]
+    for own in stretches:
+        course.append((float(own.end), course[-1][1] + (own.end - own.start) * share(own.study)))
+    return tuple(course)
 
 
 def logged_ends(blocks: Sequence[CycleBlock], cycles: int) -> set[int]:

@@ -172,6 +172,14 @@ class Study:
 
         return Schedule(self.tables.programme, self.conditions.cycles, alone, under)
 
+    @property
+    def worn_per_cycle(self) -> float:
+        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³ for either stroke of one amplitude."""
+        if self.wear is None:
+            return 0.0
+        rate = self.wear.largest_factor * self.wear.volume_per_sliding_mm3_per_N_m(self.contact.friction)
+        return rate * self.conditions.normal_load_N * self.conditions.displacement_amplitude_um
+
     @cached_property
     def envelope(self) -> Study:
         """A study of one block, as large in load, stroke, friction and worn volume as all blocks together: for meshes.
@@ -181,14 +189,7 @@ class Study:
         if not self.tables.programme:
             return self
         stretches = self.schedule.stretches
-
-        def per_cycle(study: Study) -> float:
-            if study.wear is None:
-                return 0.0
-            rate = study.wear.largest_factor * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
-            return rate * study.conditions.normal_load_N * study.conditions.displacement_amplitude_um
-
-        worst = max((own.study for own in stretches), key=per_cycle)
+        worst = max((own.study for own in stretches), key=lambda study: study.worn_per_cycle)
         every = [own.study.conditions for own in stretches]
         conditions = {
             "normal_load_N": max(own.normal_load_N for own in every),
@@ -196,7 +197,7 @@ class Study:
         }
         friction = max(own.study.contact.friction for own in stretches)
         largest = worst.changed({"conditions": conditions, "contact": {"friction": friction}})
-        cycles = worked_cycles(stretches, per_cycle, per_cycle(largest))
+        cycles = worked_cycles(stretches, largest.worn_per_cycle)
         return largest.changed({"conditions": {"cycles": cycles}})
 
     def given(self) -> dict[str, Any]:

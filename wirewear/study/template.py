@@ -1,6 +1,5 @@
 """A study file spelled out for people: every key with its meaning, those left to the program as comments."""
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,6 +8,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import PydanticUndefined
 
 from wirewear.base.errors import UNIT_SYMBOLS
+from wirewear.base.reading import spelled
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
 
@@ -67,7 +67,7 @@ def study_text(
     data, above = template.example if data is None else data, template.above if above is None else above
     lines = [f"# {line}".rstrip() for line in above.splitlines()]
     lines += ["# `wirewear run` runs this study; beside each key stands what it means.", ""]
-    lines += ["format = 1", f"name = {_spelled(data.get('name', name))}", f"kind = {_spelled(template.kind)}"]
+    lines += ["format = 1", f"name = {spelled(data.get('name', name))}", f"kind = {spelled(template.kind)}"]
     for table in template.shown:
         described = template.tables.model_fields[table]
         inner = table_of(described)
@@ -76,8 +76,9 @@ def study_text(
         if inner is None or (own is None and table == "wear"):
             continue
         lines += _section(table, described, inner, own or {}, template.left_out)
-    for effect in data.get("effects", ()):
-        lines += ["", "[[effects]]", *(f"{key} = {_spelled(value)}" for key, value in effect.items())]
+    for several in ("effects", "programme"):
+        for one in data.get(several, ()):
+            lines += ["", f"[[{several}]]", *(f"{key} = {spelled(value)}" for key, value in one.items() if value != {})]
     return "\n".join(lines) + "\n"
 
 
@@ -103,15 +104,11 @@ def _keys(table: type[Table], own: Mapping[str, Any], hidden: list[str]) -> list
         unit = UNIT_SYMBOLS[quantity.unit].strip() if quantity is not None else ""
         meaning = f"{described.description}{f' [{unit}]' if unit else ''}"
         if key in own:
-            lines.append(f"{f'{key} = {_spelled(own[key])}':{COMMENTS_AT - 2}}  # {meaning}")
+            lines.append(f"{f'{key} = {spelled(own[key])}':{COMMENTS_AT - 2}}  # {meaning}")
             continue
         default = described.examples[0] if described.examples else described.default
         if default is PydanticUndefined or default is None or isinstance(default, tuple) or key == "material":
             lines.append(f"{f'# {key} = ...':{COMMENTS_AT - 2}}  # {meaning}")
         else:
-            lines.append(f"{f'# {key} = {_spelled(default)}':{COMMENTS_AT - 2}}  # {meaning}")
+            lines.append(f"{f'# {key} = {spelled(default)}':{COMMENTS_AT - 2}}  # {meaning}")
     return lines
-
-
-def _spelled(value: object) -> str:
-    return json.dumps(list(value) if isinstance(value, tuple) else value, ensure_ascii=False)

@@ -131,10 +131,11 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
 
 def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, Array, Array]:
     """The chain with its worn volume, slip amplitude and loop energy at cycles (n,)."""
-    steps = np.diff(cycles, prepend=0.0)
+    wearing = setup.wearing_cycles(cycles)
+    steps = np.diff(wearing, prepend=0.0)
     slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
     load_N = setup.load_factor * setup.load_N
-    spent = 4e-6 * setup.friction * load_N * slip * cycles
+    spent = 4e-6 * setup.friction * load_N * slip * wearing
     chain = setup.chain(states.spot_radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
     energy = 4e-3 * chain.friction * load_N * slip
     for _ in range(_WEAR_SWEEPS):

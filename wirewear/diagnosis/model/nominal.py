@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
+from functools import partial
+from math import log
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -139,7 +141,37 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
         return result, result.path or folder / RESULT_FILE_NAME
 
     result, path = kept_or_made(f"nominal-{_identity(study).name}.h5", read_result, made)
-    return replace(result, path=path)
+    return of_own_block(replace(result, path=path), study)
+
+
+def of_own_block(result: RunResult, study: Study | PlanarStudy) -> RunResult:
+    """The run of a programme with the loops alone of the block whose conditions the study states as its own."""
+    if not study.schedule.blocks:
+        return result
+    own = _own_blocks(study)
+    blocks = dict(zip(result.evolution["cycle"], result.evolution["block"], strict=True))
+    return replace(result, loops=tuple(loop for loop in result.loops if blocks[loop.cycle] in own))
+
+
+def _own_blocks(study: Study | PlanarStudy) -> set[int]:
+    own = (study.conditions, study.contact)
+    return {one.block for one in study.schedule.stretches if (one.study.conditions, one.study.contact) == own}
+
+
+def logged_by(study: Study | PlanarStudy) -> tuple[int, ...]:
+    """Cycles at which a nominal run is logged; of a programme those nearest to them in the study's own block."""
+    cycles = study.conditions.cycles
+    wanted = {*half_decades(cycles), cycles}
+    if study.schedule.blocks:
+        blocks = _own_blocks(study)
+        own = [one for one in study.schedule.stretches if one.block in blocks]
+        nearest = {cycle: [min(max(cycle, one.start + 1), one.end) for one in own] for cycle in wanted}
+        wanted = {min(within, key=partial(_apart, cycle)) for cycle, within in nearest.items()}
+    return tuple(sorted(wanted))
+
+
+def _apart(cycle: int, other: int) -> float:
+    return abs(log(other / cycle))
 
 
 def wearing(study: Study) -> Study:
@@ -176,7 +208,9 @@ def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResul
 
     problem: Exception | None = None
     farthest: RunResult | None = None
-    for place, margin in enumerate(_WEAR_MARGINS if study.wear is not None else (1.0,)):
+    # The blocks of a programme come at their cycles, whatever has worn by then.
+    margins = _WEAR_MARGINS if study.wear is not None and not study.schedule.blocks else (1.0,)
+    for place, margin in enumerate(margins):
         output = folder / str(place)
         try:
             return run_study(
@@ -204,10 +238,9 @@ def _silent() -> Observer:
 
 
 def _faster_wearing(study: Study, margin: float) -> Study:
-    cycles = study.conditions.cycles
     increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
     changes: dict[str, Any] = {
-        "log": {"loop_cycles": tuple(sorted({*half_decades(cycles), cycles}))},
+        "log": {"loop_cycles": logged_by(study)},
         "fidelity": {"quick": {"increments_per_cycle": increments}},
     }
     if study.wear is not None:
@@ -279,17 +312,18 @@ def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) 
         result = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
         return result, folder / "result.h5"
 
-    return kept_or_made(f"nominal-line-{_identity_of_line(study).name}.h5", read_result, made)[0]
+    result, _ = kept_or_made(f"nominal-line-{_identity_of_line(study).name}.h5", read_result, made)
+    return of_own_block(result, study)
 
 
 def _faster_line(study: PlanarStudy) -> PlanarStudy:
-    cycles = study.conditions.cycles
-    wear = {name: WEAR_MARGIN * value for name, value in study.wear.coefficients.items()}
+    margin = 1.0 if study.programme else WEAR_MARGIN
+    wear = {name: margin * value for name, value in study.wear.coefficients.items()}
     tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
     return study.model_copy(
         update={
             "wear": study.wear.model_copy(update=wear),
-            "log": study.log.model_copy(update={"loop_cycles": tuple(sorted({*half_decades(cycles), cycles}))}),
+            "log": study.log.model_copy(update={"loop_cycles": logged_by(study)}),
             "mesh": study.mesh.model_copy(update={"jump_tolerance": tolerance}),
         }
     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from math import atan, inf
 from typing import TYPE_CHECKING, Any, Literal, Protocol
@@ -14,6 +14,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study.bodies import Gap
+from wirewear.study.programme import Schedule, worked_course
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -50,6 +51,9 @@ class AtWork(Protocol):
         ...
 
 
+_LEAST_SLIP = 0.05  # Of the amplitude, in a block that hardly slides.
+
+
 @dataclass(frozen=True)
 class Setup:
     """One set of circumstances under which loops are computed: a test as it is believed to be, and what is amiss.
@@ -63,6 +67,7 @@ class Setup:
         crossing_error_rad: of the wires' axes from the right angle, and by what other bodies' scars are sheared alike.
         effects: at work beside that.
         motion: how the drive passes its stroke in time.
+        worked: of a test by blocks, cycles with how many of these conditions wear as much as all so far.
         length_mm: of a line contact; zero for contacts at a point.
         contact_kind: its name.
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
@@ -92,6 +97,7 @@ class Setup:
     length_mm: float = 0.0
     contact_kind: str = "crossed-wires"
     motion: FastMotion = SINE
+    worked: tuple[tuple[float, float], ...] = ()
     friction_factor: float = 1.0
     wear_factor: float = 1.0
     load_factor: float = 1.0
@@ -133,6 +139,7 @@ class Setup:
             compliance_um_per_N=compliance,
             crossing_error_rad=atan(Gap.of(*study.bodies).lean),
             contact_kind=study.contact_kind,
+            worked=_worked(study, lambda own: compliance * own.contact.friction * own.conditions.normal_load_N),
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 
@@ -155,7 +162,12 @@ class Setup:
             normal_spring_N_per_um=1e-3 * length_mm * holder.normal_spring_stiffness_N_per_mm2,
             length_mm=length_mm,
             contact_kind=study.contact_kind,
+            worked=_worked(study, lambda own: compliance * own.contact.friction * own.conditions.normal_load_N_per_mm),
         )
+
+    def wearing_cycles(self, cycles: Array) -> Array:
+        """How many cycles (n,) of these conditions wear as much as the test has by cycles (n,)."""
+        return np.interp(cycles, *np.array(self.worked).T) if self.worked else cycles
 
     def with_effect(self, effect: AtWork) -> Setup:
         """The same with one more effect at work."""
@@ -246,6 +258,23 @@ class Setup:
             load_N=self.load_factor * chain.load_N,
             compliance_um_per_N=chain.compliance_um_per_N + self.added_compliance_um_per_N,
         )
+
+
+def _worked(study: Study | PlanarStudy, friction_um: Callable[[Any], float]) -> tuple[tuple[float, float], ...]:
+    """Of a test by blocks, cycles with how many of the study's own conditions wear as much as all so far.
+
+    friction_um: how far friction carries the rig in a study, which is no slip.
+    """
+    schedule: Schedule[Any] = study.schedule
+    if not schedule.blocks:
+        return ()
+
+    def worn(other: Any) -> float:
+        slip = max(1.0 - friction_um(other) / other.conditions.displacement_amplitude_um, _LEAST_SLIP)
+        return float(other.worn_per_cycle * slip)
+
+    own = worn(study)
+    return worked_course(schedule.stretches, lambda other: worn(other) / own if own else 1.0)
 
 
 def _stiffness(value: float | str) -> float:
