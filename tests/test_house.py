@@ -249,6 +249,7 @@ BUDGETS = {
     # 70 are tables of verdicts, which scripts that run on their own take from the package.
     # 25 are what an explanation makes of each zone, by which its relevance is judged.
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
+    # 170 are records of tests by blocks, one of which is looked at.
     # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
