@@ -93,7 +93,7 @@ def test_mean_pressures_are_over_the_stated_length_or_over_the_fresh_contact() -
 
 
 def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:
-    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "jump_tolerance"}
+    plain = {"poissons_ratio", "friction", "moving_share", "cycles", "jump_tolerance", "wear_factor"}
     # Relative scatter of what is named.
     plain |= {"normal_load", "wear", "tangential_stiffness"}
     plain |= {"increments_per_cycle", "increments_per_wear_cycle", "mesh_refinement", "contact_states"}
