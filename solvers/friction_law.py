@@ -79,7 +79,8 @@ class Friction:
 
     @property
     def none(self) -> bool:
-        return not np.any(self.coefficient)
+        each = self.coefficient
+        return not each.any() if isinstance(each, np.ndarray) else each == 0.0
 
     def among(self, chosen: slice) -> "Friction":
         """The law at some of the k nodes."""
@@ -88,8 +89,10 @@ class Friction:
 
     def differs(self, other: "Friction") -> bool:
         """Whether coefficients are others by more than `_SETTLED` of the largest."""
-        apart = np.abs(self.coefficient - other.coefficient)
-        return bool(np.max(apart, initial=0.0) > _SETTLED * np.max(self.coefficient, initial=0.0))
+        now, then = self.coefficient, other.coefficient
+        if isinstance(now, float) and isinstance(then, float):
+            return abs(now - then) > _SETTLED * now
+        return bool(np.max(np.abs(now - then), initial=0.0) > _SETTLED * np.max(now, initial=0.0))
 
     def change_since(self, other: "Friction", load: Array) -> float:
         """Half the mean difference of local coefficients over their mean, weighted by (k,); 0 where one is for all."""
@@ -195,8 +198,8 @@ class Rate(Coulomb):
     """mu = mu_k + (mu_s - mu_k) exp(-|v| / v_s): Stribeck's fall from static to kinetic friction.
 
     Bo & Pavelescu, Wear 82 (1982) 277. The study's coefficient is the static one. Newton's method takes the speed of
-    the increment's own slip, repeated until friction has settled; where it falls faster than the rig's spring follows,
-    it stays as it was after six repetitions.
+    the increment's own slip, repeated until friction has settled, at most six times. Behind a spring K it sticks and
+    slips in steps shorter than P |dmu/dv| / K; longer ones damp that.
 
     kinetic_ratio: mu_k / mu_s.  speed_mm_per_s: v_s.
     Raises SolverError if the ratio is negative or the speed not positive.

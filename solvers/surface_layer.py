@@ -67,6 +67,8 @@ def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | 
     """Factor on friction by the layers that lie on the surface at k nodes, (k,); where both bodies have one, the mean
     of both.
     """
+    if not (upper or lower):
+        return 1.0
     layered = [(layers, body_is_upper) for layers, body_is_upper in ((upper, True), (lower, False)) if _rubs(layers)]
     if not layered:
         return 1.0

@@ -251,6 +251,7 @@ BUDGETS = {
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 170 are records of tests by blocks, one of which is looked at.
     # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
+    # 700 are laws of friction and wear that know of place, speed and history, and layers that wear through.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     "lines of geometry, solvers and wirewear": 64_387,
@@ -263,6 +264,7 @@ BUDGETS = {
     # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
     # 270 are checks of tests by blocks, of drives that hold a figure, and of stops.
+    # 330 hold these laws and layers against closed forms and differential equations.
     # 140 are checks of tubes: a ring as a curved bar, a narrow bore as a wire, where they are held.
     # 230 are checks of waveforms and loads within the cycle: a slider's equation, contacts that open, mistakes in keys.
     "lines of tests": 26_014,

@@ -256,7 +256,8 @@ class Cycler:
         increments = motion.increments * (1 if drive.load.steady or not motion.follows_force else _FINER)
         while True:
             how = (drive, increments, self._watch, guide, motion.wear_increments)
-            if motion.follows_force and drive.load.steady:
+            # Shorter steps than a cosine's would follow how bodies stick and slip where friction falls with the speed.
+            if motion.follows_force and drive.load.steady and not problem.friction_law.timed:
                 after, trace = solvers.closed_adaptive_cycle(current, begin, *how, moved=moved)
             else:
                 after, trace = solvers.closed_cycle(current, begin, *how)
