@@ -203,7 +203,10 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
         "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
-    return validated(model, data, f"the {TABLE_FILE_NAME} of the result {result.label!r}", RecordError)
+    where = f"the {TABLE_FILE_NAME} of the result {result.label!r}"
+    tables = validated(model, data, where, RecordError)
+    tables.require_whole(where)
+    return tables
 
 
 def _programme(study: Mapping[str, Any], model: Any, length_mm: float | None) -> dict[str, Any]:
