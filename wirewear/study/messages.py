@@ -88,8 +88,9 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
     if homes:
         return f"{start}: it belongs in [{homes[0]}]."
     # A key may be called by what another one is said to be part of: an amplitude is half the stroke.
+    # Keys that must be given are meant first.
     words = words_of(key).split()
-    for name, field in known.items():
+    for name, field in sorted(known.items(), key=lambda one: not one[1].is_required()):
         if any(word in words for word in re.split(r"\W+", field.description or "") if len(word) > 3):
             return f"{start}: give {name}, the {field.description}."
     return f"{start}: the keys known there are {', '.join(known)}."

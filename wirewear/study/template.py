@@ -1,6 +1,6 @@
 """A study file spelled out for people: every key with its meaning, those left to the program as comments."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -13,7 +13,10 @@ from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.tables import StudyTables
 
 #: Keys that are spelled otherwise than a number or text, or make sense to few.
-HIDDEN = ("friction_law", "moving", "fixed", "surface", "update", "explicit_jump_cycles", "formulation", "primary_wire")
+HIDDEN = (
+    "friction_law", "moving", "fixed", "surface", "layers", "update", "explicit_jump_cycles", "formulation",
+    "primary_wire",
+)  # fmt: skip
 
 COMMENTS_AT = 52  #: Column at which comments begin, where a key and its value leave room.
 
@@ -77,8 +80,7 @@ def study_text(
             continue
         lines += _section(table, described, inner, own or {}, template.left_out)
     for several in ("effects", "programme"):
-        for one in data.get(several, ()):
-            lines += ["", f"[[{several}]]", *(f"{key} = {spelled(value)}" for key, value in one.items() if value != {})]
+        lines += _several(several, data.get(several, ()))
     return "\n".join(lines) + "\n"
 
 
@@ -91,8 +93,19 @@ def _section(
     for key, inside in table.model_fields.items():
         inner = table_of(inside)
         if inner is not None and (key in own or key not in HIDDEN):
-            lines += _section(f"{name}.{key}", inside, inner, own.get(key, {}), left_out)
+            stated = own.get(key, {})
+            lines += (
+                _section(f"{name}.{key}", inside, inner, stated, left_out)
+                if isinstance(stated, Mapping)
+                else _several(f"{name}.{key}", stated)
+            )
     return lines
+
+
+def _several(name: str, tables: Iterable[Mapping[str, Any]]) -> list[str]:
+    """Tables of one heading in a row."""
+    keys = ((f"{key} = {spelled(value)}" for key, value in one.items() if value != {}) for one in tables)
+    return [line for own in keys for line in ("", f"[[{name}]]", *own)]
 
 
 def _keys(table: type[Table], own: Mapping[str, Any], hidden: list[str]) -> list[str]:
