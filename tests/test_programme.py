@@ -1,6 +1,7 @@
 """A test by blocks of cycles: what a study states of them, and what a run makes of it."""
 
 from copy import deepcopy
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +11,8 @@ from tests.studies import COARSE, WEARING, coarse
 from tests.test_planar_study import TABLES
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.diagnose import require_foreseen
+from wirewear.diagnosis.model.nominal import require_foreseen
+from wirewear.fitting.fit import fit_record
 from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
 from wirewear.records.course_checks import accumulated_energy_J
@@ -147,6 +149,22 @@ def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_a
         require_foreseen(measured.of_block(2))
     with pytest.raises(RecordError, match=r"has no loop of block 7 .*: it has loops of 1, 2, 3"):
         measured.of_block(7)
+
+
+def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_not_fitted(tmp_path: Path) -> None:
+    held = LONG.replace("cycles = 400", "cycles = 3\nheld_energy_mJ = 0.05\nload_cycle = { amplitude_share = 0.2 }")
+    record = record_of_result(simulate(coarse(held), fidelity="quick"))
+    write_record(tmp_path, record)
+    believed = believed_study(read_record(tmp_path).tables)
+    assert believed.conditions.held_energy_mJ == 0.05
+    assert believed.conditions.load_cycle.amplitude == 0.2
+    with pytest.raises(
+        RecordError, match="has a load that varies within the cycle, which the fast model does not foresee"
+    ):
+        fit_record(record)
+    steady = record.tables.conditions.model_copy(update={"load_cycle": None})
+    with pytest.raises(RecordError, match=r"the drive of .* holds energy_mJ, which the fast model does not foresee"):
+        fit_record(replace(record, tables=record.tables.model_copy(update={"conditions": steady})))
 
 
 def test_an_unknown_key_of_a_block_of_a_record_is_passed_over_with_its_line(

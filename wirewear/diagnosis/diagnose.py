@@ -39,7 +39,7 @@ from wirewear.diagnosis.infer.where import (
     with_ripple,
 )
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
-from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study
+from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
@@ -121,19 +121,6 @@ def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginn
         return Nominal(states, kind.setup(study, tables), limits)
 
     return Beginning(study, run)
-
-
-def require_foreseen(record: AnyRecord) -> None:
-    """See that the fast model foresees the loops that are looked at of a record.
-
-    Raises:
-        RecordError: they are of a block whose stroke is shorter than another's.
-    """
-    if record.within_longer_strokes:
-        raise RecordError(
-            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
-            "fast model does not foresee: look at the block with the longest stroke, which is the default."
-        )
 
 
 def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:

@@ -13,6 +13,7 @@ from scipy.stats import t as students_t
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
+from wirewear.diagnosis.model.nominal import require_foreseen
 from wirewear.fitting import wear
 from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
@@ -116,6 +117,7 @@ def fit_record(
     neither loops nor evolution tell the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
+    require_foreseen(record)
     kind, tables = kind_of(record), record.tables
     with stage("checking the record"):
         told = tuple(remark.text for remark in remarks_told(record))

@@ -6,7 +6,6 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
-from solvers import Waveform
 from wirewear.base.errors import RecordError
 from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen, planar_study_from_tables
@@ -17,7 +16,6 @@ from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, 
 from wirewear.results.scar import BODIES
 from wirewear.study import keys
 from wirewear.study.bodies import Body
-from wirewear.study.drive import MOTION, MotionKey
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
@@ -28,6 +26,8 @@ OF_WHOLE = {
     "tangential_stiffness_N_per_mm2": ("tangential_stiffness_N_per_mm", True),
     "rotational_stiffness_N_per_rad": ("rotational_stiffness_N_mm_per_rad", True),
     "normal_spring_stiffness_N_per_mm2": ("normal_spring_stiffness_N_per_mm", True),
+    "held_tangential_force_N_per_mm": ("held_tangential_force_N", True),
+    "held_energy_mJ_per_mm": ("held_energy_mJ", True),
     **{
         f"{body}_{law}_{unit}": (f"{body}_{law}_wear_coefficient_{unit}", False)
         for body in BODIES
@@ -60,12 +60,6 @@ class RecordBody(keys.OfMaterial):
 
 class RecordPad(PadFace, RecordBody):
     """The pad: its face and its elastic constants."""
-
-
-class LineConditions(tables.RecordConditions):
-    """What was asked of the rig."""
-
-    motion: MotionKey = Field(Waveform(), description=MOTION)
 
 
 class LineStatedWear(keys.Table):
@@ -131,7 +125,7 @@ class LineTest(OfRecord):
     contact: RecordContact = Field(description="what touches")
     pad: RecordPad = Field(description="the pad")
     specimen: RecordBody = Field(description="the flat")
-    conditions: LineConditions = Field(description="load, stroke, frequency and length of the test")
+    conditions: tables.RecordConditions = Field(description="load, stroke, frequency and length of the test")
     stated: LineStated = Field(LineStated(), description="what the rig's owner states")
     noise: LineNoise = Field(LineNoise(), description="noise of one sample")
     scatter: tables.StatedScatter = Field(

@@ -6,14 +6,16 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
+from solvers import Waveform
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.of_test import Metadata, OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.results.scar import WIRES, called
 from wirewear.study import Study, keys, study_from_tables
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
+from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey
 from wirewear.study.keys import Inconsistency
-from wirewear.study.tables import CROSSED_WIRES
+from wirewear.study.tables import CROSSED_WIRES, HeldOfWhole
 from wirewear.study.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
@@ -52,7 +54,7 @@ WearFactor = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
 RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
 
 
-class RecordConditions(keys.Table):
+class RecordConditions(HeldOfWhole):
     """What was asked of the rig."""
 
     normal_load_N: keys.NormalLoad = Field(description="normal load between the wires", examples=[2.0])
@@ -61,6 +63,8 @@ class RecordConditions(keys.Table):
     )
     frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
     cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
+    motion: MotionKey = Field(Waveform(), description=MOTION)
+    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
     drive: Annotated[Literal["sensor", "stroke"], PlainValidator(_checked_drive)] = Field(
         "sensor", description="where the amplitude is held: on the sensor's reading, or on the true motion"
     )

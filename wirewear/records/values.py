@@ -65,7 +65,7 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
         "format": 1,
         "name": tables.name,
         "kind": tables.contact_kind,
-        "conditions": tables.for_study(tables.conditions.model_dump(mode="json", exclude={"drive"})),
+        "conditions": tables.for_study(tables.conditions.model_dump(mode="json", exclude={"drive"}, exclude_none=True)),
         "contact": {"friction": friction},
         "holder": tables.for_study(rig or {"tangential_stiffness_N_per_mm": "rigid"}),
         **({"wear": tables.for_study(wear)} if wears else {}),

@@ -116,7 +116,16 @@ class HeldByDrive(keys.Table):
     )
 
 
-class Conditions(HeldByDrive):
+class HeldOfWhole(HeldByDrive):
+    """And what it may hold of a whole contact."""
+
+    held_tangential_force_N: keys.NormalLoad | None = Field(
+        None, description="the drive holds this largest tangential force of a cycle"
+    )
+    held_energy_mJ: keys.HeldEnergy | None = Field(None, description="the drive holds this energy of a cycle")
+
+
+class Conditions(HeldOfWhole):
     """What is asked of the rig."""
 
     normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
@@ -126,10 +135,6 @@ class Conditions(HeldByDrive):
     displacement_amplitude_um: keys.Amplitude = Field(
         description="imposed displacement amplitude, half the stroke", examples=[60.0]
     )
-    held_tangential_force_N: keys.NormalLoad | None = Field(
-        None, description="the drive holds this largest tangential force of a cycle"
-    )
-    held_energy_mJ: keys.HeldEnergy | None = Field(None, description="the drive holds this energy of a cycle")
     motion_angle_deg: keys.MotionAngle = Field(
         0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
     )

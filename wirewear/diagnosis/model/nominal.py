@@ -16,6 +16,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
 from wirewear.results.scar import called
 from wirewear.study.bodies import Gap
+from wirewear.study.programme import held_keys
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -25,6 +26,10 @@ if TYPE_CHECKING:
     from wirewear.study import Study
 
 Result = TypeVar("Result")
+
+_UNFORESEEN = (
+    ", which the fast model does not foresee: it can be checked and compared, but neither fitted nor diagnosed"
+)
 
 _FOLDER = "wirewear-nominal-"
 
@@ -80,6 +85,25 @@ def kept_or_made(
             except OSError as problem:
                 not_kept(path, problem)
     return result, path
+
+
+def require_foreseen(record: AnyRecord) -> None:
+    """See that the fast model foresees the loops that are looked at of a record.
+
+    Raises:
+        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, or they are of
+            a block whose stroke is shorter than another's.
+    """
+    asked, held = record.tables.conditions, held_keys(record.tables.conditions)
+    if asked.load_cycle is not None:
+        raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNFORESEEN}.")
+    if held:
+        raise RecordError(f"the drive of {record.name!r} holds {held[0].removeprefix('held_')}{_UNFORESEEN}.")
+    if record.within_longer_strokes:
+        raise RecordError(
+            f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
+            "fast model does not foresee: look at the block with the longest stroke, which is the default."
+        )
 
 
 def nominal_study(record: AnyRecord) -> Any:

@@ -51,9 +51,6 @@ class AtWork(Protocol):
         ...
 
 
-_LEAST_SLIP = 0.05  # Of the amplitude, in a block that hardly slides.
-
-
 @dataclass(frozen=True)
 class Setup:
     """One set of circumstances under which loops are computed: a test as it is believed to be, and what is amiss.
@@ -270,7 +267,7 @@ def _worked(study: Study | PlanarStudy, friction_um: Callable[[Any], float]) -> 
         return ()
 
     def worn(other: Any) -> float:
-        slip = max(1.0 - friction_um(other) / other.conditions.displacement_amplitude_um, _LEAST_SLIP)
+        slip = max(1.0 - friction_um(other) / other.conditions.displacement_amplitude_um, 0.0)
         return float(other.worn_per_cycle * slip)
 
     own = worn(study)

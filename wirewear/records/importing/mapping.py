@@ -9,7 +9,7 @@ from pydantic import BeforeValidator, Field, PlainValidator
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, RecordError, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.planar.tables import LineLoad
-from wirewear.records.contact_tables import BallTest, LineConditions, LineNoise, LineTest, ShapesTest
+from wirewear.records.contact_tables import BallTest, LineNoise, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.of_test import Metadata
@@ -296,7 +296,7 @@ def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = Non
     return float(known[mapping.unit]) * mapping.factor
 
 
-class MappedConditions(LineConditions):
+class MappedConditions(RecordConditions):
     """What was asked of the rig; the load of the whole contact, or per millimetre of it."""
 
     normal_load_N: NormalLoad | None = Field(None, description="normal load of the whole contact")  # type: ignore[assignment]
@@ -345,7 +345,7 @@ class LineMapping(LineTest):
     def surfaces(self) -> Profiles:
         return self.profiles
 
-    def asked(self, path: Path) -> LineConditions:
+    def asked(self, path: Path) -> RecordConditions:
         """The conditions of the record, with the load of the whole contact.
         Raises RecordError if the load is given twice, or not at all.
         """
@@ -358,7 +358,7 @@ class LineMapping(LineTest):
             )
         load = whole if per_mm is None else per_mm * self.length_mm
         rest = self.conditions.model_dump(exclude={"normal_load_N", "normal_load_N_per_mm"})
-        return LineConditions(**rest, normal_load_N=load)
+        return RecordConditions(**rest, normal_load_N=load)
 
 
 #: Mappings by the names of kinds of contact.
