@@ -1,5 +1,6 @@
 """A test by blocks of cycles: what a study states of them, and what a run makes of it."""
 
+import pickle
 from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
@@ -49,6 +50,12 @@ def test_meshes_are_for_the_largest_load_and_stroke_and_for_what_all_blocks_wear
     assert largest.conditions.displacement_amplitude_um == 20.0
     assert largest.conditions.normal_load_N == 2.0
     assert largest.conditions.cycles == 250 + 50 + int(np.ceil(100 * 12.0 * 1.5 / (20.0 * 2.0)))
+
+
+def test_studies_with_a_programme_go_to_other_processes() -> None:
+    study = coarse(LONG + SHORTER)
+    assert len(study.schedule.stretches) == 5
+    assert len(pickle.loads(pickle.dumps(study)).schedule.stretches) == 5
 
 
 def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, PlainValidator, PrivateAttr
@@ -243,12 +244,7 @@ class PlanarStudy(keys.NamedTable):
     @property
     def schedule(self) -> Schedule["PlanarStudy"]:
         alone = self.model_copy(update={"programme": ()})
-
-        def under(values: Mapping[str, Any]) -> PlanarStudy:
-            tables = merged(alone.model_dump(mode="json", exclude_none=True), values)
-            return _checked(tables, f"the study {self.name!r}").named(self.variant_name)
-
-        return Schedule(self.programme, self.conditions.cycles, alone, under)
+        return Schedule(self.programme, self.conditions.cycles, alone, partial(_under, alone))
 
     @property
     def worn_per_cycle(self) -> float:
@@ -371,6 +367,12 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
             for name, overrides in variants_in(data, where)
         )
     )
+
+
+def _under(alone: PlanarStudy, values: Mapping[str, Any]) -> PlanarStudy:
+    """A study without a programme under the conditions of a block."""
+    tables = merged(alone.model_dump(mode="json", exclude_none=True), values)
+    return _checked(tables, f"the study {alone.name!r}").named(alone.variant_name)
 
 
 def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:

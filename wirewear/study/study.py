@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, TypeVar, cast
 
 from solvers import FrictionLaw, WearLaw
@@ -165,12 +165,7 @@ class Study:
     def schedule(self) -> Schedule[Study]:
         """The blocks of cycles that the test goes through, each with the study of its conditions."""
         alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
-
-        def under(values: Mapping[str, Any]) -> Study:
-            tables = merged(alone.tables.model_dump(mode="json", exclude_none=True), values)
-            return replace(alone, tables=checked_tables(tables, f"the study {self.name!r}"))
-
-        return Schedule(self.tables.programme, self.conditions.cycles, alone, under)
+        return Schedule(self.tables.programme, self.conditions.cycles, alone, partial(_under, alone))
 
     @property
     def worn_per_cycle(self) -> float:
@@ -328,6 +323,12 @@ class Study:
                 for name, tables in self.variants
             }
         return data
+
+
+def _under(alone: Study, values: Mapping[str, Any]) -> Study:
+    """A study without a programme under the conditions of a block."""
+    tables = merged(alone.tables.model_dump(mode="json", exclude_none=True), values)
+    return replace(alone, tables=checked_tables(tables, f"the study {alone.name!r}"))
 
 
 def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
