@@ -240,6 +240,8 @@ class _Run:
             done = ahead if reached else done + step.jump
             self.ending.follow(state, done)
             self.record.ends = self.ending.reached(state) is not None
+            # A part of a cycle is less than what a stop is met within.
+            done = float(round(done)) if self.record.ends else done
             if (
                 self.record.ends
                 or done in self.test.milestones
