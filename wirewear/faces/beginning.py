@@ -8,7 +8,7 @@ import click
 
 from wirewear.base.errors import RecordError, StudyError, as_sentence
 from wirewear.base.writing import is_special, json_text
-from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, stage
+from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, of_block, stage
 from wirewear.kinds import KINDS, Kind
 from wirewear.study import FIDELITIES
 
@@ -205,6 +205,7 @@ def _require_new(path: Path) -> None:
               help="Of both bodies together, where no scars were measured.")  # fmt: skip
 @click.option("--worn-volume", metavar="mm3", type=Finite(0.0, 1e3, min_open=True),
               help="Of both bodies at the end of a test, where no scars were measured.")  # fmt: skip
+@of_block
 @click.option("--into-record", is_flag=True, help="Write the fitted values into the record's [stated], too.")
 @click.option("--json", "as_json", is_flag=True, help="Print the fit as JSON.")
 @most_memory
@@ -214,6 +215,7 @@ def fit(
     fidelity: str,
     wear_coefficient: float | None,
     worn_volume: float | None,
+    block: int | None,
     into_record: bool,
     as_json: bool,
 ) -> None:
@@ -238,7 +240,7 @@ def fit(
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)
     with stage("reading the record"):
-        record = read_record(record_path)
+        record = read_record(record_path).of_block(block)
     with occupied(output, f"fit {record_path}"):
         fitted = fit_record(
             record,

@@ -223,6 +223,12 @@ most_memory = click.option(
 )
 
 
+#: An option of commands that look at the loops of one block of a record's programme.
+of_block = click.option(
+    "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"
+)
+
+
 #: An option of commands whose tasks a cluster can do.
 scheduler_option = click.option(
     "--scheduler",

@@ -11,15 +11,10 @@ import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory, stage
+from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory, of_block, stage
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
-
-
-BLOCK = click.option(
-    "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"
-)
 
 
 @cli.command(name="diagnose")
@@ -30,7 +25,7 @@ BLOCK = click.option(
 )
 @click.option("--next", "further", metavar="RECORD2", multiple=True, type=click.Path(path_type=Path),
               help="A further measurement of the same rig, which updates the answer; may be repeated.")  # fmt: skip
-@BLOCK
+@of_block
 @click.option("--confirm", is_flag=True, help="Run the full simulation with the leading effects, too.")
 @click.option("--without", metavar="EFFECT", multiple=True, help="An effect not to be considered; may be repeated.")
 @click.option("--jobs", type=click.IntRange(1), help="Cores for linear algebra.  [default: all]")
@@ -80,7 +75,7 @@ def diagnose_command(
 
 @cli.command()
 @click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
-@BLOCK
+@of_block
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 @click.pass_context
 def check(context: click.Context, record_path: Path, block: int | None, as_json: bool) -> None:
