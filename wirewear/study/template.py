@@ -110,7 +110,8 @@ def _several(name: str, tables: Iterable[Mapping[str, Any]]) -> list[str]:
 
 def _keys(table: type[Table], own: Mapping[str, Any], hidden: list[str]) -> list[str]:
     lines = []
-    for key, described in table.model_fields.items():
+    # What has a value comes first.
+    for key, described in sorted(table.model_fields.items(), key=lambda field: field[0] not in own):
         if (key in hidden and key not in own) or table_of(described) is not None:
             continue
         quantity = quantity_of(described)
