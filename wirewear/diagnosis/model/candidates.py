@@ -113,7 +113,7 @@ class Candidate:
     def _small_changes(self) -> list[Array]:
         """Small early, middle and late changes of what changes in time: far from them large ones hide the way there."""
         first, last = list(self.parameters.values())[:: len(self.parameters) - 1]
-        if last.neutral is not None or not first.neutral:
+        if last.neutral is not None or not first.neutral or not np.isfinite(first.neutral):
             return []
         unchanged = [item.coordinate(item.neutral) if item.neutral else 0.0 for item in self.parameters.values()]
         starts = []
