@@ -153,7 +153,7 @@ def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp
     stiffness = found.causes[0].parameters["final_stiffness_N_per_mm"]
     assert stiffness.value == pytest.approx(200.0, rel=0.03)
     assert stiffness.interval95[0] < 200.0 < stiffness.interval95[1]
-    assert "loosening clamp" in found.sentence
+    assert "loosening clamp" in found.sentence.lower()
 
 
 def test_an_effect_that_the_fast_model_cannot_foresee_is_no_candidate_and_is_named(installed: Any) -> None:
