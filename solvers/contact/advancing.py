@@ -124,7 +124,7 @@ def solve_increment(
         guess[nodes] = outcome.traction
         moved = abs(outcome.holder_x - holder_x)
         slip_share = _slip_share(state, nodes, outcome, drive)
-        # Friction that falls with the speed may have no place to rest: followed in vain, it stays as it was last.
+        # Friction that falls with the speed may have no equilibrium: if it does not settle, it stays as it was last.
         if pairings < _FOLLOWED and system.friction.differs(law_at(problem, state, pairing, slip_share, drive)):
             moved = np.inf
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt

@@ -15,7 +15,7 @@ from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
 from wirewear.study.messages import validated
-from wirewear.study.programme import CycleBlock, Schedule
+from wirewear.study.programme import CycleBlock, Schedule, worked_course
 
 #: What changes over the cycles, as keys of `[stated]` and as effects of a study.
 _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")
@@ -256,9 +256,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
             )
         own: Any = next(one.study for one in schedule.stretches if one.block == chosen)
         spent = _energies_mJ(self.evolution, schedule)
-        course = [(0.0, 0.0)]
-        for one in schedule.stretches:
-            course.append((float(one.end), course[-1][1] + (one.end - one.start) * spent[one.block] / spent[chosen]))
+        worked = worked_course(schedule.stretches, lambda one: spent[one.block] / spent[chosen])
         told = f"of the programme, block {chosen} is looked at; the others enter by what they wear"
         shapes = strokes[chosen] == max(strokes.values())
         told += "" if shapes else ", and scars of their longer strokes are left out"
@@ -270,7 +268,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
             scars=self.scars if shapes else (),
             notes=(*self.notes, told),
             block=chosen,
-            worked=tuple(course),
+            worked=worked,
             within_longer_strokes=not shapes,
         )
 

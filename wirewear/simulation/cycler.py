@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import solvers
 from wirewear.effects import Age
@@ -66,7 +67,7 @@ class FrettingTest:
         """Length of the test."""
         return self.milestones[-1]
 
-    @property
+    @cached_property
     def stops(self) -> tuple[float, ...]:
         """Cycles that no jump passes over: milestones, and where the motion changes."""
         return tuple(sorted({*self.milestones, *(end for end, _ in self.motions)}))

@@ -38,12 +38,10 @@ def slip_amplitude_mm(trace: CycleTrace) -> float:
         return 0.0
     force, drive, falling = trace.tangential_force, trace.drive, trace.phase <= 0.5
     sticking = _sticking(trace)
+    mean, met = _mean_force(trace), 0.0
     if _is_half(trace):
         start = np.append(trace.start.drive, drive), np.append(-force[-1], force)
-        return max(abs(trace.start.drive) - _travel(*start, sticking, float(np.sign(drive[-1])), 0.0), 0.0)
-    step = np.abs(np.diff(drive, prepend=drive[-1]))
-    mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
-    met = 0.0
+        return max(abs(trace.start.drive) - _travel(*start, sticking, float(np.sign(drive[-1])), mean), 0.0)
     for own, sign in ((falling, -1.0), (~falling, 1.0)):
         stroke = np.flatnonzero(own)
         points = np.append(stroke[0] - 1, stroke)
@@ -54,6 +52,14 @@ def slip_amplitude_mm(trace: CycleTrace) -> float:
 def _is_half(trace: CycleTrace) -> bool:
     falling = trace.phase <= 0.5
     return bool(falling.all() or not falling.any())
+
+
+def _mean_force(trace: CycleTrace) -> float:
+    """Mean over the way of a closed loop, N; 0 of half of one whose other half is its mirror image."""
+    if _is_half(trace):
+        return 0.0
+    step = np.abs(np.diff(trace.drive, prepend=trace.drive[-1]))
+    return float(step @ (trace.tangential_force + np.roll(trace.tangential_force, 1))) / (2.0 * float(step.sum()))
 
 
 def _travel(drive: Array, force: Array, sticking: IntArray, sign: float, mean: float) -> float:
@@ -86,13 +92,10 @@ def probed_slip_mm(trace: CycleTrace, probe: Probe) -> float:
     """
     force, drive = trace.tangential_force, trace.drive
     strokes = [(trace.start, slice(None), -force[-1])]
-    mean = 0.0
+    mean, met = _mean_force(trace), 0.0
     if not _is_half(trace):
         turn = int(np.argmax(np.abs(drive - trace.start.drive)))
         strokes = [(trace.start, slice(turn + 1), force[-1]), (trace.states[turn], slice(turn + 1, None), force[turn])]
-        step = np.abs(np.diff(drive, prepend=drive[-1]))
-        mean = float(step @ (force + np.roll(force, 1))) / (2.0 * float(step.sum()))
-    met = 0.0
     for start, own, begins in strokes:
         travel = np.append(0.0, np.abs(drive[own] - start.drive))
         sign = float(np.sign(begins - mean))
@@ -123,9 +126,8 @@ class HeldFigure:
     """A figure of the loop that a drive holds by its amplitude, with which the figure grows.
 
     key: of the study, which states `target`, in `unit`.  largest_mm: amplitude that the drive has at most.
-    slope: how much it is
-    expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in proportion.
-    first_mm: amplitude to begin with.
+    slope: how much it is expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in
+    proportion.  first_mm: amplitude to begin with.
     """
 
     key: str

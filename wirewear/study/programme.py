@@ -98,10 +98,6 @@ class Schedule(Generic[AnyStudy]):
         """That to which a cycle belongs."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
 
-    def after(self, done: float) -> Stretch[AnyStudy]:
-        """That of the cycles which follow so many."""
-        return next((own for own in self.stretches if done < own.end), self.stretches[-1])
-
 
 def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]]:
     """The index of each block in turn and the cycle at which it ends, up to the test's end."""
@@ -131,16 +127,16 @@ def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
 
 def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
     """How many cycles that wear by `most` each wear as much as all of a test's."""
-    return max(ceil(worked_course(stretches, lambda study: study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
+    return max(ceil(worked_course(stretches, lambda own: own.study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
 
 
 def worked_course(
-    stretches: Sequence[Stretch[AnyStudy]], share: Callable[[AnyStudy], float]
+    stretches: Sequence[Stretch[AnyStudy]], share: Callable[[Stretch[AnyStudy]], float]
 ) -> tuple[tuple[float, float], ...]:
     """Cycles of a test, and how many of a kind do as much as these; share: what a block's cycle does of one such."""
     course = [(0.0, 0.0)]
     for own in stretches:
-        course.append((float(own.end), course[-1][1] + (own.end - own.start) * share(own.study)))
+        course.append((float(own.end), course[-1][1] + (own.end - own.start) * share(own)))
     return tuple(course)
 
 

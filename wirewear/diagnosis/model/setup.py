@@ -271,7 +271,7 @@ def _worked(study: Study | PlanarStudy, friction_um: Callable[[Any], float]) -> 
         return float(other.worn_per_cycle * slip)
 
     own = worn(study)
-    return worked_course(schedule.stretches, lambda other: worn(other) / own if own else 1.0)
+    return worked_course(schedule.stretches, lambda other: worn(other.study) / own if own else 1.0)
 
 
 def _stiffness(value: float | str) -> float:
