@@ -7,12 +7,14 @@ from functools import cached_property
 import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
-from wirewear.simulation.held import AmplitudeSearch, HeldFigure
+from wirewear.simulation.held import AmplitudeSearch, HeldFigure, Probe
 from wirewear.simulation.tally import Tally
 from wirewear.study.tables import Stop
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]
+
+_Cycle = tuple[solvers.ContactState, solvers.CycleTrace]
 
 Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an increment.
 
@@ -148,6 +150,28 @@ class Cycler:
             return motion.drive
         return replace(motion.drive, amplitude_mm=abs(state.drive) or motion.held.first_mm)
 
+    def _holding(
+        self,
+        current: solvers.ContactProblem,
+        begin: solvers.ContactState,
+        drive: solvers.Drive,
+        cycle: Callable[[solvers.ContactState, solvers.Drive, solvers.Guide | None], _Cycle],
+        watch: Told,
+        probe: Probe | None = None,
+    ) -> tuple[solvers.ContactState, solvers.CycleTrace, solvers.Guide | None]:
+        """A cycle from a state on, with the amplitude at which the drive holds what it is to hold, and the first guess
+        that it was simulated with. As it is, where the drive holds its amplitude.
+        """
+        guide = self.guide
+        search = None if self.motion.held is None else AmplitudeSearch(self.motion.held)
+        while True:
+            state, trace = cycle(begin, drive, guide)
+            wanted = None if search is None else search.following(drive.amplitude_mm, trace, probe)
+            if wanted is None:
+                return state, trace, guide
+            drive = replace(drive, amplitude_mm=wanted)
+            begin, guide = self._turned(current, state, drive, watch), trace.guide
+
     def aged(
         self, problem: solvers.ContactProblem, state: solvers.ContactState, cycles: float
     ) -> solvers.ContactProblem:
@@ -227,16 +251,11 @@ class Cycler:
             reports.extend(told)
             return float(after.primary_force[:, 0].sum())
 
-        drive, begin, guide = self._drive(state), state, self.guide
-        probe = forced if drive.load.steady else None
-        search = None if motion.held is None else AmplitudeSearch(motion.held)
-        while True:
-            start, trace = solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
-            wanted = None if search is None else search.following(drive.amplitude_mm, trace, probe)
-            if wanted is None:
-                break
-            drive = replace(drive, amplitude_mm=wanted)
-            begin, guide = self._turned(current, start, drive, watch), trace.guide
+        def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
+            return solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
+
+        probe = forced if motion.drive.load.steady else None
+        start, trace, _ = self._holding(current, state, self._drive(state), cycle, watch, probe)
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
 
@@ -249,25 +268,24 @@ class Cycler:
         self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """A closed loop with the wear frozen."""
-        current, motion, guide = self.aged(problem, state, done), self.motion, self.guide
+        current, motion = self.aged(problem, state, done), self.motion
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
         moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
-        drive, begin = self._drive(state if moved is None else moved.states[-1]), state
-        search = None if motion.held is None else AmplitudeSearch(motion.held)
-        increments = motion.increments * (1 if drive.load.steady or not motion.follows_force else _FINER)
-        while True:
-            how = (drive, increments, self._watch, guide, motion.wear_increments)
+        steady = motion.drive.load.steady
+        increments = motion.increments * (1 if steady or not motion.follows_force else _FINER)
+
+        def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
+            how = (current, begin, drive, increments, self._watch, guide, motion.wear_increments)
             # Shorter steps than a cosine's would follow how bodies stick and slip where friction falls with the speed.
-            if motion.follows_force and drive.load.steady and not problem.friction_law.timed:
-                after, trace = solvers.closed_adaptive_cycle(current, begin, *how, moved=moved)
+            if motion.follows_force and steady and not problem.friction_law.timed:
+                after, trace = solvers.closed_adaptive_cycle(*how, moved=moved if begin is state else None)
             else:
-                after, trace = solvers.closed_cycle(current, begin, *how)
+                after, trace = solvers.closed_cycle(*how)
             self._took(trace)
-            wanted = None if search is None else search.following(drive.amplitude_mm, trace)
-            if wanted is None:
-                break
-            drive, moved = replace(drive, amplitude_mm=wanted), None
-            begin, guide = self._turned(current, after, drive, self._watch), trace.guide
+            return after, trace
+
+        drive = self._drive(state if moved is None else moved.states[-1])
+        after, trace, guide = self._holding(current, state, drive, cycle, self._watch)
         if self.goes_on_from(problem, state):
             self.guide = guide
         return after, trace

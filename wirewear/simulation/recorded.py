@@ -203,6 +203,7 @@ class Recorded(ABC):
         self._scars: list[Scar] = []
         self._forces: list[ContactForces] = []
         self._rows: list[dict[str, float]] = []
+        self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
         """Take over what the interrupted run had recorded up to that cycle."""
@@ -228,6 +229,7 @@ class Recorded(ABC):
 
         held: what the drive holds in place of its amplitude.
         """
+        self._holder = self.holder_of(problem, trace)
         block = self.schedule.at(done)
         cycle, conditions = round(done), block.study.conditions
         loop = loop_of(trace, cycle, conditions.frequency_Hz)
@@ -248,6 +250,10 @@ class Recorded(ABC):
             self._loops.append(loop)
             self._scars.extend(scars)
             self._forces.extend(self.forces(problem, trace, cycle))
+
+    def holder_of(self, _problem: ContactProblem, _trace: CycleTrace) -> dict[str, float | str]:
+        """What a measured loop shows of the holder's elements, for the settings."""
+        return {}
 
     def follows(self, problem: ContactProblem, state: ContactState, _done: float, _work_mJ: float) -> bool:
         """Whether the energy since the latest loop has gone as between two loops it is taken to, and no layer has come

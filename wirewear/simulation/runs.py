@@ -15,7 +15,6 @@ from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
-from wirewear.simulation.held import HeldFigure
 from wirewear.simulation.observers import NoObserver, Observer
 from wirewear.simulation.plan import RunPlan, affordable_jobs, require_affordable
 from wirewear.simulation.problem import condense_bodies
@@ -47,7 +46,6 @@ class PointRecord(Recorded):
         super().__init__(plan.study, plan.fidelity, plan.pressure_length_mm)
         self.plan = plan
         self.contact_kind, self.bodies = plan.study.contact_kind, plan.discretisation.bodies
-        self._holder: dict[str, float | str] = {}
 
     def restore(self, before: RunResult, done: float) -> None:
         """Take over what the interrupted run had recorded up to that cycle."""
@@ -63,18 +61,9 @@ class PointRecord(Recorded):
             "fresh_contact_radius_um": 1e3 * (report.contact_area / np.pi) ** 0.5,
         }
 
-    def measured(
-        self,
-        problem: ContactProblem,
-        state: ContactState,
-        trace: CycleTrace,
-        done: float,
-        jump: float,
-        held: HeldFigure | None,
-    ) -> None:
-        """Record a closed loop with the wear frozen, with the scars where the study asks for it."""
-        self._holder = holder_settings(problem, trace)
-        super().measured(problem, state, trace, done, jump, held)
+    def holder_of(self, problem: ContactProblem, trace: CycleTrace) -> dict[str, float | str]:
+        """Its stiffnesses and its play."""
+        return holder_settings(problem, trace)
 
     def follows(self, problem: ContactProblem, state: ContactState, done: float, work_mJ: float) -> bool:
         """Whether the energy since the latest loop has gone as between two loops it is taken to; see `Recorded`."""
