@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from math import atan, radians, tan
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,12 +14,7 @@ from solvers.errors import NotConvergedError, SolverError
 from solvers.fretting import first_quarter, run_cycle
 from solvers.holder_measurement import measured_holder
 from solvers.wear import WearRates
-from studies.diagnosis.oddities import FURTHER, ODDITIES, RIGS
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
-from wirewear import ExperimentRecord, read_record
-
-EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
-
 
 COARSE_mm = 0.010
 
@@ -33,32 +27,6 @@ WAY = AMPLITUDE_mm * np.array([0.3, 0.6, 0.9, 0.6, 0.3, 0.0, -0.3, -0.6, -0.9, -
 
 
 STROKE = AMPLITUDE_mm * np.sin(2.0 * np.pi * np.arange(1, 21, 2) / 40)
-
-
-@pytest.fixture(scope="module")
-def record() -> ExperimentRecord:
-    return read_record(EXAMPLE)
-
-
-def areas_mJ(record: ExperimentRecord) -> np.ndarray:
-    return np.array([loop.figures(2.0).dissipated_energy_mJ.value for loop in record.loops])
-
-
-@pytest.mark.first_case
-@pytest.mark.seconds
-@pytest.mark.parametrize("name", sorted({*ODDITIES, *FURTHER} - {*RIGS}))
-def test_an_odd_rig_reads_the_same_friction_energy_otherwise(record: ExperimentRecord, name: str) -> None:
-    odd = {**ODDITIES, **FURTHER}[name](record, np.random.default_rng(1))
-    np.testing.assert_allclose(areas_mJ(odd), areas_mJ(record), rtol=0.02)
-    unlike = [
-        before.tangential_force_N.shape != after.tangential_force_N.shape
-        or not np.array_equal(before.tangential_force_N, after.tangential_force_N, equal_nan=True)
-        for before, after in zip(record.loops, odd.loops, strict=True)
-    ]
-    assert (
-        all(unlike)
-        or odd.evolution[0].columns["slip_amplitude_um"][0] != (record.evolution[0].columns["slip_amplitude_um"][0])
-    )
 
 
 @pytest.fixture(scope="module")
