@@ -1,6 +1,7 @@
 """Elasticity, frictional contact with finite sliding, wear and cycle jumps."""
 
 from solvers.adaptive_loop import closed_adaptive_cycle
+from solvers.bulk import BulkStress
 from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import misaligned
@@ -44,8 +45,8 @@ from solvers.wear_law import (
 from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
-    "Archard", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump", "CycleTrace",
-    "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
+    "Archard", "BulkStress", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump",
+    "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
     "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate",
     "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
     "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",

@@ -1,6 +1,6 @@
 """What a contact simulation remembers between increments, and the rig that holds the upper body."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -48,6 +48,8 @@ class ContactState:
     pressed_ahead: drive less holder_x when they were.
     slip_share: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
     load_share: what presses the holder down, but for its loading spring, over the test's normal load.
+    bulk: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
+    body's axes, see `BulkStress.gradient`.  bulk_step: by how much they changed over the last increment.
     """
 
     wear: WearState
@@ -67,6 +69,8 @@ class ContactState:
     pressed_ahead: float
     slip_share: Array
     load_share: float = 1.0
+    bulk: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
+    bulk_step: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
 
 
 @dataclass(frozen=True)

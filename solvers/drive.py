@@ -5,15 +5,16 @@ that matters to it. Time says which load meets which place, and how fast the bod
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import pairwise
 from math import acos, ceil, pi, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array
+from solvers.bulk import BulkStress
 from solvers.errors import SolverError
 
 Points = tuple[tuple[float, float], ...]
@@ -186,18 +187,20 @@ class Path:
     """Where m increments of a cycle end, (m,) each.
 
     drive: mm.  phase: share of its cycle that a cosine from +amplitude has passed there, in (0, 1].  time: share of the
-    cycle passed by the drive's own waveform.  load: over the test's.
+    cycle passed by the drive's own waveform.  load: over the test's.  bulk: (m, 2, 2, 2) displacement gradients of the
+    lower and the upper body's surface by their bulk stress, see `BulkStress.gradient`.
     """
 
     drive: Array
     phase: Array
     time: Array
     load: Array
+    bulk: Array
 
     def __add__(self, other: "Path") -> "Path":
         return Path(*(np.concatenate(both) for both in zip(self._arrays, other._arrays, strict=True)))
 
-    def __iter__(self) -> Iterator[tuple[float, ...]]:
+    def __iter__(self) -> Iterator[tuple[Any, ...]]:
         return zip(*self._arrays, strict=True)
 
     @property
@@ -207,17 +210,43 @@ class Path:
         return Path(*(values[middle + 1 :] for values in self._arrays))
 
     @property
-    def _arrays(self) -> tuple[Array, Array, Array, Array]:
-        return self.drive, self.phase, self.time, self.load
+    def _arrays(self) -> tuple[Array, Array, Array, Array, Array]:
+        return self.drive, self.phase, self.time, self.load, self.bulk
 
 
 @dataclass(frozen=True)
 class Drive:
-    """A cycle's displacement, of an amplitude and a waveform, and its normal load."""
+    """A cycle's displacement, of an amplitude and a waveform, its normal load, and the bulk stresses of the lower and
+    the upper body, if they carry any.
+    """
 
     amplitude_mm: float
     waveform: Waveform = Waveform()
     load: LoadCycle = LoadCycle()
+    bulk: tuple[BulkStress, ...] = ()
+
+    @property
+    def steady(self) -> bool:
+        """Whether load and bulk stresses stay as they are."""
+        return self.load.steady and not any(any(own.amplitude) for own in self.bulk)
+
+    @property
+    def shears(self) -> bool:
+        """Whether a bulk stress shears a surface, which no mirror does that acts within a position."""
+        return any(own.mean[2] or own.amplitude[2] for own in self.bulk)
+
+    @property
+    def mean_bulk(self) -> Array:
+        """Displacement gradients (2, 2, 2) of both bodies by their mean bulk stress, as in `Path`."""
+        still = tuple(replace(own, amplitude=(0.0, 0.0, 0.0)) for own in self.bulk)
+        return np.asarray(replace(self, bulk=still).bulk_at(np.zeros(1))[0])
+
+    def bulk_at(self, times: Array) -> Array:
+        """Those (m, 2, 2, 2) at shares (m,) of the cycle."""
+        found = np.zeros((len(times), 2, 2, 2))
+        for body, own in enumerate(self.bulk):
+            found[:, body] = own.gradient(own.nominal(times))
+        return found
 
     def stroke(self, side: float, places: Array) -> Path:
         """The path from side x amplitude through places (m,) in mm to the other end.
@@ -227,7 +256,7 @@ class Drive:
         falling = side > 0.0
         start, reached, leaves = self.waveform.stroke(falling=falling)
         waits = np.zeros(0)
-        if not self.load.steady:
+        if not self.steady:
             bends = self.amplitude_mm * self.waveform.places(self.load.bends(start, reached))
             bends = bends[np.abs(np.abs(bends) - self.amplitude_mm) > _LEAST_STEP * self.amplitude_mm]
             near = np.abs(np.subtract.outer(places, bends)).min(axis=1, initial=np.inf)
@@ -240,24 +269,32 @@ class Drive:
         time = self.waveform.times(places / self.amplitude_mm, phase)
         time, count = np.concatenate([time, waits]), len(waits)
         drive, phase = (np.concatenate([own, np.full(count, own[-1])]) for own in (places, phase))
-        return Path(drive, phase, time, np.ones(len(time)) if self.load.steady else self.load.shares(time))
+        load = np.ones(len(time)) if self.load.steady else self.load.shares(time)
+        return Path(drive, phase, time, load, self.bulk_at(time))
 
     def end(self, side: float) -> Path:
         """The path from mid-stroke to side x amplitude in one increment, and what the load does there."""
         return self.stroke(-side, np.array([0.0, side * self.amplitude_mm])).from_middle
 
     def _waits(self, reached: float, leaves: float, per_time: float) -> Array:
-        """Times at which increments end while the drive rests from one time to another and the load changes."""
+        """Times at which increments end while the drive rests from one time to another and load or bulk change."""
         count = ceil(per_time * (leaves - reached) - _SAME * per_time)
         times = np.union1d(np.linspace(reached, leaves, count + 1)[1:], self.load.bends(reached, leaves))
-        changes = count > 0 and np.ptp(self.load.shares(np.append(times, reached))) > 0.0
+        rest = np.append(times, reached)
+        changes = count > 0 and max(np.ptp(self.load.shares(rest)), np.ptp(self.bulk_at(rest), axis=0).max()) > 0.0
         return times if changes else np.zeros(0)
 
     @cached_property
     def symmetric(self) -> bool:
-        """Whether both strokes, with what the load does at their ends, are mirror images of each other."""
+        """Whether both strokes, with what load and bulk stresses do, are mirror images of each other: what stretches a
+        surface at one end of the stroke shortens it at the other, and its mirror image does not.
+        """
         there, back = (path.load for path in self._sampled)
-        return there.shape == back.shape and bool(np.abs(there - back).max() <= _SAME)
+        return (
+            not any(any(own.amplitude) for own in self.bulk)
+            and there.shape == back.shape
+            and bool(np.abs(there - back).max() <= _SAME)
+        )
 
     @property
     def mean_load(self) -> float:

@@ -171,7 +171,7 @@ def anew(
     would let it move by what they have lost. Slopes of what has worn beside it must not turn its normals while the
     bodies are pressed either: radial tractions would be left at its edge, which slips the sooner.
     """
-    blank = replace(unloaded_state(problem), wear=state.wear, core=state.core)
+    blank = replace(unloaded_state(problem), wear=state.wear, core=state.core, bulk=drive.mean_bulk)
     pressed, _ = press(problem, blank)
     pressed = replace(pressed, pressed_z=state.pressed_z)
     path = _cosine_stroke(drive, -_side(state), increments).from_middle
@@ -201,10 +201,10 @@ def _follow(
     # What has been gathered before decides about round-off: a resumed run is to end with the very same numbers.
     for body in (problem.primary, problem.secondary):
         body.latest_block.clear()
-    for drive, phase, _time, load in path:
+    for drive, phase, _time, load, bulk in path:
         rising = drive > state.drive
         guess = guide.at(float(phase), float(drive)) if guide is not None else None
-        state, reports = advance(problem, state, float(drive), cycles, guess, float(load))
+        state, reports = advance(problem, state, float(drive), cycles, guess, float(load), bulk)
         states.append(state)
         everything.extend(reports)
         if watch:

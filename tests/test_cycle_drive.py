@@ -39,7 +39,7 @@ def work_of_a_spring_slider(drive: solvers.Drive, friction_N: float, compliance_
     places = drive.amplitude_mm * np.cos(pi * np.arange(1, 2001) / 2000.0)
     cycle = drive.stroke(1.0, places) + drive.stroke(-1.0, -places)
     force, before, forces = 0.0, drive.amplitude_mm, list[float]()
-    for place, _, _, load in (*cycle, *cycle):
+    for place, _, _, load, _ in (*cycle, *cycle):
         limit = friction_N * load
         force, before = min(max(force + (place - before) / compliance_mm_per_N, -limit), limit), place
         forces.append(force)

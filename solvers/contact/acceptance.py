@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.contact.linearisation import law_at, layers_between, levers
+from solvers.contact.linearisation import facing_offset, law_at, layers_between, levers
 from solvers.contact.problem import ContactProblem
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
@@ -100,6 +100,9 @@ def _first_half(
             slip += layers.old_displacement - before.old_displacement
             closed, closed_before = (layers.closure(_along(loads, start.frames))[0] for loads in (after, traction))
             lifted += closed - closed_before
+    if state.bulk_step.any():
+        offset = facing_offset(problem, state, state.drive, state.holder_x)
+        slip = slip + problem.stretched(state.bulk_step, start.nodes, offset)
     length = np.where(sticks, 0.0, 0.5 * _tangential_size(slip, start.frames))
     pressure = np.maximum(_along(traction, start.frames), 0.0)
     friction = law_at(problem, state, start, state.slip_share, state.drive)

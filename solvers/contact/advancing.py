@@ -297,12 +297,13 @@ def advance(
     cycles: float,
     guess: FirstGuess | None = None,
     load_share: float | None = None,
+    bulk: Array | None = None,
 ) -> tuple[ContactState, list[IncrementReport]]:
     """Move the lower body to `drive`, each bit of slip wearing as if repeated `cycles` times (0: wear frozen).
 
     guess: what a cycle before came to at this drive, a better first guess than the last increment.
     load_share: that of the normal load at the increment's end; without it the load stays. Under next to none, and under
-    a held approach, bodies may part, and meet again.
+    a held approach, bodies may part, and meet again.  bulk: of the state at the increment's end, else as it is.
     Cuts the increment where Newton's method does not converge; NotConvergedError when even tiny ones fail.
     """
     reports: list[IncrementReport] = []
@@ -310,9 +311,11 @@ def advance(
     done = 0.0
     start, current = state.drive, state
     loaded, more = state.load_share, 0.0 if load_share is None else load_share - state.load_share
+    stretched, strain = state.bulk, np.zeros_like(state.bulk) if bulk is None else bulk - state.bulk
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
         place, load = start + (done + share) * (drive - start), loaded + (done + share) * more
+        current = replace(current, bulk=stretched + (done + share) * strain, bulk_step=share * strain)
         if load < _NO_LOAD:
             current, report = opened(problem, current, place, cycles)
             current = replace(current, load_share=load)

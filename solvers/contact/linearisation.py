@@ -115,6 +115,9 @@ def linearised(
         problem.layer_mm_per_MPa,
     )
     old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
+    if state.bulk_step.any():
+        offset = facing_offset(problem, state, drive, holder_x)
+        old_displacement -= problem.stretched(state.bulk_step, pairing.nodes, offset)
     return Linearisation(
         pairing=pairing,
         before=before,

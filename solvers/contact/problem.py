@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from geometry.arrays import Array
+from geometry.arrays import Array, IntArray
 from solvers.contact_layer import ContactLayer, open_share
 from solvers.contact_state import ContactState, Holder, WearState
 from solvers.errors import SolverError
@@ -69,6 +69,19 @@ class ContactProblem:
         """The friction law as it is at k nodes."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
         return Friction(self.friction * factor, self.friction_law)
+
+    def stretched(self, step: Array, nodes: IntArray, offset: Array) -> Array:
+        """Motion (k, 3) of the upper against the lower surface at nodes of the primary by a step of bulk strain.
+
+        step: (2, 2, 2) of displacement gradients, see `ContactState`.  offset: (2,) where the bodies face each other.
+        Each surface stretches about its body's origin, the contact's centre.
+        """
+        own = self.primary.node_positions[nodes]
+        lower, upper = (own - offset, own) if self.primary_is_upper else (own, own - offset)
+        moved = np.zeros((len(nodes), 3))
+        for body, places, gradient, sign in ((self.upper, upper, step[1], 1.0), (self.lower, lower, step[0], -1.0)):
+            moved[:, :2] += sign * places @ body.world_to_patch.T @ gradient.T @ body.world_to_patch
+        return moved
 
     @property
     def unchanging(self) -> bool:

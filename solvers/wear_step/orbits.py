@@ -10,7 +10,7 @@ from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
-from solvers.contact.linearisation import faced, levers, vertical_gaps
+from solvers.contact.linearisation import faced, facing_offset, levers, vertical_gaps
 from solvers.contact_layer import layers_at_nodes
 from solvers.contact_state import ContactState
 from solvers.kept_code import compiled
@@ -182,6 +182,9 @@ def _relative_motion(
     nodes, motion = pairing.nodes, elastic
     motion[:, 0] += new.holder_x - old.holder_x - (new.drive - old.drive)
     motion[:, 2] += new.holder_z - old.holder_z + lever * (new.holder_tilt - old.holder_tilt)
+    step = new.bulk - old.bulk
+    if step.any():
+        motion += problem.stretched(step, nodes, facing_offset(problem, new, new.drive, new.holder_x))
     motion += problem.layer_mm_per_MPa * (new.traction[nodes] - old.traction[nodes])
     if problem.layers:
         other_depth = pairing.opposite.averaged(new.wear.secondary_depth.ravel()) / pairing.areas

@@ -73,8 +73,8 @@ class Symmetry:
         return 2 if self.half_cycle else 1
 
     def under(self, drive: Drive) -> "Symmetry":
-        """Those that a cycle of this drive has: both halves must be loaded alike."""
-        return self if drive.symmetric else replace(self, half_cycle=None)
+        """Those that a cycle of this drive has: both halves must be loaded alike, and no surface be sheared."""
+        return Symmetry(None if drive.shears else self.across, self.half_cycle if drive.symmetric else None)
 
 
 def symmetry_of(problem: ContactProblem) -> Symmetry:
@@ -142,7 +142,7 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     The largest over the cycle of half the area-weighted difference, over the largest load of the cycle, 0 to 1:
     numerical error alone, where bodies, rig and effects are symmetric. Under a held approach bodies may nearly part on
     their way: over the load of such a place a single node would count for much. None where there is no symmetry, or
-    the load differs.
+    load or bulk stress differ.
     Compared are states of the way out with those of the way back at the mirrored drive; where a way has more states
     than the other, those that it has alone are left out.
     """
@@ -158,7 +158,7 @@ def mirror_error(problem: ContactProblem, states: tuple[ContactState, ...], symm
     for state in states[: reversal + 1]:
         partner = later.get(round(mirror.sign_x * state.drive / unit))
         if partner is not None:
-            if abs(partner.load_share - state.load_share) > _SAME_DRIVE:
+            if abs(partner.load_share - state.load_share) > _SAME_DRIVE or (partner.bulk != state.bulk).any():
                 return None
             own, image = state.traction[:, 2], partner.traction[mirror.primary, 2]
             worst = max(worst, 0.5 * float(areas @ np.abs(own - image)))

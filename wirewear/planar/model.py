@@ -226,7 +226,7 @@ def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) ->
         holder=holder_of(study.holder, conditions.normal_load_N_per_mm),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
-        timing=DriveTiming(conditions.drive, conditions.frequency_Hz),
+        timing=DriveTiming(study.drive, conditions.frequency_Hz),
         wear=WearRates(
             upper_mm3_per_mJ=1e-3 * rates[0],
             lower_mm3_per_mJ=1e-3 * rates[1],

@@ -128,7 +128,7 @@ class PlanarRun:
 
         def motion(own: PlanarStudy) -> Motion:
             return Motion(
-                drive=own.conditions.drive,
+                drive=own.drive,
                 increments=n,
                 wear_increments=n,
                 follows_force=own.mesh.increments_per_cycle is None,

@@ -12,12 +12,13 @@ from solvers import Coulomb, Drive, EnergyLaw, FrictionLaw, Waveform, WearLaw
 from wirewear.base.errors import Quantity, StudyError
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
+from wirewear.study.bulk import BULK, BulkTable, bulk_of
 from wirewear.study.consistency import log_within, merged
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.layers import LAYERS, LayerTable, unfit_layers
 from wirewear.study.messages import validated
-from wirewear.study.programme import CycleBlock, Schedule, held_keys, too_many, worked_cycles
+from wirewear.study.programme import CycleBlock, Schedule, held_keys, placed, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import FrictionLawKey, HeldByDrive, Log, Stop, WearLawKey
@@ -78,6 +79,7 @@ class HeldTable(MaterialTable):
     )
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
     layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+    bulk: BulkTable | None = Field(None, description=BULK)
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
         """That body, held so."""
@@ -279,6 +281,12 @@ class PlanarStudy(keys.NamedTable):
         """Coatings and hard skins on both bodies, by their names."""
         return {"specimen": self.specimen.layers, "pad": self.pad.layers}
 
+    @property
+    def drive(self) -> Drive:
+        """Displacement, load and bulk stresses in the course of a cycle."""
+        bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]
+        return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
+
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""
         return self.model_dump(mode="json", exclude_none=True, exclude_unset=True)
@@ -371,7 +379,8 @@ def planar_study_from_tables(data: Mapping[str, Any], where: str) -> PlanarStudy
 
 def _under(alone: PlanarStudy, values: Mapping[str, Any]) -> PlanarStudy:
     """A study without a programme under the conditions of a block."""
-    tables = merged(alone.model_dump(mode="json", exclude_none=True), values)
+    tables = alone.model_dump(mode="json", exclude_none=True)
+    tables = merged(tables, placed(values, tables))
     return _checked(tables, f"the study {alone.name!r}").named(alone.variant_name)
 
 
@@ -382,13 +391,16 @@ def _checked(tables: Mapping[str, Any], where: str) -> PlanarStudy:
         raise StudyError(f"programme in {where} {told}.")
     for number, block in enumerate(study.programme, 1):
         alone = {key: value for key, value in tables.items() if key != "programme"}
-        _checked(merged(alone, block.values), f"block {number} of the programme in {where}")
+        _checked(merged(alone, placed(block.values, alone)), f"block {number} of the programme in {where}")
     return study.model_copy(update={"log": log_within(study.log, study.conditions.cycles, study.programme)})
 
 
-def _require_one_face(study: PlanarStudy, where: str) -> None:
+def _require_bodies(study: PlanarStudy, where: str) -> None:
     if (wanted := study.pad.missing_face(round_alone=study.kind == CYLINDER_ON_FLAT)) is not None:
         raise StudyError(f"[pad] in {where} does not say which face the pad has: {wanted}.")
+    for name in ("pad", "specimen"):
+        if (bulk := getattr(study, name).bulk) is not None and (told := bulk.unfit(is_round=False)):
+            raise StudyError(f"bulk in [{name}] of {where} {told}.")
 
 
 def _require_holder(study: PlanarStudy, where: str) -> None:
@@ -411,7 +423,7 @@ def _require_holder(study: PlanarStudy, where: str) -> None:
 def _require_consistent(study: PlanarStudy, where: str) -> None:
     if len(held := held_keys(study.conditions)) > 1:
         raise StudyError(f"{' and '.join(held)} in [conditions] of {where} are given, but a drive holds one of them.")
-    _require_one_face(study, where)
+    _require_bodies(study, where)
     _require_holder(study, where)
     wear = study.wear
     for body in ("pad", "specimen"):

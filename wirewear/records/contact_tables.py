@@ -16,6 +16,7 @@ from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, 
 from wirewear.results.scar import BODIES
 from wirewear.study import keys
 from wirewear.study.bodies import Body
+from wirewear.study.bulk import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
@@ -50,6 +51,7 @@ class RecordBody(keys.OfMaterial):
 
     height_mm: Extent | None = Field(None, description="height between the contact and where the body is held")
     half_width_mm: Extent | None = Field(None, description="half of the body's width along the motion")
+    bulk: BulkTable | None = Field(None, description=BULK)
 
     material: keys.MaterialName | None = Field(
         None, description="name of a material of the table, in place of its constants"
@@ -149,6 +151,11 @@ class LineTest(OfRecord):
     @property
     def length_mm(self) -> float:
         return self.contact.length_mm
+
+    @property
+    def bodies_of_test(self) -> tuple[RecordBody, RecordBody]:
+        """The specimen, which is driven, and the pad."""
+        return self.specimen, self.pad
 
     @property
     def depth_noise_um(self) -> float:

@@ -156,7 +156,7 @@ Tables = TypeVar("Tables", bound="AnyTables", default=RecordTables)
 Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=MeasuredScar)
 
 
-#: Where a record has what a block of a programme states in its tables.
+#: Where a record has what a block of a programme states in its tables, but for bulk stresses, which no loop tells.
 _IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 
 
@@ -167,8 +167,8 @@ def _schedule(tables: Any) -> Schedule[Any]:
 
     def under(values: Mapping[str, Any]) -> Any:
         own: dict[str, Any] = {}
-        for name, more in values.items():
-            table = _IN_TABLE[name]
+        for name in [one for one in _IN_TABLE if one in values]:
+            more, table = values[name], _IN_TABLE[name]
             before = own.get(table, getattr(tables, table))
             data = {**before.model_dump(exclude_unset=True), **more}
             own[table] = validated(type(before), data, f"a block of the programme of {tables.name!r}", RecordError)

@@ -138,7 +138,8 @@ class Cycler:
         if self.motion.held is not None and drive.amplitude_mm < abs(state.drive):
             return solvers.anew(current, state, drive, self.motion.wear_increments, watch)
         end = drive.end(1.0 if state.drive > 0.0 else -1.0)
-        state, reports = solvers.advance(current, state, float(end.drive[-1]), 0.0, load_share=float(end.load[-1]))
+        place, load = float(end.drive[-1]), float(end.load[-1])
+        state, reports = solvers.advance(current, state, place, 0.0, load_share=load, bulk=end.bulk[-1])
         for report in reports:
             watch(state, report)
         return state
@@ -180,7 +181,7 @@ class Cycler:
 
     def pressed(self, problem: solvers.ContactProblem) -> tuple[solvers.ContactState, solvers.IncrementReport]:
         """Fresh bodies under the normal load, at mid-stroke."""
-        state = self.motion.fresh(problem)
+        state = replace(self.motion.fresh(problem), bulk=self.motion.drive.mean_bulk)
         state, report = solvers.press(self.aged(problem, state, 0.0), state)
         self.tally.counters.count(report)
         return state, report
@@ -254,7 +255,7 @@ class Cycler:
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
             return solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
 
-        probe = forced if motion.drive.load.steady else None
+        probe = forced if motion.drive.steady else None
         start, trace, _ = self._holding(current, state, self._drive(state), cycle, watch, probe)
         self._latest = _Traced(problem, state, symmetry, start, trace, reports)
         return self._latest
@@ -271,7 +272,7 @@ class Cycler:
         current, motion = self.aged(problem, state, done), self.motion
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
         moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
-        steady = motion.drive.load.steady
+        steady = motion.drive.steady
         increments = motion.increments * (1 if steady or not motion.follows_force else _FINER)
 
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:

@@ -215,7 +215,7 @@ class RunPlan:
     def _motion(self, study: Study) -> Motion:
         """That of a block."""
         return Motion(
-            drive=study.conditions.drive,
+            drive=study.drive,
             increments=self.discretisation.increments_per_cycle,
             wear_increments=self.discretisation.increments_per_wear_cycle,
             follows_force=study.fidelity(self.fidelity).increments_per_cycle is None,

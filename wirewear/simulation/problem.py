@@ -127,7 +127,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
         holder=holder_of(study),
         friction=study.contact.friction,
         friction_law=study.contact.friction_law,
-        timing=solvers.DriveTiming(study.conditions.drive, study.conditions.frequency_Hz),
+        timing=solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
         wear=wear_rates(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,
@@ -205,7 +205,7 @@ def under_conditions(problem: solvers.ContactProblem, study: Study) -> solvers.C
         holder=holder_of(study),
         friction=contact.friction,
         friction_law=contact.friction_law,
-        timing=solvers.DriveTiming(study.conditions.drive, study.conditions.frequency_Hz),
+        timing=solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
         wear=wear_rates(study),
     )
 

@@ -12,6 +12,7 @@ from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering,
 from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
+from wirewear.study.bulk import BulkTable
 from wirewear.study.faces import Face, half_width_of
 from wirewear.study.layers import LayerTable
 from wirewear.study.surfaces import StatedSurface
@@ -32,6 +33,7 @@ class Body(ABC):
     """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards.
 
     surface: as it was measured before the test, None of one that has its unworn shape.  layers: on it, outermost first.
+    bulk: stress that it carries beside the contact.
     """
 
     name: str
@@ -41,6 +43,7 @@ class Body(ABC):
     axis_angle_deg: float
     surface: StatedSurface | None = field(default=None, kw_only=True)
     layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)
+    bulk: BulkTable | None = field(default=None, kw_only=True)
 
     @property
     def material(self) -> Elastic:

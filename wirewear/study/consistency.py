@@ -4,12 +4,13 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from wirewear.base.errors import StudyError
+from wirewear.study.bodies import Wire
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import Inconsistency
 from wirewear.study.layers import unfit_layers
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.programme import CycleBlock, held_keys, logged_ends, too_many
+from wirewear.study.programme import CycleBlock, held_keys, logged_ends, placed, too_many
 from wirewear.study.tables import ContactTables, Log, StudyTables
 
 #: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
@@ -60,7 +61,7 @@ def checked_tables(
         raise StudyError(f"{keys[-1]} {place(keys, where, spelled)} {problem}{variant}.")
     for number, block in enumerate(tables.programme, 1):
         alone = {key: value for key, value in data.items() if key != "programme"}
-        checked_tables(merged(alone, block.values), f"block {number} of the programme in {where}")
+        checked_tables(merged(alone, placed(block.values, alone)), f"block {number} of the programme in {where}")
     return tables.model_copy(update={"log": log_within(tables.log, tables.conditions.cycles, tables.programme)})
 
 
@@ -80,6 +81,7 @@ def inconsistency(tables: ContactTables) -> Inconsistency | None:
         lambda own: own.contradiction(),
         _wear,
         _layers,
+        _bulk,
         _holder,
         _effects,
         _explicit,
@@ -125,6 +127,13 @@ def _layers(tables: ContactTables) -> Inconsistency | None:
     stated = [layer for body in tables.bodies_of_test() for layer in body.layers]
     told = unfit_layers(stated, tables.contact.friction)
     return None if told is None else Inconsistency(("bodies", "layers"), told)
+
+
+def _bulk(tables: ContactTables) -> Inconsistency | None:
+    for body in tables.bodies_of_test():
+        if body.bulk is not None and (told := body.bulk.unfit(is_round=isinstance(body, Wire))):
+            return Inconsistency(("bodies", body.name, "bulk"), told)
+    return None
 
 
 def _holder(tables: ContactTables) -> Inconsistency | None:

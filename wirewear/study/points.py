@@ -10,6 +10,7 @@ from wirewear.base.errors import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
+from wirewear.study.bulk import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.keys import Inconsistency
 from wirewear.study.layers import LAYERS, LayerTable
@@ -47,6 +48,7 @@ class GrippedBody(keys.OfMaterial):
     )
     surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
     layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+    bulk: BulkTable | None = Field(None, description=BULK)
 
     def block(
         self, name: str, curvatures: tuple[float, float], size_mm: float, axis_angle_deg: float = 0.0
@@ -55,7 +57,7 @@ class GrippedBody(keys.OfMaterial):
         held = (self.youngs_modulus_MPa, self.poissons_ratio, self.grip_stiffness_N_per_mm3)
         extents = (self.half_width_mm, self.height_mm, size_mm)
         stated = BlockBody(name, *held, axis_angle_deg, curvatures, *extents, surface=self.surface)
-        return replace(stated, layers=self.layers)
+        return replace(stated, layers=self.layers, bulk=self.bulk)
 
 
 class _Diameter(keys.Table):
@@ -173,6 +175,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
             bore_mm=self.bore_mm or 0.0,
             surface=self.surface,
             layers=self.layers,
+            bulk=self.bulk,
         )
 
 

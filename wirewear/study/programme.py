@@ -19,6 +19,7 @@ _OF_THE_TEST = {
     "conditions": ("cycles", "motion_angle_deg", "approach_um"),
     "contact": ("formulation", "primary_wire"),
     "wear": ("update", "explicit_jump_cycles"),
+    "bulk": (),
 }
 MOST_BLOCKS = 10_000  #: Of a test, repeated ones counted: each is at least a cycle jump of some hundredths of a second.
 
@@ -46,12 +47,22 @@ class CycleBlock(keys.Table):
     conditions: Annotated[Values, _values_of("conditions")] = Field({}, description="load, stroke and frequency in it")
     contact: Annotated[Values, _values_of("contact")] = Field({}, description="friction in it, as where it is greased")
     wear: Annotated[Values, _values_of("wear")] = Field({}, description="wear in it")
+    bulk: Annotated[Values, _values_of("bulk")] = Field({}, description="bulk stress in it, by the bodies' names")
 
     @property
     def values(self) -> dict[str, Values]:
         """The tables that it states."""
-        every = {"conditions": self.conditions, "contact": self.contact, "wear": self.wear}
-        return {name: table for name, table in every.items() if table}
+        return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
+
+
+def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str, Any]:
+    """A block's values where they stand among a study's tables: a bulk stress in that of its body."""
+    found: dict[str, Any] = {name: own for name, own in values.items() if name != "bulk"}
+    if "bulk" in values:
+        bodies = {name: {"bulk": own} for name, own in values["bulk"].items()}
+        home = next((name for name in ("bodies", "wires") if name in tables), None)
+        found |= bodies if home is None else {home: bodies}
+    return found
 
 
 @dataclass(frozen=True)

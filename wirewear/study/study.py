@@ -7,16 +7,17 @@ from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, TypeVar, cast
 
-from solvers import FrictionLaw, WearLaw
+from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base import notebook
 from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.bodies import Body
+from wirewear.study.bulk import bulk_of
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.layers import LayerTable
-from wirewear.study.programme import Schedule, worked_cycles
+from wirewear.study.programme import Schedule, placed, worked_cycles
 from wirewear.study.tables import (
     Conditions,
     Contact,
@@ -150,6 +151,11 @@ class Study:
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
         """Coatings and hard skins on both bodies, by their names."""
         return {body.name: body.layers for body in self.bodies}
+
+    @property
+    def drive(self) -> Drive:
+        """Displacement, load and bulk stresses in the course of a cycle."""
+        return replace(self.conditions.drive, bulk=bulk_of([(body.bulk, body.material) for body in self.bodies]))
 
     @property
     def holder(self) -> HolderTable:
@@ -327,7 +333,8 @@ class Study:
 
 def _under(alone: Study, values: Mapping[str, Any]) -> Study:
     """A study without a programme under the conditions of a block."""
-    tables = merged(alone.tables.model_dump(mode="json", exclude_none=True), values)
+    tables = alone.tables.model_dump(mode="json", exclude_none=True)
+    tables = merged(tables, placed(values, tables))
     return replace(alone, tables=checked_tables(tables, f"the study {alone.name!r}"))
 
 

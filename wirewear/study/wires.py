@@ -9,6 +9,7 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
+from wirewear.study.bulk import BULK, BulkTable
 from wirewear.study.layers import LAYERS, LayerTable
 from wirewear.study.surfaces import StatedSurface
 
@@ -49,6 +50,7 @@ class WireOverride(keys.OfMaterial):
     )
     surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
     layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+    bulk: BulkTable | None = Field(None, description=BULK)
 
 
 class Wires(keys.OfMaterial):

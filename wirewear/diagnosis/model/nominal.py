@@ -91,14 +91,16 @@ def require_foreseen(record: AnyRecord) -> None:
     """See that the fast model foresees the loops that are looked at of a record.
 
     Raises:
-        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, or they are of
-            a block whose stroke is shorter than another's.
+        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, a body carries a
+            bulk stress, or they are of a block whose stroke is shorter than another's.
     """
     asked, held = record.tables.conditions, held_keys(record.tables.conditions)
     if asked.load_cycle is not None:
         raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNFORESEEN}.")
     if held:
         raise RecordError(f"the drive of {record.name!r} holds {held[0].removeprefix('held_')}{_UNFORESEEN}.")
+    if any(one.bulk for one in (*record.tables.bodies_of_test, *record.tables.programme)):
+        raise RecordError(f"a body of the record {record.name!r} carries a bulk stress{_UNFORESEEN}.")
     if record.within_longer_strokes:
         raise RecordError(
             f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "

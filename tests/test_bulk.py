@@ -1,0 +1,153 @@
+"""Bulk stresses: closed forms of a bar, how far they shift the stick zone of a contact, what studies state of them."""
+
+from copy import deepcopy
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import solvers
+from geometry.arrays import Array
+from tests.bodies import STEEL, crossed_wires
+from tests.studies import coarse
+from tests.test_planar_study import TABLES
+from tests.test_programme import LONG, block
+from wirewear import StudyError
+from wirewear.base.errors import RecordError
+from wirewear.diagnosis.model.nominal import require_foreseen
+from wirewear.planar import PlanarStudy, planar_study_from_tables
+from wirewear.planar.model import bodies, plan, planar_problem
+from wirewear.records import read_record, record_of_result, write_record
+from wirewear.records.values import believed_study
+from wirewear.simulation.runs import simulate
+
+TENSION = "[wires.fixed.bulk]\naxial_stress_MPa = 400\naxial_stress_amplitude_MPa = 150\nphase_deg = 90\n"
+
+
+def test_a_bar_carries_the_force_and_the_moments_of_its_stresses() -> None:
+    """N = σ A, M = σ π R³/4 and T = τ π R³/2, over a disc in polar coordinates."""
+    radius = 0.2
+    r, angle = np.meshgrid((np.arange(400) + 0.5) * radius / 400, np.arange(64) * np.pi / 32, indexing="ij")
+    y, z = (r * np.cos(angle)).ravel(), (r * np.sin(angle)).ravel()
+    area = (r * radius / 400 * np.pi / 32).ravel()
+    bar = solvers.BulkStress(STEEL, (300.0, 0.0, 0.0), (0.0, 80.0, 50.0), 0.5 * np.pi)
+    points = np.column_stack([np.zeros_like(y), y, z - radius])
+    at_rest, later = bar.at(np.array([0.0, 0.25]), points, radius)
+    assert area @ at_rest[:, 0] == pytest.approx(300.0 * np.pi * radius**2)
+    assert np.abs(at_rest[:, 1:]).max() < 1e-12
+    assert (area * z) @ later[:, 0] == pytest.approx(80.0 * np.pi * radius**3 / 4.0, rel=1e-4)
+    torque = (area * y) @ later[:, 5] - (area * z) @ later[:, 3]
+    assert torque == pytest.approx(-50.0 * np.pi * radius**3 / 2.0, rel=1e-4)
+
+
+@pytest.mark.parametrize("plane_strain", [False, True])
+def test_a_surface_is_strained_as_its_stress_says_by_hookes_law(plane_strain: bool) -> None:
+    bar = solvers.BulkStress(STEEL, (300.0, -120.0, 0.0 if plane_strain else 60.0), plane_strain=plane_strain)
+    xx, yy, zz, xy, _, _ = bar.at(np.zeros(1), np.zeros((1, 3)), 0.2)[0, 0]
+    gradient = bar.gradient(bar.nominal(np.zeros(1)))[0]
+    nu, modulus = STEEL.poissons_ratio, STEEL.youngs_modulus_MPa
+    assert gradient[0, 0] == pytest.approx((xx - nu * (yy + zz)) / modulus)
+    assert gradient[1, 1] == pytest.approx((yy - nu * (xx + zz)) / modulus, abs=1e-18)
+    assert gradient[0, 1] + gradient[1, 0] == pytest.approx(xy / STEEL.shear_modulus_MPa)
+
+
+def test_a_wire_across_the_motion_contracts_along_it_and_both_wires_stretch_about_the_contact() -> None:
+    problem, nodes = crossed_wires(0.01), np.arange(7)
+    pulled = solvers.BulkStress(STEEL, (210.0, 0.0, 0.0))
+    step = pulled.gradient(np.array([pulled.mean, pulled.mean]))
+    offset, own = np.array([0.003, 0.0]), problem.primary.node_positions[nodes]
+    lower = own - offset
+    expected = 1e-3 * (own * [-0.3, 1.0] - lower * [1.0, -0.3])
+    np.testing.assert_allclose(problem.stretched(step, nodes, offset)[:, :2], expected, atol=1e-15)
+
+
+STRESS_MPa, ELEMENT_um = 200.0, 8.0
+
+
+def stretched(body: str, stress: dict[str, float]) -> PlanarStudy:
+    tables: dict[str, Any] = deepcopy(TABLES) | {"wear": {}, "mesh": {"contact_mesh_um": ELEMENT_um}}
+    held = {"height_mm": 30.0, "half_width_mm": 15.0}
+    tables["pad"] |= {"radius_mm": 20.0} | held
+    tables["specimen"] |= held
+    tables["conditions"] |= {"normal_load_N_per_mm": 200.0, "displacement_amplitude_um": 5.0}
+    tables[body]["bulk"] = stress
+    return planar_study_from_tables(tables, "study.toml")
+
+
+def stuck(before: solvers.ContactState, after: solvers.ContactState, x: Array) -> tuple[float, float]:
+    """The ends of the zone that sticks over an increment."""
+    still = x[(after.traction[:, 2] > 0.0) & (after.primary_slid == before.primary_slid)]
+    return float(still.min()), float(still.max())
+
+
+@pytest.mark.parametrize(("body", "sign"), [("specimen", -1.0), ("pad", 1.0)])
+@pytest.mark.parametrize("key", ["axial_stress_amplitude_MPa", "bending_stress_amplitude_MPa"])
+def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, sign: float, key: str) -> None:
+    """By a σ / 4 µ p0 against the motion of the body that is pulled at its end (Int. J. Mech. Sci. 29 (1987) 355)."""
+    study = stretched(body, {key: STRESS_MPa})
+    planned, friction = plan(study, "quick"), study.contact.friction
+    problem = planar_problem(study, *bodies(study, planned))
+    fresh = replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk)
+    state, trace = solvers.run_cycle(
+        problem, solvers.first_quarter(problem, solvers.press(problem, fresh)[0], study.drive, 32), study.drive, 32, 0.0
+    )
+    element, line = 1e-3 * ELEMENT_um, planned.hertz
+    shift = STRESS_MPa * line.half_width_mm / (4.0 * friction * line.peak_pressure_MPa)
+    assert shift > 2.0 * element
+    for before, after in ((trace.states[-2], state), (trace.states[14], trace.states[15])):
+        low, high = stuck(before, after, problem.primary.node_positions[:, 0])
+        share = abs(float(problem.surface.areas @ after.traction[:, 0])) / (friction * 200.0)
+        radius = line.half_width_mm * np.sqrt(1.0 - share)
+        assert 0.5 * (low + high) == pytest.approx(sign * shift, abs=element)
+        assert 0.5 * (high - low) == pytest.approx(radius, abs=element)
+
+
+def test_no_half_of_a_cycle_mirrors_the_other_where_a_body_is_stretched_within_it() -> None:
+    alternating = coarse(LONG + TENSION).drive
+    steady = coarse(LONG + TENSION.replace("amplitude_MPa = 150", "amplitude_MPa = 0")).drive
+    twisted = coarse(LONG + "[wires.fixed.bulk]\ntorsion_stress_MPa = 50\n").drive
+    symmetry = solvers.symmetry_of(crossed_wires(0.01))
+    assert symmetry.across is not None
+    assert symmetry.half_cycle is not None
+    assert symmetry.under(steady) == symmetry
+    assert symmetry.under(alternating) == replace(symmetry, half_cycle=None)
+    assert symmetry.under(twisted) == replace(symmetry, across=None)
+
+
+def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
+    wires = coarse(LONG + TENSION + block(100) + block(100, "bulk.fixed.axial_stress_amplitude_MPa = 250"))
+    assert [own.study.drive.bulk[1].amplitude[0] for own in wires.schedule.stretches[:2]] == [150.0, 250.0]
+    assert {own.study.drive.bulk[1].mean[0] for own in wires.schedule.stretches} == {400.0}
+    tables = deepcopy(TABLES) | {"programme": [{"cycles": 9}, {"cycles": 9, "bulk": {"specimen": {"phase_deg": 90}}}]}
+    lines = planar_study_from_tables(tables, "study.toml").schedule.stretches
+    assert [len(own.study.drive.bulk) for own in lines[:2]] == [0, 2]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (TENSION.replace("400", '"much"'), r"axial_stress_MPa in \[wires.fixed.bulk\] .*must be a number"),
+        (block(9, "bulk.third.phase_deg = 3"), r"unknown key 'third' in \[wires\] of block 1"),
+        (block(9, "bulk.fixed = 3"), r"bulk in \[wires.fixed\] of block 1 .*must be a table"),
+    ],
+)
+def test_a_bulk_stress_that_cannot_be_is_told_with_its_place(text: str, told: str) -> None:
+    with pytest.raises(StudyError, match=told):
+        coarse(LONG + text)
+
+
+def test_torsion_is_of_round_bars() -> None:
+    with pytest.raises(StudyError, match=r"bulk in \[pad\] .*gives a torsion stress, which is of round bars"):
+        stretched("pad", {"torsion_stress_MPa": 10.0})
+
+
+def test_a_record_states_the_bulk_stress_of_its_test_which_is_not_diagnosed(tmp_path: Path) -> None:
+    text = LONG.replace("cycles = 400", "cycles = 2") + TENSION + block(1) + block(1, "bulk.fixed.phase_deg = 0")
+    record = record_of_result(simulate(coarse(text), fidelity="quick"))
+    write_record(tmp_path, record)
+    believed = believed_study(read_record(tmp_path).tables)
+    assert [own.study.drive.bulk[1].phase_rad for own in believed.schedule.stretches] == [0.5 * np.pi, 0.0]
+    with pytest.raises(RecordError, match=r"a body of the record .* carries a bulk stress, which the fast model does"):
+        require_foreseen(record)
