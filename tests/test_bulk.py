@@ -10,18 +10,26 @@ import pytest
 
 import solvers
 from geometry.arrays import Array
-from tests.bodies import STEEL, crossed_wires
+from solvers.bulk import section_stress
+from tests.bodies import STEEL, RADIUS_mm, crossed_wires
+from tests.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse
 from tests.test_planar_study import TABLES
 from tests.test_programme import LONG, block
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.nominal import require_foreseen
-from wirewear.planar import PlanarStudy, planar_study_from_tables
+from wirewear.interior.bodies import body_states
+from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.planar.model import bodies, plan, planar_problem
+from wirewear.planar.pictures import planar_states
 from wirewear.records import read_record, record_of_result, write_record
 from wirewear.records.values import believed_study
+from wirewear.results import read_result
+from wirewear.results.hdf5 import write_result
 from wirewear.simulation.runs import simulate
+from wirewear.verification import QUICK
+from wirewear.verification.line_contact import bulk_rows
 
 TENSION = "[wires.fixed.bulk]\naxial_stress_MPa = 400\naxial_stress_amplitude_MPa = 150\nphase_deg = 90\n"
 
@@ -82,9 +90,11 @@ def stuck(before: solvers.ContactState, after: solvers.ContactState, x: Array) -
     return float(still.min()), float(still.max())
 
 
-@pytest.mark.parametrize(("body", "sign"), [("specimen", -1.0), ("pad", 1.0)])
-@pytest.mark.parametrize("key", ["axial_stress_amplitude_MPa", "bending_stress_amplitude_MPa"])
-def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, sign: float, key: str) -> None:
+@pytest.mark.parametrize(
+    ("body", "key", "sign"),
+    [("specimen", "axial_stress_amplitude_MPa", -1.0), ("pad", "bending_stress_amplitude_MPa", 1.0)],
+)
+def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, key: str, sign: float) -> None:
     """By a σ / 4 µ p0 against the motion of the body that is pulled at its end (Int. J. Mech. Sci. 29 (1987) 355)."""
     study = stretched(body, {key: STRESS_MPa})
     planned, friction = plan(study, "quick"), study.contact.friction
@@ -102,6 +112,42 @@ def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, 
         radius = line.half_width_mm * np.sqrt(1.0 - share)
         assert 0.5 * (low + high) == pytest.approx(sign * shift, abs=element)
         assert 0.5 * (high - low) == pytest.approx(radius, abs=element)
+
+
+def test_stick_zone_and_tension_at_the_trailing_edge_of_a_pulled_flat_are_those_of_closed_forms() -> None:
+    assert [row for row in bulk_rows(QUICK) if not row.passed] == []
+
+
+BULK = np.array([300.0, 120.0, 60.0])
+
+
+def test_stresses_inside_a_wire_are_those_of_the_contact_and_of_the_bar() -> None:
+    run = run_with_forces()
+    alone = body_states(run, "fixed", CYCLE, ["end-forward"])[0]
+    pulled = [replace(one, bulk_stress_MPa=np.tile(BULK, (len(one.phase), 1))) for one in run.contact_forces]
+    state = body_states(replace(run, contact_forces=tuple(pulled)), "fixed", CYCLE, ["end-forward"])[0]
+    of_bar = section_stress(BULK, alone.places_mm, RADIUS_mm)
+    np.testing.assert_allclose(state.stress - alone.stress, of_bar, atol=0.01)
+    np.testing.assert_allclose(state.reaction_N, alone.reaction_N, atol=1e-9)
+
+
+@pytest.mark.parametrize("of", ["wires", "line"])
+def test_a_run_keeps_the_bulk_stress_of_each_position_and_its_fields_have_it(of: str, tmp_path: Path) -> None:
+    if of == "wires":
+        own, result = "fixed", simulate(coarse(LONG.replace("cycles = 400", "cycles = 1") + TENSION), fidelity="quick")
+    else:
+        own = "specimen"
+        tension = {"axial_stress_MPa": 400.0, "axial_stress_amplitude_MPa": 150.0, "phase_deg": 90.0}
+        result = run_planar_study(stretched(own, tension), fidelity="quick")
+    write_result(tmp_path / "result.h5", result)
+    forces = read_result(tmp_path / "result.h5").forces(1, own)
+    assert forces.bulk_stress_MPa is not None
+    axial = 400.0 + 150.0 * np.sin(2.0 * np.pi * forces.phase)
+    np.testing.assert_allclose(forces.bulk_stress_MPa, axial[:, None] * [1.0, 0.0, 0.0], atol=1e-9)
+    if of == "line":
+        state = planar_states(result, own, 1, ["mid-back"], worn=False)[0]
+        far = int(np.abs(state.places_mm[:, 0]).argmax())
+        np.testing.assert_allclose(state.stress[far, :3], 550.0 * np.array([1.0, 0.3, 0.0]), atol=25.0)
 
 
 def test_no_half_of_a_cycle_mirrors_the_other_where_a_body_is_stretched_within_it() -> None:

@@ -51,8 +51,9 @@ class BodyState(InnerState[WornBody]):
 
     @cached_property
     def reaction_N(self) -> Array:
-        """Forces of the grip on its nodes (h, 3) in N, from the stresses inside."""
-        inner = self.body.points.internal_forces(self.stress_at_points) - self.applied
+        """Forces of the grip on its nodes (h, 3) in N, from the contact's stresses inside."""
+        points = self.body.points
+        inner = points.internal_forces(points.stresses(self.body.material, self.displacement)) - self.applied
         return np.asarray(inner[self.body.mesh.surface_nodes("grip")])
 
     @cached_property
@@ -231,7 +232,7 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
 
     Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa.  Cell data:
-    von_mises_MPa, scaled_jacobian.
+    von_mises_MPa, scaled_jacobian.  Field data: bulk_stress_MPa of a body that carries any.
     """
     import pyvista
 
@@ -248,6 +249,8 @@ def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.Uns
     points["hydrostatic_MPa"] = hydrostatic(stress)
     cells["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
     cells["scaled_jacobian"] = mesh.scaled_jacobians()
+    if state.forces.bulk_stress_MPa is not None:
+        grid.field_data["bulk_stress_MPa"] = state.forces.bulk_stress_MPa[state.position]
     return grid
 
 

@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
+from solvers.bulk import section_stress
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, scattered, tensors
 from wirewear.results import ContactForces
@@ -78,8 +79,22 @@ class InnerState(Generic[B]):
 
     @cached_property
     def stress_at_points(self) -> Array:
-        """Stresses (m, q, 6) at the integration points of the m elements: what the finite elements compute."""
-        return self.body.points.stresses(self.body.material, self.displacement)
+        """Stresses (m, q, 6) at the integration points of the m elements."""
+        return self.stress_at(self.body.points)
+
+    def stress_at(self, points: IntegrationPoints) -> Array:
+        """Stresses (m, q, 6) at some of the body's integration points: what the finite elements compute of the
+        contact's forces, and the bulk stress of a bar whose axis lies at the middle of the body's height.
+        """
+        found, bulk = points.stresses(self.body.material, self.displacement), self.forces.bulk_stress_MPa
+        if bulk is None:
+            return found
+        mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
+        across = 0.0
+        if isinstance(mesh, QuadMesh):
+            places, across = _beneath(places), self.body.material.poissons_ratio
+        depth = -0.5 * float(mesh.points[:, -1].min())
+        return found + section_stress(bulk[self.position], places, depth, across).reshape(found.shape)
 
     @cached_property
     def stress(self) -> Array:
@@ -107,9 +122,7 @@ class InnerState(Generic[B]):
     def places_mm(self) -> Array:
         """The nodes (n, 3); those of a planar body at y = 0."""
         points = self.body.mesh.points
-        if points.shape[1] == 3:
-            return points
-        return np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]])
+        return points if points.shape[1] == 3 else _beneath(points)
 
     @property
     def node_sizes(self) -> Array:
@@ -138,6 +151,11 @@ class InnerState(Generic[B]):
     def world_points_um(self, points_mm: Array) -> Array:
         """Points (k, 3) of the body's own axes in the axes of the test, in µm."""
         return np.asarray(1e3 * points_mm @ self.to_world.T + self.origin_um)
+
+
+def _beneath(points: Array) -> Array:
+    """Points (n, 2) of a planar body at y = 0, (n, 3)."""
+    return np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]])
 
 
 _DIRECTIONS = 240

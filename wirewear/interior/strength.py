@@ -72,7 +72,7 @@ def _stresses(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
     body = states[0].body
     points = body.points.around(nodes)
-    return np.array([points.at_nodes(points.stresses(body.material, state.displacement)) for state in states])
+    return np.array([points.at_nodes(state.stress_at(points)) for state in states])
 
 
 @dataclass(frozen=True)

@@ -50,6 +50,16 @@ def line_traction_after_reversal(
     return first - 2.0 * line_loading_traction(contact, friction, x_mm, change)
 
 
+def line_stick_shift(contact: LineContact, friction: float, bulk_stress_MPa: float) -> float:
+    """Shift e = a σ/(4 µ p0) of the stick zone of like bodies by a bulk tension σ of one, in phase with Q, mm.
+
+    Friction µp0 √(1 − x²/a²) strains the surfaces against each other by 4 (1 − ν²) µp0 x/(aE). What a middle of
+    half-width c about e lacks of it, µp0 (c/a) √(1 − (x − e)²/c²), leaves 4 (1 − ν²) µp0 e/(aE) there, which makes up
+    for the bulk strain (1 − ν²) σ/E (Nowell & Hills, Int. J. Mech. Sci. 29 (1987) 355; while e + c <= a).
+    """
+    return float(contact.half_width_mm * bulk_stress_MPa / (4.0 * friction * contact.peak_pressure_MPa))
+
+
 def half_plane_line_stiffness(
     first: Elastic, second: Elastic, half_width_mm: float, contact_length_mm: float, depth_mm: float = 5.0
 ) -> float:
@@ -119,8 +129,10 @@ def line_partial_slip_stress(
     peak_pressure_MPa: float,
     friction: float,
     poissons_ratio: float,
+    stick_centre_mm: float = 0.0,
 ) -> Array:
-    """Stresses (..., 6) at first loading in partial slip: sliding on the whole less that on the sticking middle.
+    """Stresses (..., 6) at first loading in partial slip: sliding on the whole less that on the sticking middle, which
+    a bulk stress shifts, see `line_stick_shift`; that stress itself is not in them.
 
     On the surface, friction adds −2 µ p0 √(x² − c²)/a where it slips and nothing where it sticks (Hills & Nowell,
     Mechanics of Fretting Fatigue, 1994, section 4.2). Raises ValueError for widths that are not positive or a middle
@@ -139,7 +151,7 @@ def line_partial_slip_stress(
         poissons_ratio=poissons_ratio,
     )
     middle = line_stress(
-        x_mm,
+        np.asarray(x_mm, float) - stick_centre_mm,
         z_mm,
         half_width_mm=stick_half_width_mm,
         peak_pressure_MPa=0.0,

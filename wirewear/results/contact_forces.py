@@ -148,6 +148,8 @@ class ContactForces:
     `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
     flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
     out of its surface. `geometry` and `material` make a body's mesh anew; a line contact's follows from its study.
+    `bulk_stress_MPa` (k, 3): axial, bending and torsion stress that the body carries beside the contact, named by what
+    they are there, see `solvers.BulkStress`; None of a body that carries none.
     Raises ResultError if arrays do not fit together, or are not finite.
     """
 
@@ -163,17 +165,22 @@ class ContactForces:
     axis_angle_deg: float = 0.0
     geometry: BodyGeometry | None = None
     material: Elastic | None = None
+    bulk_stress_MPa: Array | None = None
 
     def __post_init__(self) -> None:
         where = f"contact forces of cycle {self.cycle}"
         columns = {name: float_array(f"{where}: {name}", getattr(self, name), 1) for name in POSITION_COLUMNS}
         columns["force_N"] = float_array(f"{where}: force_N", self.force_N, 3)
+        if self.bulk_stress_MPa is not None:
+            columns["bulk_stress_MPa"] = float_array(f"{where}: bulk_stress_MPa", self.bulk_stress_MPa, 2)
         for name, values in columns.items():
             require_finite(f"{where}: {name}", values)
             object.__setattr__(self, name, values)
         wanted = (len(self.phase), len(self.nodes), 3)
         if self.force_N.shape != wanted or any(len(columns[name]) != wanted[0] for name in POSITION_COLUMNS):
             raise ResultError(f"{where}: force_N must have shape {wanted}, not {self.force_N.shape}")
+        if self.bulk_stress_MPa is not None and self.bulk_stress_MPa.shape != (wanted[0], 3):
+            raise ResultError(f"{where}: bulk_stress_MPa must have shape {(wanted[0], 3)}")
 
     @property
     def meshed(self) -> tuple[BodyGeometry, Elastic]:

@@ -16,7 +16,8 @@ Layout (format 3; format 1 has no checksum behind it); every name carries its un
     /contact_forces/NNNN         forces on a body in a logged cycle, attributes: cycle, body, axis_angle_deg,
                                  of maps geometry (JSON), youngs_modulus_MPa, poissons_ratio; data sets phase,
                                  drive_um, holder_x_um, holder_z_um, tangential_force_N (k,), nodes (m,) of integers,
-                                 force_N (k, m, 3), compressed once a run has ended; the group is missing in older files
+                                 force_N (k, m, 3), compressed once a run has ended, bulk_stress_MPa (k, 3) of bodies
+                                 that carry any; the group is missing in older files
 
 Format 2 says `wire` in place of `body`, is of crossed wires, and knows no tilt. Line contacts had a format of their
 own, see `earlier_lines`.
@@ -145,6 +146,8 @@ def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping
         group.attrs["geometry"] = json.dumps(forces.geometry.as_table())
         group.attrs.update(asdict(forces.material))
     _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
+    if forces.bulk_stress_MPa is not None:
+        _write_arrays(group, {"bulk_stress_MPa": forces.bulk_stress_MPa})
     group.create_dataset("force_N", data=forces.force_N, track_times=False, **compression)
 
 
@@ -161,7 +164,11 @@ def _forces(group: h5py.Group) -> ContactForces:
         body=_body(attributes),
         axis_angle_deg=float(attributes["axis_angle_deg"]),
         **made_of,
-        **{name: group[name][()] for name in (*POSITION_COLUMNS, "nodes", "force_N")},
+        **{
+            name: group[name][()]
+            for name in (*POSITION_COLUMNS, "nodes", "force_N", "bulk_stress_MPa")
+            if name in group
+        },
     )
 
 

@@ -177,6 +177,47 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
     return tuple(rows)
 
 
+#: Bulk tension of the flat over µp0, which shifts the stick zone by a fifth of the contact's half-width.
+_BULK_SHARE = 0.8
+
+
+def bulk_rows(level: Level) -> tuple[Row, ...]:
+    """Shift and half-width of the stick zone of a cylinder on a flat that is pulled as it is moved, and the tension at
+    the trailing edge of the flat, where all stresses add up.
+    """
+    exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
+    tension = _BULK_SHARE * FRICTION * exact.peak_pressure_MPa
+    a, element = exact.half_width_mm, exact.half_width_mm / level.line_surface_resolution
+    problem = cylinder_on_flat(element)
+    pressed, _ = press(problem, unloaded_state(problem))
+    drive = to_force(problem, pressed, _SURFACE_SHARE * FRICTION * LOAD_N_per_mm).drive
+    flat = solvers.BulkStress(MATERIAL, (tension, 0.0, 0.0), plane_strain=True)
+    bulk = solvers.Drive(drive, bulk=(flat, solvers.BulkStress(MATERIAL))).mean_bulk
+    state = pressed
+    for share in np.linspace(0.0, 1.0, level.slip_increments + 1)[1:]:
+        state, _reports = advance(problem, state, share * drive, 0.0, bulk=share * bulk)
+    used = abs(tangential_force(state)) / (FRICTION * LOAD_N_per_mm)
+    # Tilted normals alone give tractions along x.
+    lacking = FRICTION * state.traction[:, 2] - np.abs(_shear(state) - _shear(pressed))
+    weight = problem.primary.node_areas * lacking
+    centre = float(weight @ problem.primary.node_positions[:, 0] / weight.sum())
+    shift, ratio = reference.line_stick_shift(exact, FRICTION, tension), reference.line_stick_ratio(used, 1.0)
+    body = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad_geometry(element).along))
+    found = largest_tension(body, forces_on_bodies(problem, state)[1]) + tension
+    name = f"Nowell–Hills, Q = {used:.2f} µP, tension {_BULK_SHARE:g} µp0, mesh a/{level.line_surface_resolution:g}"
+    return (
+        compared(name, "shift of the stick zone [mm]; error in elements", -centre, shift, 1.0, scale=element),
+        compared(name, "stick zone c/a", half_width(problem, lacking) / a, ratio, _TOLERANCE),
+        compared(
+            name,
+            "tension at the edge, flat [MPa]",
+            found,
+            _exact_tension(exact, used, shift) + tension,
+            level.line_surface_tolerance,
+        ),
+    )
+
+
 def largest_tension(body: PlanarMesh, force_N_per_mm: Array) -> float:
     """Largest stress along the surface of a body where its contact ends, by forces (n, 3) on its patch's nodes."""
     nodes = body.patch.nodes.ravel()
@@ -191,8 +232,10 @@ def largest_tension(body: PlanarMesh, force_N_per_mm: Array) -> float:
     return float(found[:, 0].max())
 
 
-def _exact_tension(contact: reference.LineContact, share: float) -> float:
-    """At first loading to that share of the force of sliding: 2 µ p0 √share."""
+def _exact_tension(contact: reference.LineContact, share: float, shift_mm: float = 0.0) -> float:
+    """At first loading to that share of the force of sliding, without a bulk stress: 2 µ p0 √share if none shifts the
+    stick zone away from that edge.
+    """
     stress = reference.line_partial_slip_stress(
         -contact.half_width_mm,
         0.0,
@@ -201,5 +244,6 @@ def _exact_tension(contact: reference.LineContact, share: float) -> float:
         peak_pressure_MPa=contact.peak_pressure_MPa,
         friction=FRICTION,
         poissons_ratio=MATERIAL.poissons_ratio,
+        stick_centre_mm=shift_mm,
     )
     return float(stress[0])

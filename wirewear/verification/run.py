@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 from wirewear.verification.hertz import ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows, surface_rows
-from wirewear.verification.line_contact import line_contact_rows, line_surface_rows, stuck_line_rows
+from wirewear.verification.line_contact import bulk_rows, line_contact_rows, line_surface_rows, stuck_line_rows
 from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
 from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
 from wirewear.verification.rows import Level, Row
@@ -22,6 +22,7 @@ FAMILIES: tuple[Family, ...] = (
     ("stresses inside the bodies", interior_rows),
     ("tension at the contact's edge", surface_rows),
     ("tension at a line contact's edge", line_surface_rows),
+    ("bulk stress under a line contact", bulk_rows),
     ("partial slip", partial_slip_rows),
     ("wear under partial slip", partial_slip_wear_rows),
     ("a whole run in partial slip", partial_slip_run_rows),
