@@ -170,6 +170,7 @@ def test_a_difference_within_the_tolerance_is_no_gap_and_is_stated_with_its_size
     assert (answer.causes[0].effect, answer.causes[0].probability) == ("none", 1.0)
     relevance = answer.to_json()["relevance"]
     assert (relevance["detected"], relevance["relevant"]) == (True, False)
+    assert {name for members in answer.plausible for name in members} >= {"none", "free_play"}
     # A flank is late by half of the play or, where the other one reaches into it, by more, up to the whole of it.
     assert 0.5 * PLAY_um <= 60.0 * relevance["largest"]["relative"] <= PLAY_um
     assert "free play" in answer.sentence

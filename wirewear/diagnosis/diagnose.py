@@ -15,7 +15,7 @@ from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search, search, updated
-from wirewear.diagnosis.infer.sets import masses, next_measurement, plausible
+from wirewear.diagnosis.infer.sets import Classes, joined, masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import (
     Weighed,
@@ -274,7 +274,10 @@ def judged(
     relevance = relevance_of(made if named else where, tolerance, detected=weighed.verdict != "no_gap")
     dispersion = max(found.remainder.misfit, 1.0)
     behind = _causes(found, weighed, dispersion)
+    groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
+    inside: Classes = ()
     if relevance.detected and not relevance.relevant:
+        inside = plausible(weighed.verdict, masses(((one.effect, one.probability) for one in behind), groups))
         weighed = weighed.without_gap()
     best = explained if relevance.relevant else found.none
     own = {member for name in best.names for member in weighed.class_of(name)}
@@ -284,7 +287,6 @@ def judged(
         weighed = weighed.refuted(best.names)
     verdict = weighed.verdict
     causes = _causes(found, weighed, dispersion)
-    groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     equivalent = tuple(members for members in groups if len(members) > 1 and verdict != "no_gap")
     partial = _partial(found, weighed, dispersion, left_over) if verdict == "unexplained" else None
     resembles: tuple[Resemblance, ...] = ()
@@ -319,7 +321,8 @@ def judged(
         ),
         resembles=resembles,
         partial=partial,
-        plausible=plausible(verdict, known, unseen),
+        # A difference that does not matter has a cause, too.
+        plausible=joined(plausible(verdict, known, unseen), inside),
         relevance=relevance,
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)

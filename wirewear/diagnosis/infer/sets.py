@@ -87,8 +87,12 @@ def plausible(verdict: str, known: Mapping[tuple[str, ...], float], undetectable
             break
         kept.append(members)
         before += known[members]
-    unseen = _unseen(verdict, undetectable)
-    return (*kept, *((name,) for name in unseen if not any(name in members for members in kept)))
+    return joined(tuple(kept), tuple((name,) for name in _unseen(verdict, undetectable)))
+
+
+def joined(first: Classes, second: Classes) -> Classes:
+    """One set and, after it, the classes of another that share no effect with it."""
+    return (*first, *(members for members in second if not any(set(members) & set(kept) for kept in first)))
 
 
 def _unseen(verdict: str, undetectable: Sequence[str]) -> tuple[str, ...]:
