@@ -8,14 +8,28 @@ import numpy as np
 import pytest
 
 from solvers import SolverError
+from tests.diagnosis_cases import record
+from tests.frozen_states import frozen_states
 from tests.studies import COARSE, WEARING, coarse
 from tests.test_planar_study import TABLES
-from wirewear import StudyError
+from wirewear import StudyError, load_study
+from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.model.candidates import library, nominal_setup
+from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.forward import simulate as simulate_fast
+from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.observe.evolution import half_width, loop_area
+from wirewear.effects.drive import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
+from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.planar import planar_study_from_tables, run_planar_study
+from wirewear.records.exporting import record_of_result
 from wirewear.simulation.ending import FIGURES, Ending
 from wirewear.simulation.runs import run_study, simulate
+from wirewear.study.programme import held_keys
 from wirewear.study.tables import Stop
+
+STEEL_WIRES = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
 
 ON_A_RIG = (
     COARSE.replace("cycles = 1\n", "cycles = 200\n{held}\n")
@@ -118,3 +132,62 @@ def test_no_end_is_foreseen_of_a_figure_that_is_young_or_does_not_grow(figures: 
 
 def test_every_figure_that_a_study_may_state_is_known() -> None:
     assert set(FIGURES) == set(Stop.model_fields)
+
+
+CYCLES = np.geomspace(1.0, 1e5, 11)
+
+
+def driven(held: str, **effect: float) -> LoopCourse:
+    """Fast loops of the steel wires under a drive that holds 45 um of slip or 0.2 mJ a cycle."""
+    conditions = nominal_study(record(repeats=1)).conditions
+    setup = nominal_setup(
+        nominal_study(record(repeats=1)).changed({"conditions": {held: 45.0 if "um" in held else 0.2}}), "sensor"
+    )
+    assert setup.amplitude_um < conditions.displacement_amplitude_um
+    return simulate_fast(frozen_states(), setup.with_effect(HeldDisplacement(**effect)) if effect else setup, CYCLES)
+
+
+@pytest.mark.parametrize(("held", "target"), [("held_slip_amplitude_um", 45.0), ("held_energy_mJ", 0.2)])
+def test_the_fast_model_holds_what_the_drive_holds_by_an_amplitude_that_grows_as_walls_do(
+    held: str, target: float
+) -> None:
+    course = driven(held)
+    x, q = course.displacement_um, course.tangential_force_N
+    assert (half_width(x, q) if "um" in held else loop_area(x, q)) == pytest.approx(target, rel=2e-3)
+    assert np.all(np.diff(0.5 * np.ptp(x, axis=(1, 2))[6:]) > 0.0)
+
+
+def test_a_drive_that_holds_its_displacement_loses_slip_where_it_was_to_hold_that() -> None:
+    course = driven("held_slip_amplitude_um", displacement_amplitude_um=53.0)
+    assert 0.5 * np.ptp(course.displacement_um, axis=(1, 2)) == pytest.approx(53.0, rel=1e-3)
+    # As by the full simulation, 44.99 at first and 41.55 at last; these wear states are those of a stroke of 60 um.
+    slip = half_width(course.displacement_um, course.tangential_force_N)
+    assert slip[[0, -1]] == pytest.approx([44.99, 41.55], rel=0.015)
+
+
+def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_to_hold_something_else() -> None:
+    study = nominal_study(record(repeats=1))
+    slipping = study.changed({"conditions": {"held_slip_amplitude_um": 45.0}})
+    names = [{one.name for one in library(nominal_setup(own, "sensor"))} for own in (study, slipping)]
+    assert names[1] - names[0] == {"held_displacement"}
+
+
+def test_an_effect_has_all_blocks_hold_its_displacement() -> None:
+    block = "[[programme]]\ncycles = 1\nconditions.held_slip_amplitude_um = 4.0\n"
+    study = coarse(held("held_slip_amplitude_um = 8.0") + block)
+    moved = study.with_effects(HeldDisplacement(displacement_amplitude_um=30.0)).driven
+    assert [held_keys(own.study.conditions) for own in moved.schedule.stretches] == [[]]
+    assert moved.envelope.conditions.displacement_amplitude_um == 30.0
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("truly", [(), (HeldDisplacement(displacement_amplitude_um=53.0),)])
+def test_a_rig_that_held_its_displacement_in_place_of_the_slip_is_told_from_one_that_held_it(truly: Any) -> None:
+    study = load_study(STEEL_WIRES).variant("compliant").changed({"conditions": {"held_slip_amplitude_um": 45.0}})
+    result = simulate(study.with_effects(*truly), fidelity="quick")
+    sensor = Sensor(noise=SensorNoise(displacement_um=0.15, tangential_force_N=0.008))
+    found = diagnose(record_of_result(result, sensor=sensor, repeats=3)).diagnosis
+    assert found.verdict == ("explained" if truly else "no_gap")
+    if truly:
+        assert found.causes[0].effect == "held_displacement"
+        assert found.causes[0].parameters["displacement_amplitude_um"].value == pytest.approx(53.0, rel=0.01)

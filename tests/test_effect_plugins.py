@@ -215,6 +215,7 @@ def chain() -> Chain:
         cycles=CYCLES,
         energy_J=2.5e-4 * CYCLES,
         worn_um3=7.5 * CYCLES,
+        amplitude_um=nothing + 20.0,
         load_N=nothing + 2.0,
         misalignment_rad=nothing,
         friction=nothing + 0.62,

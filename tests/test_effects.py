@@ -39,6 +39,7 @@ FIXED = {
     "displacement_load_coupling": ["linear_um_per_N", "quadratic_um_per_N2"],
     "force_crosstalk": ["coefficient"],
     "sensor_lag": ["time_s"],
+    "held_displacement": ["displacement_amplitude_um"],
 }
 
 everyone = pytest.mark.parametrize("kind", effects.all_effects().values(), ids=list(effects.all_effects()))
@@ -67,12 +68,12 @@ def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_ali
     }
     assert {measurement: len(texts) for measurement, texts in answers.items()} == {
         effects.measurements.SECOND_HEIGHT: 3,
-        effects.measurements.ENCODER: 4,
+        effects.measurements.ENCODER: 5,
         effects.measurements.NORMAL_FORCE: 4,
         effects.measurements.HALF_LOAD: 6,
         effects.measurements.INTERRUPTED_SCARS: 6,
         effects.measurements.LOWER_FREQUENCY: 6,
-        effects.measurements.EARLY_LOOPS: 4,
+        effects.measurements.EARLY_LOOPS: 5,
         effects.measurements.SCAR_MAPS: 6,
         effects.measurements.OTHER_STROKE: 1,
         effects.measurements.CLEANED_SCARS: 2,
@@ -90,6 +91,7 @@ DESCRIPTIONS: dict[effects.Seam, Any] = {
     effects.Seam.CONTACT: effects.ContactLaw(0.62),
     effects.Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
     effects.Seam.SPECIMENS: effects.Specimens(90.0),
+    effects.Seam.DRIVE: effects.Control(20.0),
     effects.Seam.LOADING: effects.Loading(2.0),
     effects.Seam.SENSOR: Sensor(),
 }
@@ -284,8 +286,8 @@ def fingerprint_of(name: str) -> Fingerprint:
 
 
 def test_every_effect_has_a_fingerprint_below() -> None:
-    # Loops of so few cycles do not show where the scar wears.
-    assert set(SIZES) == set(all_effects()) - {"contact_oxygenation"}
+    # Loops of so few cycles do not show where the scar wears, and another stroke is no other loop.
+    assert set(SIZES) == set(all_effects()) - {"contact_oxygenation", "held_displacement"}
     assert set(PLATEAU) | set(STICK) == set(SIZES)
     assert set(ENERGY) == set(SIZES)
 

@@ -251,6 +251,7 @@ BUDGETS = {
     # 310 are programmes: blocks of a study, their schedule, meshes for all of them, the change from one to the next.
     # 170 are records of tests by blocks, one of which is looked at.
     # 350 are drives that hold a figure of the loop by their amplitude, and stops, foreseen and met.
+    # 150 are held drives in the fast model, and the effect of one that holds its displacement; 70 of the tests for it.
     # 700 are laws of friction and wear that know of place, speed and history, and layers that wear through.
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.

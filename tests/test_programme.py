@@ -170,7 +170,10 @@ def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_no
     ):
         fit_record(record)
     steady = record.tables.conditions.model_copy(update={"load_cycle": None})
-    with pytest.raises(RecordError, match=r"the drive of .* holds energy_mJ, which the fast model does not foresee"):
+    steady = steady.model_copy(update={"held_energy_mJ": None, "held_tangential_force_N": 1.0})
+    with pytest.raises(
+        RecordError, match=r"holds its tangential force, which says nothing of how far the bodies slide"
+    ):
         fit_record(replace(record, tables=record.tables.model_copy(update={"conditions": steady})))
 
 

@@ -24,6 +24,7 @@ from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
 from wirewear.simulation import NoObserver
+from wirewear.study.programme import held_keys
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
 if TYPE_CHECKING:
@@ -86,7 +87,9 @@ def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[A
 
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:
     """The true stroke's half, by the fast model: a drive that follows a wrong sensor misses what was asked."""
-    setup = diagnosed.search.best.setup
+    setup, asked = diagnosed.search.best.setup, diagnosed.study.conditions
+    if held_keys(asked):
+        return float(asked.displacement_amplitude_um)  # the run finds its own
     if setup.drive == "stroke" or not any(effect.seam is Seam.SENSOR for effect in setup.effects):
         return setup.amplitude_um
     read = simulate(diagnosed.states, setup, cycles)

@@ -6,11 +6,11 @@ from wirewear.effects.listing import all_measurements, splits, told_apart_by
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
 from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named, effects_of_tables, tables_of_effects
-from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens, applied, problem_with
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens, applied, problem_with
 
 __all__ = [
-    "ENTRY_POINT_GROUP", "Age", "Ageing", "Answer", "Chain", "ContactLaw", "Effect", "Loading", "Measurement",
-    "Parameter", "Quantity", "Seam", "Size", "Specimens", "Stated", "UnforeseenError", "all_effects",
+    "ENTRY_POINT_GROUP", "Age", "Ageing", "Answer", "Chain", "ContactLaw", "Control", "Effect", "Loading",
+    "Measurement", "Parameter", "Quantity", "Seam", "Size", "Specimens", "Stated", "UnforeseenError", "all_effects",
     "all_measurements", "applied", "effect_named", "effects_of_tables", "parameter", "problem_with", "splits",
     "tables_of_effects", "told_apart_by",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
 from inspect import getdoc
-from math import degrees, pi, radians
+from math import degrees, isnan, nan, pi, radians
 from operator import attrgetter
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 
@@ -20,7 +20,7 @@ from solvers import Holder, WearRates
 from wirewear.base.errors import StudyError, shown
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, plain
-from wirewear.effects.seams import Age, Ageing, ContactLaw, Loading, Seam, Specimens
+from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens
 from wirewear.loops.sensor import Sensor
 
 T = TypeVar("T")
@@ -39,6 +39,7 @@ class Chain:
         radius_um, fresh_area_um2: of a gap alike in all directions or a cylinder, and of the contact before any wear.
         cycles, energy_J: how far the test has come.
         worn_um3: volume that both wires have lost.
+        amplitude_um: of the displacement that the drive holds, NaN where it holds another figure of the loop.
         load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
         friction: coefficient.
         wear_um3_per_mJ: worn volume of both wires per friction energy.
@@ -59,6 +60,7 @@ class Chain:
     cycles: Array
     energy_J: Array
     worn_um3: Array
+    amplitude_um: Array
     load_N: Array
     misalignment_rad: Array
     friction: Array
@@ -156,6 +158,12 @@ _VIEWS: dict[Seam, _SeamView] = {
         lambda error, flattening: Specimens(90.0 + degrees(error), 1e-3 * flattening),
         lambda wires: (radians(wires.crossing_angle_deg - 90.0), 1e3 * wires.flattening_mm),
     ),
+    Seam.DRIVE: _SeamView(
+        ("amplitude_um",),
+        (),
+        lambda amplitude: Control(None if isnan(amplitude) else amplitude),
+        lambda control: (nan if control.displacement_amplitude_um is None else control.displacement_amplitude_um,),
+    ),
     Seam.LOADING: _SeamView(
         ("load_N", "misalignment_rad"),
         _other(Loading, "normal_load_N", "misalignment_rad"),
@@ -200,6 +208,8 @@ class Effect(ABC, Generic[T]):
     needs_load: ClassVar[bool] = False
     #: Whether it needs cycle jumps that know whole cycles: not the explicit update.
     needs_whole_cycles: ClassVar[bool] = False
+    #: Whether a diagnosis considers it only where the drive is stated to hold another figure than its amplitude.
+    of_held_drives: ClassVar[bool] = False
     #: The kinds of contact of which a diagnosis considers it; all where there are none.
     contacts: ClassVar[tuple[str, ...]] = ()
 
@@ -264,9 +274,9 @@ class Effect(ABC, Generic[T]):
         }
 
     @classmethod
-    def considered_for(cls, contact: str) -> bool:
-        """Whether a diagnosis of this kind of contact considers it."""
-        return _meant(cls.contacts, contact)
+    def considered_for(cls, contact: str, held: str) -> bool:
+        """Whether a diagnosis of this kind of contact considers it; held: what its drive holds, if no stroke."""
+        return _meant(cls.contacts, contact) and (bool(held) or not cls.of_held_drives)
 
     @classmethod
     def forms(cls, contact: str | None = None) -> dict[str, Parameter]:

@@ -8,6 +8,7 @@ from typing import Any
 from solvers.plugins import installed
 from wirewear.base.errors import StudyError, shown
 from wirewear.effects.contact import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
+from wirewear.effects.drive import HeldDisplacement
 from wirewear.effects.effect import Effect
 from wirewear.effects.holder import (
     CrossingAngleError,
@@ -31,6 +32,7 @@ LIBRARY: tuple[EffectType, ...] = (
     TangentialCompliance, RotationalCompliance, FreePlay, FrictionOffset, FrictionEvolution, RoughnessCompliance,
     ThirdBodyLayer, Plasticity, CrossingAngleError, Misalignment, NormalLoadDrift, WearRateOffset, WearRateEvolution,
     ContactOxygenation, DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag,
+    HeldDisplacement,
 )  # fmt: skip
 
 

@@ -15,6 +15,7 @@ class Seam(StrEnum):
     CONTACT = "contact"  #: ContactLaw
     WEAR = "wear"  #: solvers.WearRates
     SPECIMENS = "specimens"  #: Specimens
+    DRIVE = "drive"  #: Control
     LOADING = "loading"  #: Loading
     SENSOR = "sensor"  #: wirewear.loops.sensor.Sensor
 
@@ -54,6 +55,15 @@ class Specimens:
 
     crossing_angle_deg: float
     flattening_mm: float = 0.0
+
+
+@dataclass(frozen=True)
+class Control:
+    """What the drive holds, as it is before the first cycle: this amplitude of its displacement, µm, or, where that is
+    None, the figure of the loop that is stated.
+    """
+
+    displacement_amplitude_um: float | None
 
 
 @dataclass(frozen=True)

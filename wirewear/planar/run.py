@@ -105,7 +105,7 @@ class PlanarRun:
     @classmethod
     def of(cls, study: PlanarStudy, fidelity: str) -> "PlanarRun":
         """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
-        return cls(study, fidelity, plan(study.envelope, fidelity))
+        return cls(study, fidelity, plan(study.driven.envelope, fidelity))
 
     @property
     def label(self) -> str:
@@ -124,7 +124,7 @@ class PlanarRun:
 
     @property
     def test(self) -> FrettingTest:
-        study, n = self.study, self.planned.increments_per_cycle
+        study, driven, n = self.study, self.study.driven, self.planned.increments_per_cycle
 
         def motion(own: PlanarStudy) -> Motion:
             return Motion(
@@ -138,11 +138,11 @@ class PlanarRun:
                 held=held_of(own, own.contact.friction, holder_of(own.holder, own.conditions.normal_load_N_per_mm)),
             )
 
-        stretches = study.schedule.stretches
+        stretches = driven.schedule.stretches
         motions = {own.block: motion(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
-        mesh = OneMesh(lambda: planar_problem(study, *bodies(study, self.planned)))
+        mesh = OneMesh(lambda: planar_problem(driven, *bodies(driven, self.planned)))
         return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance, stop=study.stop)
 
 

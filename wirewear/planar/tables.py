@@ -18,7 +18,7 @@ from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, dr
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.layers import LAYERS, LayerTable, unfit_layers
 from wirewear.study.messages import validated
-from wirewear.study.programme import CycleBlock, Schedule, held_keys, placed, too_many, worked_cycles
+from wirewear.study.programme import CycleBlock, Schedule, as_driven, held_keys, placed, too_many, worked_cycles
 from wirewear.study.reading import variants_in
 from wirewear.study.surfaces import StatedSurface
 from wirewear.study.tables import FrictionLawKey, HeldByDrive, Log, Stop, WearLawKey
@@ -242,6 +242,12 @@ class PlanarStudy(keys.NamedTable):
     def named(self, variant: str) -> "PlanarStudy":
         """The study as the variant of that name."""
         return self._with(variant, ())
+
+    @property
+    def driven(self) -> "PlanarStudy":
+        """The study as its drive moves the bodies, which effects may change."""
+        conditions, blocks = as_driven(self.conditions, self.programme, self.effects)
+        return self.model_copy(update={"conditions": conditions, "programme": blocks})
 
     @property
     def schedule(self) -> Schedule["PlanarStudy"]:

@@ -10,6 +10,7 @@ from wirewear.loops.analysis import EARLY, ELLIPSE, HIDDEN, LATE, MAY_DRIFT, RUN
 from wirewear.loops.cleaning import BACKWARDS, DRIFTS
 from wirewear.records.normal_force import impossible_loads
 from wirewear.records.remarks import COURSE, FEWEST_SAMPLES, CheckedRecord, Remark, coarse_step_of, plural, where
+from wirewear.study.programme import held_keys
 
 #: What of the analysis' notes nothing here has words of its own for.
 NOTED = (LATE, EARLY, RUNS_ON, BACKWARDS, DRIFTS, MAY_DRIFT, ELLIPSE, HIDDEN)
@@ -100,6 +101,8 @@ def units(checked: CheckedRecord) -> Iterator[Remark]:
     s, conditions = checked.statistics, checked.record.tables.conditions
     ratio = s.displacement_amplitude_um / conditions.displacement_amplitude_um
     odd = np.abs(ratio - 1.0) > ODD_AMPLITUDE
+    if held_keys(conditions):
+        odd &= (ratio > 1.0) | (ratio < 1.0 / OTHER_UNIT)  # a drive that holds something else has that at most
     if odd.any():
         middle = float(np.nanmedian(ratio[odd]))
         unit = {-3: ": it looks like millimetres", 3: ": it looks like nanometres"}.get(_decade(middle), "")

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from scipy.optimize import brentq
@@ -12,7 +12,7 @@ from geometry.arrays import Array, IntArray
 from solvers import ContactState, CycleTrace, Holder, SolverError
 from wirewear.effects import Age, Seam, applied
 from wirewear.loops.sensor import LoopSignals, Sensor, enclosed_area
-from wirewear.study.programme import held_keys
+from wirewear.study.programme import held_by
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
 MOST_CORRECTIONS = 12
@@ -223,27 +223,24 @@ def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
 
 def held_of(study: Any, friction: float, holder: Holder) -> HeldFigure | None:
     """What a study's drive holds in place of its amplitude, None where it holds that."""
-    conditions = study.conditions
-    key = next(iter(held_keys(conditions)), None)
-    if key is None:
+    stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
+    if stated is None:
         return None
-    target, largest_mm = float(getattr(conditions, key)), 1e-3 * conditions.displacement_amplitude_um
-    rig_mm_per_N, friction_N = holder.compliance_at_contact_mm_per_N, friction * holder.normal_load_N
-    carried_mm = friction_N * rig_mm_per_N
+    friction_N = friction * holder.normal_load_N
     sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
-    figure, _, unit = key.removeprefix("held_").partition("_")
-    per_mm: Callable[[CycleTrace], float] | None = lambda _: 1e3  # noqa: E731
+    unit, per_mm = "um", cast("Callable[[CycleTrace], float] | None", lambda _: 1e3)
     measure: Measure
-    match figure:
+    match stated.figure:
         case "slip":
-            measure, unit, first_mm = _slip_um, "um", 1e-3 * target + carried_mm
+            measure = _slip_um
         case "motion":
-            measure, first_mm = _apart_um, 1e-3 * target + carried_mm
+            measure = _apart_um
         case "reading":
-            measure, first_mm = partial(_read_um, sensor), 1e-3 * target
+            measure = partial(_read_um, sensor)
         case "energy":
-            measure, per_mm = _energy_mJ, lambda trace: 4.0 * _largest_force_N(trace)
-            first_mm = target / (4.0 * friction_N) + carried_mm if friction_N else largest_mm
+            measure, unit, per_mm = _energy_mJ, "mJ", lambda trace: 4.0 * _largest_force_N(trace)
         case _:
-            measure, unit, per_mm, first_mm = _largest_force_N, "N", None, 0.3 * largest_mm + target * rig_mm_per_N
-    return HeldFigure(key, target, unit, largest_mm, measure, per_mm, min(first_mm, largest_mm))
+            measure, unit, per_mm = _largest_force_N, "N", None
+    carried_um = 1e3 * friction_N * holder.compliance_at_contact_mm_per_N
+    first_mm = 1e-3 * stated.first_um(friction_N, carried_um, largest_um)
+    return HeldFigure(stated.key, stated.value, unit, 1e-3 * largest_um, measure, per_mm, first_mm)

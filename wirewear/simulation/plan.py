@@ -189,12 +189,13 @@ class RunPlan:
     @classmethod
     def of(cls, study: Study, fidelity: str) -> "RunPlan":
         """The plan of a study at a fidelity. Raises StudyError if the study cannot be discretised."""
-        largest = study.envelope
+        driven = study.driven
+        largest = driven.envelope
         discretisation = discretise(largest, fidelity)
         stages = mesh_stages(largest, fidelity, discretisation)
         spare = spare_stages(largest, fidelity, discretisation, stages[-1])
         moves = level_of(WIRE_LEVELS, fidelity).move_nodes_at_stages or study.mesh.move_nodes_at_stages
-        meshes = PointMeshes(study, discretisation.expected, stages, spare, moves)
+        meshes = PointMeshes(driven, discretisation.expected, stages, spare, moves)
         return cls(study, fidelity, discretisation, meshes)
 
     @property
@@ -205,7 +206,7 @@ class RunPlan:
     @property
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
-        wear, stretches = self.study.wear, self.study.schedule.stretches
+        wear, stretches = self.study.wear, self.study.driven.schedule.stretches
         motions = {own.block: self._motion(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         jump = wear.explicit_jump_cycles if wear else None

@@ -10,6 +10,8 @@ from typing import Annotated, Any, Generic, TypeVar
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import counted, shown
+from wirewear.effects import Age, Control, Seam, applied
+from wirewear.effects.seams import ChangesASeam
 from wirewear.study import keys
 
 AnyStudy = TypeVar("AnyStudy")
@@ -21,6 +23,7 @@ _OF_THE_TEST = {
     "wear": ("update", "explicit_jump_cycles"),
     "bulk": (),
 }
+_AMPLITUDE = "displacement_amplitude_um"
 MOST_BLOCKS = 10_000  #: Of a test, repeated ones counted: each is at least a cycle jump of some hundredths of a second.
 
 
@@ -124,6 +127,63 @@ def held_keys(conditions: object) -> list[str]:
     """The keys by which conditions state what the drive holds in place of its amplitude: one, or they contradict."""
     known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
     return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
+
+
+@dataclass(frozen=True)
+class Held:
+    """What a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N).
+
+    value: of the key's contact, a line contact's millimetre.
+    """
+
+    key: str
+    value: float
+
+    @property
+    def figure(self) -> str:
+        return self.key.split("_")[1]
+
+    def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:
+        """Amplitude of the drive at which a contact that slides as one spring holds it; largest_um: the drive's.
+
+        carried_um: how far friction carries the rig.
+        """
+        match self.figure:
+            case "slip" | "motion":
+                first = self.value + carried_um
+            case "reading":
+                first = self.value
+            case "energy":
+                first = 1e3 * self.value / (4.0 * friction_N) + carried_um if friction_N else largest_um
+            case _:
+                first = 0.3 * largest_um + self.value * (carried_um / friction_N if friction_N else 0.0)
+        return min(first, largest_um)
+
+
+def held_by(conditions: object) -> Held | None:
+    """What the drive holds in place of its amplitude, None where it holds that."""
+    key = next(iter(held_keys(conditions)), None)
+    return None if key is None else Held(key, float(getattr(conditions, key)))
+
+
+Asked = TypeVar("Asked", bound=keys.Table)
+
+
+def as_driven(
+    conditions: Asked, blocks: tuple[CycleBlock, ...], effects: Sequence[ChangesASeam]
+) -> tuple[Asked, tuple[CycleBlock, ...]]:
+    """Conditions and blocks as the drive makes them, which effects may have hold its displacement in all of them."""
+    own = [*(key for key in type(conditions).model_fields if key.startswith("held_")), _AMPLITUDE]
+    holds = held_keys(conditions) or [key for block in blocks for key in block.conditions if key in own[:-1]]
+    stated = Control(None if holds else getattr(conditions, _AMPLITUDE))
+    control = applied(effects, Seam.DRIVE, stated, Age.new())
+    if control == stated:
+        return conditions, blocks
+    changed = conditions.model_copy(update=dict.fromkeys(own[:-1]) | {_AMPLITUDE: control.displacement_amplitude_um})
+    rest = [{key: value for key, value in block.conditions.items() if key not in own} for block in blocks]
+    return changed, tuple(
+        block.model_copy(update={"conditions": left}) for block, left in zip(blocks, rest, strict=True)
+    )
 
 
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:

@@ -17,7 +17,7 @@ from wirewear.study.consistency import checked_tables, default_loop_cycles, inco
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.layers import LayerTable
-from wirewear.study.programme import Schedule, placed, worked_cycles
+from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
 from wirewear.study.tables import (
     Conditions,
     Contact,
@@ -166,6 +166,14 @@ class Study:
     def effects(self) -> tuple[Effect[Any], ...]:
         """Effects that the nominal model lacks."""
         return self.tables.effects
+
+    @property
+    def driven(self) -> Study:
+        """The study as its drive moves the bodies, which effects may change."""
+        conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
+        if conditions is self.conditions:
+            return self
+        return replace(self, tables=self.tables.model_copy(update={"conditions": conditions, "programme": blocks}))
 
     @cached_property
     def schedule(self) -> Schedule[Study]:

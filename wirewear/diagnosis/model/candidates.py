@@ -145,7 +145,7 @@ def library(setup: Setup) -> tuple[Candidate, ...]:
             kind, setup.stated, dict(zip(kind.choices(), words, strict=True)), setup.scales, setup.contact_kind
         )
         for kind in all_effects().values()
-        if kind.considered_for(setup.contact_kind) and _foreseen(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and _foreseen(kind, setup)
         for words in product(*kind.choices().values())
     )
 
@@ -160,7 +160,7 @@ def unforeseen(setup: Setup) -> tuple[str, ...]:
     return tuple(
         name
         for name, kind in all_effects().items()
-        if kind.considered_for(setup.contact_kind) and not _foreseen(kind, setup)
+        if kind.considered_for(setup.contact_kind, setup.held) and not _foreseen(kind, setup)
     )
 
 

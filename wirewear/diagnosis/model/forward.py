@@ -147,7 +147,7 @@ def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, 
         layer = _Layer.of(states, chain, slip)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
-            slip = np.maximum(slip + _missing_amplitude(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
+            slip = np.maximum(slip + _missing_slip(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
         energy = readings.loop_energy(contact, slip)
     return chain, slip, energy
 
@@ -228,15 +228,29 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.clip(share, 0.0, 3.0)
 
 
-def _missing_amplitude(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
-    """Asked amplitude less that of the reading (or of the true stroke) at the present slip."""
+def _missing_slip(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
+    """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
     tip = contact.force_N[:, readings.END]
     stroke = slip + readings.elastic_of(contact) * tip + 0.5 * chain.free_play_um
+    if setup.held:
+        missing = _missing_held(setup, chain, contact, slip)
+        return np.where(np.isnan(chain.amplitude_um), missing, chain.amplitude_um - stroke)
     if setup.drive == "sensor":
         if chain.linear_um_per_N.any() or chain.quadratic_um_per_N2.any():
-            return (setup.amplitude_um - _half_reading(chain, *readings.branch_of(contact, chain, slip))) / chain.gain
-        return setup.amplitude_um / chain.gain - stroke
-    return setup.amplitude_um - stroke
+            return (chain.amplitude_um - _half_reading(chain, *readings.branch_of(contact, chain, slip))) / chain.gain
+        return chain.amplitude_um / chain.gain - stroke
+    return np.asarray(chain.amplitude_um - stroke)
+
+
+def _missing_held(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
+    """The same of a drive that holds a figure of the loop in place of its amplitude."""
+    target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, readings.END]
+    if setup.held == "energy":
+        per_um = 2e-3 * np.trapezoid(contact.force_N, readings.POSITIONS, axis=1)
+        return np.asarray((target - readings.loop_energy(contact, slip)) / per_um)
+    if setup.held == "motion":
+        return np.asarray(target - slip - (readings.elastic_of(contact) - chain.compliance_um_per_N) * tip)
+    return target - readings.slip_amplitude(contact, slip)
 
 
 def _half_reading(chain: Chain, x: Array, q: Array) -> Array:

@@ -137,7 +137,7 @@ class LineStates(WearStates):
             load_drop_N=np.maximum(load - normal, 0.0),
             lift_N=loop_states.smoothed(volume, lift),
             scars=np.zeros((volume.size, 2, 4)),
-            stroke_um=float(study["conditions"]["displacement_amplitude_um"]),
+            stroke_um=loop_states.stroke_um(result),
             length_um=length_um,
             full_slip=float(np.median(full)),
             contact=contact,

@@ -125,6 +125,11 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
     return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
 
 
+def stroke_um(result: RunResult) -> float:
+    """Half of the longest stroke of a run's loops, which the drive comes to where it holds something else."""
+    return max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops)
+
+
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:
     """Load in mid-stroke of a sliding contact at positions s/δ (n,), and coefficients of the rest over `LIFT_POWERS`.
 

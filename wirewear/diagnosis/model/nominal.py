@@ -16,7 +16,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
 from wirewear.results.scar import called
 from wirewear.study.bodies import Gap
-from wirewear.study.programme import held_keys
+from wirewear.study.programme import held_by, held_keys
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -94,11 +94,14 @@ def require_foreseen(record: AnyRecord) -> None:
         RecordError: its load varies within the cycle, its drive holds another figure than the stroke, a body carries a
             bulk stress, or they are of a block whose stroke is shorter than another's.
     """
-    asked, held = record.tables.conditions, held_keys(record.tables.conditions)
+    asked, held = record.tables.conditions, held_by(record.tables.conditions)
     if asked.load_cycle is not None:
         raise RecordError(f"the record {record.name!r} has a load that varies within the cycle{_UNFORESEEN}.")
-    if held:
-        raise RecordError(f"the drive of {record.name!r} holds {held[0].removeprefix('held_')}{_UNFORESEEN}.")
+    if held is not None and held.figure == "tangential":
+        raise RecordError(
+            f"the drive of {record.name!r} holds its tangential force, which says nothing of how far the bodies slide"
+            f"{_UNFORESEEN}."
+        )
     if any(one.bulk for one in (*record.tables.bodies_of_test, *record.tables.programme)):
         raise RecordError(f"a body of the record {record.name!r} carries a bulk stress{_UNFORESEEN}.")
     if record.within_longer_strokes:
@@ -132,6 +135,7 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
         },
         "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
         "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
+        **{key: (getattr(believed, key) or 0.0, getattr(asked, key) or 0.0) for key in held_keys(asked)},
     }
     _require_the_same(record, study, pairs)
     return study

@@ -59,6 +59,14 @@ def loop_energy(contact: SlidingContact, slip: Array) -> Array:
     return 1e-3 * (sliding + share * contact.force_N[:, 0] ** 2 * contact.yielding_um_per_N)
 
 
+def slip_amplitude(contact: SlidingContact, slip: Array) -> Array:
+    """Half of a loop's width (n,) at its mean force, or where it comes to slide if walls hold it until after that."""
+    tip = contact.force_N[:, END]
+    rise = np.maximum(contact.force_N[:, 0] + tip, 1e-6)
+    stuck = 1.0 - np.minimum(tip / rise, 1.0)
+    return np.asarray(slip + contact.yielding_um_per_N * (tip - rise * (1.0 - stuck ** (1.0 / contact.order))))
+
+
 def branch_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array, Array]:
     """True displacement and force (n, m) along the branch towards +x, from reversal to reversal.
 

@@ -14,7 +14,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study.bodies import Gap
-from wirewear.study.programme import Schedule, worked_course
+from wirewear.study.programme import Schedule, held_by, worked_course
 
 if TYPE_CHECKING:
     from wirewear.planar.tables import PlanarStudy
@@ -56,8 +56,11 @@ class Setup:
     """One set of circumstances under which loops are computed: a test as it is believed to be, and what is amiss.
 
     Attributes:
-        amplitude_um, load_N, cycles, frequency_Hz: conditions of the test.
+        amplitude_um, load_N, cycles, frequency_Hz: conditions of the test; of a drive that holds something else,
+            the amplitude that it begins with.
         drive: where the amplitude is held, on the "sensor"'s reading or on the true "stroke".
+        held, held_share: what the drive holds in place of it, "slip", "motion" or "energy", and how much of it
+            (µm, mJ) over amplitude_um.
         friction, wear_um3_per_mJ: coefficient, and worn volume of both bodies per friction energy.
         compliance_um_per_N: of the holder along the motion, rotation about a pivot included.
         normal_spring_N_per_um: of the loading train.
@@ -87,6 +90,8 @@ class Setup:
     drive: Literal["sensor", "stroke"]
     friction: float
     wear_um3_per_mJ: float
+    held: str = ""
+    held_share: float = 1.0
     compliance_um_per_N: float = 0.0
     normal_spring_N_per_um: float = 0.0
     crossing_error_rad: float = 0.0
@@ -126,17 +131,16 @@ class Setup:
         compliance = 1e3 / _stiffness(holder.tangential_stiffness_N_per_mm)
         compliance += 1e3 * arm**2 / _stiffness(holder.rotational_stiffness_N_mm_per_rad)
         return cls(
-            amplitude_um=conditions.displacement_amplitude_um,
+            **_driven(conditions, friction * conditions.normal_load_N, compliance, 1.0, drive),
             load_N=conditions.normal_load_N,
             cycles=float(conditions.cycles),
             frequency_Hz=conditions.frequency_Hz,
-            drive=drive,
             friction=friction,
             wear_um3_per_mJ=coefficient * UM3_PER_MJ,
             compliance_um_per_N=compliance,
             crossing_error_rad=atan(Gap.of(*study.bodies).lean),
             contact_kind=study.contact_kind,
-            worked=_worked(study, lambda own: compliance * own.contact.friction * own.conditions.normal_load_N),
+            worked=_worked(study, lambda own: own.contact.friction * own.conditions.normal_load_N, compliance),
             normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
         )
 
@@ -148,18 +152,17 @@ class Setup:
         compliance = 1e3 / _stiffness(holder.tangential_stiffness_N_per_mm2)
         compliance += 1e3 * arm**2 / _stiffness(holder.rotational_stiffness_N_per_rad)
         return cls(
-            amplitude_um=conditions.displacement_amplitude_um,
+            **_driven(conditions, friction * conditions.normal_load_N_per_mm, compliance, length_mm, drive),
             load_N=length_mm * conditions.normal_load_N_per_mm,
             cycles=float(conditions.cycles),
             frequency_Hz=conditions.frequency_Hz,
-            drive=drive,
             friction=friction,
             wear_um3_per_mJ=sum(study.energy_coefficients()) * UM3_PER_MJ,
             compliance_um_per_N=compliance / length_mm,
             normal_spring_N_per_um=1e-3 * length_mm * holder.normal_spring_stiffness_N_per_mm2,
             length_mm=length_mm,
             contact_kind=study.contact_kind,
-            worked=_worked(study, lambda own: compliance * own.contact.friction * own.conditions.normal_load_N_per_mm),
+            worked=_worked(study, lambda own: own.contact.friction * own.conditions.normal_load_N_per_mm, compliance),
         )
 
     def wearing_cycles(self, cycles: Array) -> Array:
@@ -223,6 +226,7 @@ class Setup:
             cycles=cycles,
             energy_J=energy_J,
             worn_um3=worn_um3,
+            amplitude_um=nothing + (np.nan if self.held else self.amplitude_um),
             load_N=nothing + self.load_N,
             misalignment_rad=nothing,
             friction=nothing + self.friction,
@@ -257,18 +261,35 @@ class Setup:
         )
 
 
-def _worked(study: Study | PlanarStudy, friction_um: Callable[[Any], float]) -> tuple[tuple[float, float], ...]:
+def _driven(
+    conditions: Any, friction_N: float, compliance_um_per_N: float, length_mm: float, drive: str
+) -> dict[str, Any]:
+    """The amplitude that a study's drive begins with, and what it holds; forces of it are those of a length."""
+    largest, held = conditions.displacement_amplitude_um, held_by(conditions)
+    if held is None:
+        return {"amplitude_um": largest, "drive": drive}
+    first = held.first_um(friction_N, compliance_um_per_N * friction_N, largest)
+    if held.figure == "reading":
+        return {"amplitude_um": first, "drive": "sensor"}
+    whole = held.value * (length_mm if held.figure == "energy" else 1.0)
+    return {"amplitude_um": first, "drive": "stroke", "held": held.figure, "held_share": whole / first}
+
+
+def _worked(
+    study: Study | PlanarStudy, friction_N: Callable[[Any], float], compliance_um_per_N: float
+) -> tuple[tuple[float, float], ...]:
     """Of a test by blocks, cycles with how many of the study's own conditions wear as much as all so far.
 
-    friction_um: how far friction carries the rig in a study, which is no slip.
+    friction_N: that of a study, which carries the rig: that is no slip.
     """
     schedule: Schedule[Any] = study.schedule
     if not schedule.blocks:
         return ()
 
     def worn(other: Any) -> float:
-        slip = max(1.0 - friction_um(other) / other.conditions.displacement_amplitude_um, 0.0)
-        return float(other.worn_per_cycle * slip)
+        force, largest = friction_N(other), other.conditions.displacement_amplitude_um
+        stroke = _driven(other.conditions, force, compliance_um_per_N, 1.0, "")["amplitude_um"]
+        return float(other.worn_per_cycle * max(stroke - compliance_um_per_N * force, 0.0) / largest)
 
     own = worn(study)
     return worked_course(schedule.stretches, lambda other: worn(other.study) / own if own else 1.0)

@@ -28,7 +28,7 @@ from wirewear.diagnosis.model.layered_wires import (
     flattened_wires,
     layered_wires,
 )
-from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of
+from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of, stroke_um
 from wirewear.study import study_from_tables
 from wirewear.study.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
@@ -137,7 +137,7 @@ class WearStates:
             load_drop_N=np.maximum(load - normal, 0.0),
             lift_N=smoothed(volume, lift),
             scars=scars,
-            stroke_um=result.study["conditions"]["displacement_amplitude_um"],
+            stroke_um=stroke_um(result),
             extra_skew=np.nan_to_num(skews + gap.lean),
             along=gap.along,
         )
