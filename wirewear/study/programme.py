@@ -130,7 +130,7 @@ def held_keys(conditions: object) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldTarget:
     """What a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N).
 
     value: of the key's contact, a line contact's millimetre.
@@ -160,10 +160,10 @@ class Held:
         return min(first, largest_um)
 
 
-def held_by(conditions: object) -> Held | None:
+def held_by(conditions: object) -> HeldTarget | None:
     """What the drive holds in place of its amplitude, None where it holds that."""
     key = next(iter(held_keys(conditions)), None)
-    return None if key is None else Held(key, float(getattr(conditions, key)))
+    return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
 
 Asked = TypeVar("Asked", bound=keys.Table)
