@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix, dia_matrix, diags
+from scipy.spatial import cKDTree
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -78,6 +79,8 @@ _CORNERS = {
     4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
 }
 _PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
+_TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
+_BESIDE = 2.0  #: Local coordinates are kept within this.
 _LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
 TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
 
@@ -190,18 +193,49 @@ def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
     corners = _CORNERS[mesh.cells.shape[1]]
     d = corners.shape[1]
     at = corners / np.sqrt(3.0)
-    factors = 1.0 + corners[None] * at[:, None]
-    shapes = factors.prod(axis=2) / 2.0**d
-    slopes = np.empty((len(at), len(corners), d))
-    for k in range(d):
-        others = np.delete(factors, k, axis=2).prod(axis=2)
-        slopes[..., k] = corners[None, :, k] * others / 2.0**d
+    shapes = _shapes(at, corners)
+    slopes = np.stack([_slope(at, corners, k) for k in range(d)], axis=-1)
     jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
     volumes = np.linalg.det(jacobian)
     local = np.swapaxes(np.linalg.solve(np.swapaxes(jacobian, -1, -2), np.swapaxes(slopes, -1, -2)[None]), -1, -2)
     gradients = np.zeros((*volumes.shape, len(corners), 3))
     gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
     return IntegrationPoints(mesh, gradients, np.abs(volumes), shapes)
+
+
+def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
+    """The matrix (p, n) that takes nodal fields to places (p, d) in a mesh, or no more than a cell beside it."""
+    corners = _CORNERS[mesh.cells.shape[1]].astype(np.float64)
+    count, d = corners.shape
+    at = mesh.points[mesh.cells]
+    # Long thin cells are found by points inside them; of those near, the one that holds the place best is taken.
+    inside = np.einsum("qc,mcd->mqd", _shapes(0.5 * corners, corners), at).reshape(-1, d)
+    tried = cKDTree(inside).query(places, k=_TRIED)[1] // count
+    nodes = at[tried]
+    local = np.zeros((*tried.shape, d))
+    for _ in range(_NEWTON):
+        shapes = _shapes(local, corners)
+        slopes = np.stack([_slope(local, corners, k) for k in range(d)], axis=-1)
+        missed = places[:, None] - np.einsum("ptc,ptcd->ptd", shapes, nodes)
+        jacobian = np.einsum("ptcd,ptck->ptdk", nodes, slopes, optimize=True)
+        local = np.clip(local + np.linalg.solve(jacobian, missed[..., None])[..., 0], -_BESIDE, _BESIDE)
+    best = np.abs(local).max(axis=-1).argmin(axis=1)
+    chosen = np.arange(len(places))
+    weights, columns = _shapes(local[chosen, best], corners), mesh.cells[tried[chosen, best]]
+    rows = np.repeat(chosen, count)
+    return csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(places), len(mesh.points)))
+
+
+def _shapes(local: Array, corners: Array) -> Array:
+    """Shape functions (..., c) at local coordinates (..., d)."""
+    return np.asarray((1.0 + corners * local[..., None, :]).prod(axis=-1) / 2.0 ** corners.shape[1])
+
+
+def _slope(local: Array, corners: Array, axis: int) -> Array:
+    """Their slopes (..., c) along one local axis."""
+    factors = 1.0 + corners * local[..., None, :]
+    factors[..., axis] = corners[:, axis]
+    return np.asarray(factors.prod(axis=-1) / 2.0 ** corners.shape[1])
 
 
 def tensors(components: Array) -> Array:

@@ -151,14 +151,14 @@ def test_in_reversed_tension_the_critical_plane_lies_across_it_whatever_its_dire
     turn = rotation(seed)
     pull = turn @ np.diag([300.0, 0.0, 0.0]) @ turn.T
     found = smith_watson_topper(history(pull, np.cos(PHASE)), STEEL)
-    assert found.parameter_MPa[0] == pytest.approx(300.0**2 / 200_000.0, rel=1e-4)
+    assert found.parameter[0] == pytest.approx(300.0**2 / 200_000.0, rel=1e-4)
     assert abs(found.normal[0] @ turn[:, 0]) == pytest.approx(1.0, abs=1e-4)
 
 
 def test_pulsating_tension_keeps_the_largest_stress_and_halves_the_strain_amplitude() -> None:
     pull = np.diag([300.0, 0.0, 0.0])
     found = smith_watson_topper(history(pull, 0.5 * (1.0 + np.cos(PHASE))), STEEL)
-    assert found.parameter_MPa[0] == pytest.approx(300.0 * 150.0 / 200_000.0, rel=1e-4)
+    assert found.parameter[0] == pytest.approx(300.0 * 150.0 / 200_000.0, rel=1e-4)
 
 
 def test_crossland_of_reversed_shear_and_of_tension() -> None:

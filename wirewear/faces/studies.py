@@ -24,7 +24,7 @@ _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity
 
 @cli.command(name="materials")
 def materials_command() -> None:
-    """List the materials that a study may name, with their elastic constants' sources, and whether these were read."""
+    """List the materials that a study may name, their data of fatigue, the sources of both, and which were not read."""
     from rich import box
     from rich.table import Table
 
@@ -41,6 +41,10 @@ def materials_command() -> None:
         modulus, ratio = item.elastic.youngs_modulus_MPa, item.elastic.poissons_ratio
         source = item.source if item.verified else f"unverified: {item.source}"
         table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
+        if item.fatigue:
+            told = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
+            read = "" if item.fatigue_verified else "source not read: "
+            table.add_row("", "fatigue", "", "", f"{told}; {read}{item.fatigue_source}")
     wide_console(130).print(table)
 
 

@@ -4,6 +4,7 @@ Histories are (s, n, 6): s positions of a closed cycle, n material points. Linea
 law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Generic, Protocol, TypeVar
@@ -164,12 +165,15 @@ _TILTS = (0.08, 0.04, 0.02, 0.01)
 _BALL_STEPS = 60
 _AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
 
+#: A parameter (n, k) of stress tensors (s, n, 3, 3) over a cycle on planes of k normals each, (n, k, 3).
+OnPlanes = Callable[[Array, Array], Array]
+
 
 @dataclass(frozen=True, eq=False)
 class CriticalPlanes:
-    """Smith–Watson–Topper's parameter (n,) in MPa, the largest over all planes, and the normals of these (n, 3)."""
+    """A parameter (n,), the largest over all planes, and the normals of these (n, 3)."""
 
-    parameter_MPa: Array
+    parameter: Array
     normal: Array
 
 
@@ -186,12 +190,19 @@ class Crossland:
 
 
 def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
-    """σ_n,max · Δε_n / 2 on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970) 767).
+    """σ_n,max · Δε_n / 2 in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970) 767).
 
-    On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0. The planes are
-    searched in 240 directions spread evenly over a hemisphere, and refined about the best one to 0.6°.
+    On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
     """
-    parts = [_critical(history[:, k : k + _AT_ONCE], material) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
+    return critical_planes(history, lambda stress, normals: swt_on_planes(stress, normals, material))
+
+
+def critical_planes(history: Array, on_planes: OnPlanes) -> CriticalPlanes:
+    """The planes where a parameter is largest, searched in 240 directions spread evenly over a hemisphere.
+
+    They are refined about the best one to 0.6°.
+    """
+    parts = [_critical(history[:, k : k + _AT_ONCE], on_planes) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
     return CriticalPlanes(np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts]))
 
 
@@ -233,15 +244,15 @@ def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, length_mm:
     return csr_matrix(diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)
 
 
-def _critical(history: Array, material: Elastic) -> tuple[Array, Array]:
+def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
     stress = tensors(history)
     spread = _hemisphere(_DIRECTIONS)
-    values = _parameter(stress, np.broadcast_to(spread, (history.shape[1], *spread.shape)), material)
+    values = on_planes(stress, np.broadcast_to(spread, (history.shape[1], *spread.shape)))
     best = values.argmax(axis=1)
     normal, parameter = spread[best], values.max(axis=1)
     for tilt in _TILTS:
         tried = _tilted(normal, tilt)
-        values = _parameter(stress, tried, material)
+        values = on_planes(stress, tried)
         best, found = values.argmax(axis=1), values.max(axis=1)
         better = found > parameter
         normal = np.where(better[:, None], tried[np.arange(len(best)), best], normal)
@@ -249,14 +260,19 @@ def _critical(history: Array, material: Elastic) -> tuple[Array, Array]:
     return parameter, normal
 
 
-def _parameter(stress: Array, normals: Array, material: Elastic) -> Array:
-    """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
-    across = np.einsum("snij,nkj->snki", stress, normals, optimize=True)
-    normal = np.einsum("snki,nki->snk", across, normals, optimize=True)
+def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
+    """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3), in MPa."""
+    _, normal = stress_on_planes(stress, normals)
     nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
     trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
     strain = ((1.0 + nu) * normal - nu * trace) / modulus
     return np.asarray(np.maximum(normal.max(axis=0), 0.0) * 0.5 * np.ptp(strain, axis=0))
+
+
+def stress_on_planes(stress: Array, normals: Array) -> tuple[Array, Array]:
+    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3), and normal stresses (s, n, k)."""
+    across = np.einsum("snij,nkj->snki", stress, normals, optimize=True)
+    return across, np.einsum("snki,nki->snk", across, normals, optimize=True)
 
 
 def _hemisphere(count: int) -> Array:
@@ -270,10 +286,15 @@ def _hemisphere(count: int) -> Array:
 
 def _tilted(normal: Array, angle_rad: float) -> Array:
     """Eight directions (n, 8, 3) at an angle from each of (n, 3)."""
-    helper = np.where(np.abs(normal[:, [2]]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
-    first = np.cross(normal, helper)
-    first /= np.linalg.norm(first, axis=1, keepdims=True)
-    second = np.cross(normal, first)
+    first, second = in_plane(normal)
     turn = np.arange(8) * np.pi / 4.0
     aside = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
     return np.asarray(np.cos(angle_rad) * normal[:, None] + np.sin(angle_rad) * aside)
+
+
+def in_plane(normal: Array) -> tuple[Array, Array]:
+    """Two directions (..., 3) at right angles to each other and to normals (..., 3)."""
+    helper = np.where(np.abs(normal[..., 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    first = np.cross(normal, helper)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return first, np.cross(normal, first)

@@ -203,8 +203,8 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
     grid = body.grid(worst)
     fields = {
         "largest_von_mises_MPa": (equivalent.max(axis=0), None),
-        "smith_watson_topper_MPa": (planes.parameter_MPa, None),
-        "critical_plane_normal": (planes.normal @ body.to_world.T, planes.parameter_MPa),
+        "smith_watson_topper_MPa": (planes.parameter, None),
+        "critical_plane_normal": (planes.normal @ body.to_world.T, planes.parameter),
         "crossland_MPa": (np.maximum(combined, 0.0), None),
         "crossland_amplitude_MPa": (limits.amplitude_MPa, combined),
         "largest_hydrostatic_MPa": (limits.hydrostatic_MPa, combined),
@@ -226,7 +226,7 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         nodes=nodes,
         asked=asked,
         von_mises=where(equivalent.max(axis=0), worst),
-        critical_plane=where(planes.parameter_MPa),
+        critical_plane=where(planes.parameter),
         crossland=where(combined),
     )
 

@@ -17,6 +17,7 @@ from wirewear.study.consistency import log_within, merged
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.layers import LAYERS, LayerTable, unfit_layers
+from wirewear.study.life import LifeTable
 from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, as_driven, held_keys, placed, too_many, worked_cycles
 from wirewear.study.reading import variants_in
@@ -212,6 +213,7 @@ class PlanarStudy(keys.NamedTable):
     stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
+    life: LifeTable | None = Field(None, description="how long the bodies last until a crack begins")
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")
 
     _variants: tuple[tuple[str, "PlanarStudy"], ...] = PrivateAttr(())

@@ -6,21 +6,29 @@ from dataclasses import dataclass
 from difflib import get_close_matches
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 from geometry import Elastic
 
+_OF_SOURCE = ("source", "verified")
 _TABLE = Path(__file__).parent / "materials.toml"
 
 
 @dataclass(frozen=True)
 class Material:
-    """A material's name, what else it is called, where its elastic constants come from, and whether that was read."""
+    """A material's name, what else it is called, where its elastic constants come from, and whether that was read.
+
+    fatigue: its data of fatigue by the keys of `LifeTable`; whence they come, and whether that was read, stands beside.
+    """
 
     name: str
     elastic: Elastic
     source: str
     also: tuple[str, ...] = ()
     verified: bool = True
+    fatigue: tuple[tuple[str, Any], ...] = ()
+    fatigue_source: str = ""
+    fatigue_verified: bool = True
 
 
 @cache
@@ -33,6 +41,9 @@ def materials() -> tuple[Material, ...]:
             source=entry["source"],
             also=tuple(entry.get("also", ())),
             verified=entry.get("verified", True),
+            fatigue=tuple(one for one in entry.get("fatigue", {}).items() if one[0] not in _OF_SOURCE),
+            fatigue_source=entry.get("fatigue", {}).get("source", ""),
+            fatigue_verified=entry.get("fatigue", {}).get("verified", True),
         )
         for entry in tomllib.loads(_TABLE.read_text(encoding="utf-8"))["material"]
     )

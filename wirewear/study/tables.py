@@ -25,6 +25,7 @@ from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
+from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
 from wirewear.study.wires import BothWires
 
@@ -335,6 +336,7 @@ class ContactTables(StatesItsKind, ABC):
     effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
+    life: LifeTable | None = Field(None, description="how long the bodies last until a crack begins")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
 
