@@ -61,7 +61,7 @@ class LifeCurve:
 
 @dataclass(frozen=True, eq=False)
 class CycleDamage:
-    """Share (n,) of the life that one cycle takes, and the normals (n, 3) of the planes; zero of a criterion without."""
+    """Share (n,) of the life that one cycle takes, and the normals (n, 3) of the planes, zero where there are none."""
 
     share: Array
     normal: Array

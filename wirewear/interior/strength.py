@@ -52,7 +52,7 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     number[on_patch] = np.arange(patch.size)
     on_surface = np.flatnonzero(number[nodes] >= 0)
     grid = patch.grid()[number[nodes[on_surface]]]
-    stresses = _stresses(states, np.append(nodes, states[0].loaded_nodes))
+    stresses = stresses_of(states, np.append(nodes, states[0].loaded_nodes))
     history = stresses[:, nodes]
     for k, one in enumerate(loaded):
         history[k, on_surface] += one.correction(grid)
@@ -68,7 +68,7 @@ def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> Mater
     )
 
 
-def _stresses(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
+def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
     body = states[0].body
     points = body.points.around(nodes)
@@ -243,7 +243,7 @@ def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: flo
     first = states[0]
     mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
     return MaterialPoints(
-        first.places_mm[nodes], np.array([mean @ one for one in _stresses(states, mean.indices)]), nodes
+        first.places_mm[nodes], np.array([mean @ one for one in stresses_of(states, mean.indices)]), nodes
     )
 
 

@@ -1,7 +1,7 @@
 """What a study states of its bodies' life: a criterion, data of fatigue, the length over which a crack feels stress."""
 
 from collections.abc import Mapping
-from math import pi
+from math import pi, sqrt
 from typing import Annotated, Any, Literal, Self, cast
 
 from pydantic import Field, PlainValidator
@@ -111,7 +111,7 @@ class LifeTable(keys.Table):
             return self.crossland_slope
         if self.fatigue_limit_MPa is None or self.torsion_fatigue_limit_MPa is None:
             return 0.3
-        return max(3.0 * (self.torsion_fatigue_limit_MPa / self.fatigue_limit_MPa - 3.0**-0.5), 0.0)
+        return max(3.0 * (self.torsion_fatigue_limit_MPa / self.fatigue_limit_MPa - sqrt(1.0 / 3.0)), 0.0)
 
     @property
     def distance_um(self) -> float:
@@ -120,7 +120,7 @@ class LifeTable(keys.Table):
             return self.critical_distance_um
         if self.threshold_MPa_sqrt_m is None or self.fatigue_limit_MPa is None:
             return 0.0
-        return 1e6 / pi * (self.threshold_MPa_sqrt_m / (2.0 * self.fatigue_limit_MPa)) ** 2
+        return float(1e6 / pi * (self.threshold_MPa_sqrt_m / (2.0 * self.fatigue_limit_MPa)) ** 2)
 
     @property
     def scatter(self) -> float:

@@ -1,0 +1,148 @@
+"""Criteria of life against closed forms, and damage that moves with the material as it wears."""
+
+import numpy as np
+import pytest
+
+from geometry import Elastic
+from geometry.arrays import Array
+from wirewear.base.errors import StudyError
+from wirewear.interior.criteria import LifeCurve
+from wirewear.interior.damage import Damage, Rates, Span
+from wirewear.interior.life import criterion_of, kernel_of
+from wirewear.study.life import CRITERIA, LifeTable
+
+STEEL = Elastic(210000.0, 0.3)
+STRENGTH, B, DUCTILITY, C = 2000.0, -0.09, 0.5, -0.6
+OWN = {
+    "fatigue_strength_coefficient_MPa": STRENGTH,
+    "fatigue_strength_exponent": B,
+    "fatigue_ductility_coefficient": DUCTILITY,
+    "fatigue_ductility_exponent": C,
+}
+TURN = 2.0 * np.pi * np.arange(24) / 24
+
+
+def pulled(amplitude: float, mean: float = 0.0, wave: Array | None = None) -> Array:
+    """A bar pulled along z, a cycle of one point."""
+    history = np.zeros((len(TURN), 1, 6))
+    history[:, 0, 2] = mean + amplitude * (np.cos(TURN) if wave is None else wave)
+    return history
+
+
+def life(criterion: str, history: Array) -> float:
+    return 1.0 / criterion_of(LifeTable(criterion=criterion, **OWN), STEEL).damage(history).share[0]
+
+
+def test_a_curve_of_two_terms_is_inverted_from_half_a_cycle_to_far_beyond_any_test() -> None:
+    curve = LifeCurve(((43.0, -0.18), (1350.0, -0.68)), endurance_cycles=1e12)
+    cycles = np.array([0.5, 10.0, 1e3, 1e7, 1e11])
+    assert curve.cycles(curve.parameter(cycles)) == pytest.approx(cycles, rel=1e-9)
+    assert np.isinf(curve.cycles(np.append(curve.parameter(np.array([1e13])), 0.0))).all()
+
+
+@pytest.mark.parametrize("criterion", ["crossland", "stress-life"])
+def test_a_bar_pulled_to_and_fro_lasts_as_basquin_has_it(criterion: str) -> None:
+    assert life(criterion, pulled(500.0)) == pytest.approx(0.5 * (500.0 / STRENGTH) ** (1.0 / B), rel=0.05)
+
+
+def test_mean_stress_shortens_a_life_as_by_morrow_and_by_smith_watson_and_topper() -> None:
+    reversed_MPa = 400.0 / (1.0 - 300.0 / STRENGTH)
+    assert life("stress-life", pulled(400.0, 300.0)) == pytest.approx(life("stress-life", pulled(reversed_MPa)), 0.01)
+    alike = life("smith-watson-topper", pulled(np.sqrt(400.0 * 700.0)))
+    assert life("smith-watson-topper", pulled(400.0, 300.0)) == pytest.approx(alike, rel=0.01)
+
+
+def test_fatemi_and_socie_are_as_the_planes_of_a_bar_have_it() -> None:
+    angle = np.linspace(0.0, np.pi / 2.0, 20001)
+    shear, normal = 0.5 * 500.0 * np.sin(2.0 * angle), 500.0 * np.cos(angle) ** 2
+    parameter = (shear / STEEL.shear_modulus_MPa * (1.0 + normal / STRENGTH)).max()
+    terms = ((STRENGTH / 3.0**0.5 / STEEL.shear_modulus_MPa, B), (3.0**0.5 * DUCTILITY, C))
+    expected = LifeCurve(terms).cycles(np.array([parameter]))[0]
+    assert life("fatemi-socie", pulled(500.0)) == pytest.approx(expected, rel=0.05)
+
+
+@pytest.mark.parametrize("criterion", [one for one in CRITERIA if one != "crossland"])
+def test_a_cycle_that_goes_to_and_fro_twice_takes_twice_the_life(criterion: str) -> None:
+    once, twice = life(criterion, pulled(500.0)), life(criterion, pulled(500.0, wave=np.cos(2.0 * TURN)))
+    assert once == pytest.approx(2.0 * twice, rel=1e-6)
+
+
+def test_data_that_are_lacking_are_named_and_estimated_ones_scatter_more() -> None:
+    with pytest.raises(StudyError, match=r"needs fatigue_strength_coefficient_MPa, .* --material"):
+        criterion_of(LifeTable(), STEEL)
+    estimated = LifeTable().of_material("steel")
+    assert estimated.fatigue_strength_coefficient_MPa == pytest.approx(1.5 * 1960.0)
+    assert estimated.scatter > LifeTable().scatter
+    assert LifeTable(**OWN, material="Ti-6Al-4V").of_material("steel").fatigue_strength_exponent == B
+
+
+def test_crosslands_slope_and_el_haddads_length_follow_from_fatigue_limits() -> None:
+    table = LifeTable(fatigue_limit_MPa=500.0, torsion_fatigue_limit_MPa=350.0, threshold_MPa_sqrt_m=8.0)
+    assert 500.0 / 3.0**0.5 + table.slope * 500.0 / 3.0 == pytest.approx(350.0)
+    assert table.distance_um == pytest.approx(1e6 * (8.0 / 1000.0) ** 2 / np.pi)
+
+
+@pytest.mark.parametrize("plane", [True, False])
+def test_an_average_over_what_of_a_ball_lies_in_the_body_is_that_of_its_centroid(plane: bool) -> None:
+    places, weights = kernel_of(LifeTable(averaging_length_um=20.0), plane=plane)(0.0)
+    assert weights.sum() == pytest.approx(1.0)
+    # Of half a disc 4 R / 3 π beneath its edge, of half a ball 3 R / 8.
+    assert weights @ places == pytest.approx([0.0, 0.0, 0.01 * (4.0 / (3.0 * np.pi) if plane else 3.0 / 8.0)], rel=0.01)
+    deep = kernel_of(LifeTable(critical_distance_um=10.0, averaging="line"), plane=plane)(0.0)
+    assert deep[1] @ deep[0] == pytest.approx([0.0, 0.0, 0.01])
+
+
+LAMBDA_mm, RATE, SPEED = 5e-3, 2e-4, 1e-6  #: A rate that decays with depth, under a surface that wears evenly.
+
+
+def worn_evenly(states: int, end: float, *, speed: float = SPEED) -> Damage:
+    """A line contact that wears evenly: rates RATE exp(−d / LAMBDA_mm) below a surface that recedes at a speed."""
+    depths = LAMBDA_mm * np.linspace(0.0, 8.0, 33)
+    rates = tuple(
+        Rates(cycle, np.log10(RATE * np.exp(-depths / LAMBDA_mm))[None]) for cycle in np.geomspace(1.0, end, states)
+    )
+    return Damage(depths, [Span(0.0, end, rates)], lambda cycle: np.array([speed * cycle]))
+
+
+@pytest.mark.parametrize("states", [2, 4, 8])
+def test_damage_is_carried_and_taken_away_as_the_closed_form_has_it(states: int) -> None:
+    damage = worn_evenly(states, 20000.0)
+    now = damage.at(5000.0)
+    level = damage.levels_mm
+    there = (level > now.worn_mm[0]) & (level < 4.0 * LAMBDA_mm)
+    scale = RATE * LAMBDA_mm / SPEED
+    exact = scale * (np.exp(-(level - SPEED * 5000.0) / LAMBDA_mm) - np.exp(-level / LAMBDA_mm))
+    assert now.damage[0][there] == pytest.approx(exact[there], rel=0.02)
+    # At the surface the sum comes to `scale` at most: what would break soon without wear never does.
+    half, never = damage.begun([0.5 * scale, 1.2 * scale])
+    assert half is not None
+    assert half.cycles == pytest.approx(LAMBDA_mm / SPEED * np.log(2.0), rel=0.02)
+    assert never is None
+    still = worn_evenly(states, 20000.0, speed=0.0).begun([0.5 * scale])[0]
+    assert still is not None
+    assert still.cycles == pytest.approx(0.5 * scale / RATE, rel=1e-6)
+
+
+def test_a_run_that_ends_too_early_is_gone_on_with_as_it_wears() -> None:
+    scale = RATE * LAMBDA_mm / SPEED
+    later, never = worn_evenly(3, 2000.0).begun([0.5 * scale, 1.2 * scale])
+    assert later is not None
+    assert later.beyond
+    assert later.cycles == pytest.approx(LAMBDA_mm / SPEED * np.log(2.0), rel=0.03)
+    assert never is None
+
+
+def test_blocks_high_and_low_add_up_by_miner_whatever_their_order_until_wear_takes_one_away() -> None:
+    depths = LAMBDA_mm * np.linspace(0.0, 8.0, 33)
+    fade = -depths / LAMBDA_mm / np.log(10.0)
+    high, low = (Rates(1.0, np.log10(rate) + fade[None]) for rate in (1e-3, 1e-4))
+
+    def after(first: Rates, second: Rates, speed: float) -> float:
+        spans = [Span(0.0, 500.0, (first,)), Span(500.0, 1000.0, (second,))]
+        damage = Damage(depths, spans, lambda cycle: np.array([speed * cycle]))
+        return float(damage.of_present(damage.at(1000.0)).max())
+
+    assert after(high, low, 0.0) == pytest.approx(0.55)
+    assert after(low, high, 0.0) == pytest.approx(0.55)
+    # Of what the high block did first, wear takes the most away.
+    assert after(high, low, 2e-5) < 0.7 * after(low, high, 2e-5)

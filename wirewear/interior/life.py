@@ -1,0 +1,368 @@
+"""How many cycles a body of a run lasts until a crack begins in it, where, and on which plane."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from geometry import Elastic
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.strain import interpolation
+from wirewear.base.errors import ResultError
+from wirewear.interior.criteria import Crossland, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
+from wirewear.interior.damage import FLOOR, Begun, Damage, Rates, Span
+from wirewear.interior.state import InnerState
+from wirewear.interior.strength import stresses_of
+from wirewear.results.scar import called
+from wirewear.study.life import CURVE_KEYS, LifeTable
+
+if TYPE_CHECKING:
+    from wirewear.results import RunResult
+
+#: The states of a body over a recorded cycle.
+StatesAt = Callable[[int], Sequence[InnerState[Any]]]
+
+_DEPTHS, _GROWTH = 11, 1.35  #: Depths below the surface at which damage is found, and growth of their spacing.
+#: Radii of the area and of the volume over the critical distance (Bellett et al., Int. J. Fatigue 27 (2005) 1103).
+_RADII = (1.32, 1.54)
+_GAUSS = 5
+_QUANTILE = 1.96  #: Of 95 % of a normal distribution.
+WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
+
+
+def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
+    """The criterion that a table states, with its data.
+    Raises StudyError if some are lacking.
+    """
+    modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
+    limit = np.inf if table.endurance_cycles is None else table.endurance_cycles
+    if table.criterion in ("crossland", "stress-life"):
+        strength, b = table.required(*CURVE_KEYS[:2])
+        if table.criterion == "stress-life":
+            return StressLife(material, LifeCurve(((strength, b),), limit), strength)
+        # In tension without a mean, √J2,a is σ_a/√3 and σ_H,max a third of σ_a.
+        slope = table.slope
+        return Crossland(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
+    strength, b, ductility, c = table.required(*CURVE_KEYS)
+    if table.criterion == "fatemi-socie":
+        stated = table.fatemi_socie_factor is not None and table.yield_strength_MPa is not None
+        factor, yields = table.required("fatemi_socie_factor", "yield_strength_MPa") if stated else (1.0, strength)
+        weight = factor / yields
+        terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))
+        return FatemiSocie(material, LifeCurve(terms, limit), weight)
+    terms = ((strength**2 / modulus, 2.0 * b), (strength * ductility, b + c))
+    return SmithWatsonTopper(material, LifeCurve(terms, limit))
+
+
+def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
+    """Over what stresses are averaged about a point so deep: places (k, 3) in mm, beside it and in depth, weights."""
+    distance = 1e-3 * table.distance_um
+    stated = table.averaging_length_um or (None if distance else table.grain_um)
+    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    if stated is None and (table.averaging == "point" or distance == 0.0):
+        return lambda depth: (np.array([[0.0, 0.0, depth + 0.5 * distance]]), np.ones(1))
+    if stated is None and table.averaging == "line":
+        along = distance * (1.0 + nodes)
+        return lambda depth: (np.column_stack([0.0 * along, 0.0 * along, depth + along]), 0.5 * weights)
+    radius = 0.5e-3 * stated if stated is not None else _RADII[0 if plane else 1] * distance
+
+    def over_ball(depth: float) -> tuple[Array, Array]:
+        """What of a ball lies in the body: discs of it, on each as many places as a linear field over it needs."""
+        top = max(-radius, -depth)
+        height = top + 0.5 * (radius - top) * (1.0 + nodes)
+        reach = np.sqrt(np.maximum(radius**2 - height**2, 0.0))
+        if plane:
+            sides, area = np.array([[-1.0, 0.0], [1.0, 0.0]]) / 3.0**0.5, reach
+        else:
+            turn = 0.25 * np.pi + 0.5 * np.pi * np.arange(4)
+            sides, area = np.column_stack([np.cos(turn), np.sin(turn)]) / 2.0**0.5, reach**2
+        places = reach[:, None, None] * sides
+        depths = np.broadcast_to(depth + height[:, None, None], (*places.shape[:2], 1))
+        share = np.repeat(weights * area, len(sides))
+        return np.concatenate([places, depths], axis=2).reshape(-1, 3), share / share.sum()
+
+    return over_ball
+
+
+def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
+    """How far from a point its average reaches."""
+    places, _ = kernel_of(table, plane=plane)(1e3)
+    return float(np.abs(places - [0.0, 0.0, 1e3]).max())
+
+
+@dataclass(frozen=True, eq=False)
+class WearState:
+    """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch.
+
+    share: decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
+    normal: (a, t, d, 3) of the critical planes.  worn_mm: (a, t).
+    """
+
+    cycle: int
+    axial_mm: Array
+    transverse_mm: Array
+    share: Array
+    normal: Array
+    worn_mm: Array
+
+    def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
+        """Logarithms (c, d) and worn depths (c,) in columns on other lines; none beside its own."""
+        (a, inside), (t, beside) = _linear(self.axial_mm, axial_mm), _linear(self.transverse_mm, transverse_mm)
+        share = np.einsum("ai,tj,ijd->atd", a, t, self.share, optimize=True)
+        share[~(inside[:, None] & beside)] = FLOOR
+        worn = np.einsum("ai,tj,ij->at", a * inside[:, None], t * beside[:, None], self.worn_mm)
+        return share.reshape(-1, share.shape[2]), worn.ravel()
+
+
+def wear_state(
+    states: Sequence[InnerState[Any]], criterion: LifeCriterion, table: LifeTable, depths_mm: Array, worn_mm: Array
+) -> WearState:
+    """The damage per cycle of a body whose nodes stand in its surface, worn by (n_a, n_t)."""
+    first = states[0]
+    patch, mesh = first.body.patch, first.body.mesh
+    plane = mesh.points.shape[1] == 2
+    loaded = first.places_mm[first.loaded_nodes]
+    margin = averaging_radius_mm(table, plane=plane) + 2.0 * patch.smallest_element
+    rows, columns = (
+        np.flatnonzero((lines >= loaded[:, k].min() - margin) & (lines <= loaded[:, k].max() + margin))
+        for k, lines in enumerate((patch.axial_mm, patch.transverse_mm))
+    )
+    axial, transverse = patch.axial_mm[rows], patch.transverse_mm[columns]
+    grid = np.stack(np.meshgrid(axial, transverse, indexing="ij"), axis=-1).reshape(-1, 2)
+    below = patch.height(grid)[:, None] - depths_mm
+    places = np.concatenate([np.broadcast_to(grid[:, None], (*below.shape, 2)), below[..., None]], axis=2).reshape(
+        -1, 3
+    )
+    taken = interpolation(mesh, places[:, [0, 2]] if plane else places)
+    nodes = np.unique(taken.indices)
+    mean = _averaging(axial, transverse, depths_mm, kernel_of(table, plane=plane)) @ taken[:, nodes]
+    history = np.array([mean @ one[nodes] for one in stresses_of(states, nodes)])
+    damage = criterion.damage(history)
+    shape = (len(axial), len(transverse), len(depths_mm))
+    logarithm = np.log10(damage.share, out=np.full(len(damage.share), FLOOR), where=damage.share > 10.0**FLOOR)
+    return WearState(
+        first.forces.cycle,
+        axial,
+        transverse,
+        logarithm.reshape(shape),
+        damage.normal.reshape(*shape, 3),
+        worn_mm[np.ix_(rows, columns)],
+    )
+
+
+def _averaging(
+    axial: Array, transverse: Array, depths: Array, kernel: Callable[[float], tuple[Array, Array]]
+) -> csr_matrix:
+    """The matrix (p, p) of averages about points of columns and depths, from values at the same points."""
+    a, t = np.arange(len(axial)), np.arange(len(transverse))
+    found = []
+    for level, depth in enumerate(depths):
+        for (x, y, z), weight in zip(*kernel(float(depth)), strict=True):
+            for i, u in _sides(axial, axial + x):
+                for j, v in _sides(transverse, transverse + y):
+                    for k, w in _sides(depths, np.array([z])):
+                        row = (a[:, None] * len(t) + t) * len(depths) + level
+                        column = (i[:, None] * len(t) + j) * len(depths) + k[0]
+                        share = weight * w[0] * u[:, None] * v
+                        found.append((share.ravel(), row.ravel(), column.ravel()))
+    shares, rows, columns = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    size = len(axial) * len(transverse) * len(depths)
+    return csr_matrix((shares, (rows, columns)), shape=(size, size))
+
+
+def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
+    """The lines on either side of positions (n,) and their weights; of positions beside all, the outermost."""
+    if len(lines) == 1:
+        return [(np.zeros(len(at), dtype=np.int64), np.ones(len(at)))]
+    i = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
+    part = np.clip((at - lines[i]) / (lines[i + 1] - lines[i]), 0.0, 1.0)
+    return [(i, 1.0 - part), (i + 1, part)]
+
+
+def _linear(lines: Array, at: Array) -> tuple[Array, BoolArray]:
+    """Weights (n, l) of lines for positions (n,), and whether these lie between lines (n,)."""
+    weights = np.zeros((len(at), len(lines)))
+    for column, part in _sides(lines, at):
+        weights[np.arange(len(at)), column] += part
+    slack = 1e-6 * max(float(np.ptp(lines)), 1e-9)
+    return weights, (at >= lines[0] - slack) & (at <= lines[-1] + slack)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLife:
+    """How long a body lasts until a crack begins in it.
+
+    table: what was asked, with all data.  states: wear states, in order.  damage: its sums in columns on the lines of
+    the last of them.  begun, low, high: the crack, and between what 95 % of lives lie by the scatter of data alone; a
+    crack that never begins is None.  to_world: from the body's axes to those of the test.
+    """
+
+    body: str
+    table: LifeTable
+    states: tuple[WearState, ...]
+    damage: Damage
+    begun: Begun | None
+    low: Begun | None
+    high: Begun | None
+    to_world: Array
+    plane: bool
+
+    @property
+    def called(self) -> str:
+        return called(self.body)
+
+    @property
+    def averaged(self) -> bool:
+        """Whether stresses are averaged over a length; else lives do not converge with the mesh."""
+        return averaging_radius_mm(self.table, plane=self.plane) > 0.0
+
+    @cached_property
+    def columns_mm(self) -> Array:
+        """Columns (c, 2) in the body's axes, along and across it."""
+        last = self.states[-1]
+        return np.stack(np.meshgrid(last.axial_mm, last.transverse_mm, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    @property
+    def place_um(self) -> tuple[float, float]:
+        """Where the crack begins, x and y in the axes of the test about the body's own origin."""
+        column = self.columns_mm[self._crack.column]
+        x, y, _ = 1e3 * self.to_world @ np.append(column, 0.0)
+        return float(x), float(y)
+
+    @property
+    def depth_um(self) -> float:
+        """How deep below the surface that is worn by then."""
+        worn = float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
+        return 1e3 * max(float(self.damage.levels_mm[self._crack.level]) - worn, 0.0)
+
+    @property
+    def worn_um(self) -> float:
+        """How much is worn off above it by then."""
+        return 1e3 * float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
+
+    @property
+    def normal(self) -> Array:
+        """The normal (3,) of the plane on which it begins, in the axes of the test; zero of a criterion without."""
+        near = min(self.states, key=lambda one: abs(np.log(one.cycle / max(self._crack.cycles, 1.0))))
+        x, y = self.columns_mm[self._crack.column]
+        i, j = (int(np.abs(lines - at).argmin()) for lines, at in ((near.axial_mm, x), (near.transverse_mm, y)))
+        k = int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
+        normal = self.to_world @ near.normal[i, j, k]
+        return np.asarray(-normal if normal[0] < 0.0 else normal)
+
+    @property
+    def plane_angle_deg(self) -> float | None:
+        """Angle of that plane to the plane of the contact; None of a criterion without planes."""
+        size = float(np.linalg.norm(self.normal))
+        return float(np.degrees(np.arccos(np.clip(abs(self.normal[2]) / size, 0.0, 1.0)))) if size else None
+
+    @property
+    def _crack(self) -> Begun:
+        if self.begun is None:
+            raise ResultError(f"no crack begins in the {self.called}")
+        return self.begun
+
+    def largest(self, cycle: float) -> float:
+        """The largest sum of what is there after so many cycles."""
+        return float(self.damage.of_present(self.damage.at(cycle)).max())
+
+
+def life_of(
+    result: RunResult,
+    body: str,
+    table: LifeTable,
+    states_at: StatesAt,
+    stretches: Sequence[tuple[float, float, int]],
+    *,
+    wear_states: int = WEAR_STATES,
+    tell: Callable[[int], None] = lambda _: None,
+) -> BodyLife:
+    """The life of a body from the recorded cycles of its run, as many of them as it needs.
+
+    stretches: of the cycles, from after one up to another, each with the number of its block.  wear_states: of each
+    block at most.  tell: hears of every cycle that is looked at.
+    Raises ResultError if the run has recorded no contact forces of the body; StudyError if data are lacking;
+    GeometryError if wear distorts a mesh too much.
+    """
+    recorded = sorted({one.cycle for one in result.contact_forces if one.body == body})
+    known: dict[int, WearState] = {}
+    depths, criterion, first = np.zeros(0), None, None
+    thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
+    found: BodyLife | None = None
+    for cycle in _chosen(recorded, stretches, wear_states):
+        if found is not None and found.high is not None and not found.high.beyond and found.high.cycles < cycle:
+            break
+        tell(cycle)
+        states = states_at(cycle)
+        if criterion is None or first is None:
+            first, criterion = states[0], criterion_of(table, states[0].body.material)
+            step = 0.5 * first.body.patch.smallest_element
+            depths = step * (_GROWTH ** np.arange(_DEPTHS) - 1.0) / (_GROWTH - 1.0)
+        known[cycle] = wear_state(states, criterion, table, depths, _worn(result, body, cycle))
+        ordered = tuple(known[one] for one in sorted(known))
+        damage = _damage(result, body, ordered, depths, stretches, last=cycle == recorded[-1])
+        begun, low, high = damage.begun(thresholds.tolist())
+        plane = first.body.mesh.points.shape[1] == 2
+        found = BodyLife(body, table, ordered, damage, begun, low, high, first.to_world, plane)
+    if found is None:
+        raise ResultError(f"{result.label}: no contact forces of the {called(body)} are recorded")
+    return found
+
+
+def _chosen(recorded: Sequence[int], stretches: Sequence[tuple[float, float, int]], count: int) -> list[int]:
+    """Of the recorded cycles of each block so many: the first, the last, and between them evenly by logarithms."""
+    chosen: set[int] = set()
+    for number in {block for _, _, block in stretches}:
+        own = [c for c in recorded if any(s < c <= e and b == number for s, e, b in stretches)]
+        wanted = np.geomspace(own[0], own[-1], min(count, len(own))) if own else ()
+        chosen |= {own[int(np.abs(np.log(np.array(own) / at)).argmin())] for at in wanted}
+    return sorted(chosen)
+
+
+def _worn(result: RunResult, body: str, cycle: int) -> Array:
+    """The depth (n_a, n_t) worn off a body by a recorded cycle on its patch, in its own axes, in mm."""
+    order = slice(None, None, -1 if result.is_upper(body) else 1)
+    return np.maximum(1e-3 * result.scar(cycle, body).depth_um[:, order], 0.0)
+
+
+def _damage(
+    result: RunResult,
+    body: str,
+    states: Sequence[WearState],
+    depths: Array,
+    stretches: Sequence[tuple[float, float, int]],
+    *,
+    last: bool,
+) -> Damage:
+    """Damage in columns on the lines of the last state, up to its cycle, or to the end of the run."""
+    lines = states[-1].axial_mm, states[-1].transverse_mm
+    on = [one.onto(*lines) for one in states]
+    rates = {one.cycle: Rates(float(one.cycle), share) for one, (share, _) in zip(states, on, strict=True)}
+    end = stretches[-1][1] if last else float(states[-1].cycle)
+    spans = []
+    for start, stop, block in stretches:
+        if start >= end:
+            break
+        inside = [c for c in rates if start < c <= stop]
+        # Of a block's later turns only the last may be recorded: the nearest turn stands for the others.
+        alike = [c for s, e, b in stretches for c in rates if b == block and s < c <= e]
+        nearest = min(alike or rates, key=lambda c: abs(c - stop))
+        spans.append(Span(start, min(stop, end), tuple(rates[c] for c in sorted(inside) or [nearest])))
+    cycles = np.array([0.0, *(one.cycle for one in states)])
+    worn = np.array([np.zeros(len(on[0][1])), *(depth for _, depth in on)])
+    course, deepest = result.evolution["cycle"], result.evolution[f"max_depth_{body}_um"]
+
+    def worn_mm(cycle: float) -> Array:
+        """Between two states as the deepest point of the scar has it."""
+        later = int(np.clip(np.searchsorted(cycles, cycle), 1, len(cycles) - 1))
+        before, after = cycles[later - 1], cycles[later]
+        low, here, high = np.interp([before, min(cycle, after), after], [0.0, *course], [0.0, *deepest])
+        part = (here - low) / (high - low) if high > low else (min(cycle, after) - before) / (after - before)
+        return np.asarray(worn[later - 1] + part * (worn[later] - worn[later - 1]))
+
+    return Damage(depths, spans, worn_mm)
