@@ -172,7 +172,7 @@ class FatemiSocie(_OnPlanes):
 
 
 @dataclass(frozen=True)
-class Crossland:
+class CrosslandLife:
     """√J2,a + slope · σ_H,max in MPa (Crossland, Proc. Int. Conf. Fatigue of Metals, 1956) of the whole cycle."""
 
     slope: float

@@ -14,7 +14,14 @@ from geometry import Elastic
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.strain import interpolation
 from wirewear.base.errors import ResultError
-from wirewear.interior.criteria import Crossland, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
+from wirewear.interior.criteria import (
+    CrosslandLife,
+    FatemiSocie,
+    LifeCriterion,
+    LifeCurve,
+    SmithWatsonTopper,
+    StressLife,
+)
 from wirewear.interior.damage import FLOOR, Begun, Damage, Rates, Span
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import stresses_of
@@ -47,7 +54,7 @@ def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
             return StressLife(material, LifeCurve(((strength, b),), limit), strength)
         # In tension without a mean, √J2,a is σ_a/√3 and σ_H,max a third of σ_a.
         slope = table.slope
-        return Crossland(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
+        return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
     strength, b, ductility, c = table.required(*CURVE_KEYS)
     if table.criterion == "fatemi-socie":
         stated = table.fatemi_socie_factor is not None and table.yield_strength_MPa is not None
@@ -96,7 +103,7 @@ def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
 
 
 @dataclass(frozen=True, eq=False)
-class WearState:
+class LifeState:
     """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch.
 
     share: decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
@@ -121,7 +128,7 @@ class WearState:
 
 def wear_state(
     states: Sequence[InnerState[Any]], criterion: LifeCriterion, table: LifeTable, depths_mm: Array, worn_mm: Array
-) -> WearState:
+) -> LifeState:
     """The damage per cycle of a body whose nodes stand in its surface, worn by (n_a, n_t)."""
     first = states[0]
     patch, mesh = first.body.patch, first.body.mesh
@@ -145,7 +152,7 @@ def wear_state(
     damage = criterion.damage(history)
     shape = (len(axial), len(transverse), len(depths_mm))
     logarithm = np.log10(damage.share, out=np.full(len(damage.share), FLOOR), where=damage.share > 10.0**FLOOR)
-    return WearState(
+    return LifeState(
         first.forces.cycle,
         axial,
         transverse,
@@ -204,7 +211,7 @@ class BodyLife:
 
     body: str
     table: LifeTable
-    states: tuple[WearState, ...]
+    states: tuple[LifeState, ...]
     damage: Damage
     begun: Begun | None
     low: Begun | None
@@ -290,7 +297,7 @@ def life_of(
     GeometryError if wear distorts a mesh too much.
     """
     recorded = sorted({one.cycle for one in result.contact_forces if one.body == body})
-    known: dict[int, WearState] = {}
+    known: dict[int, LifeState] = {}
     depths, criterion, first = np.zeros(0), None, None
     thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
     found: BodyLife | None = None
@@ -333,7 +340,7 @@ def _worn(result: RunResult, body: str, cycle: int) -> Array:
 def _damage(
     result: RunResult,
     body: str,
-    states: Sequence[WearState],
+    states: Sequence[LifeState],
     depths: Array,
     stretches: Sequence[tuple[float, float, int]],
     *,
