@@ -96,6 +96,9 @@ def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_
     plain = {"poissons_ratio", "friction", "moving_share", "cycles", "jump_tolerance", "wear_factor"}
     # Relative scatter of what is named.
     plain |= {"normal_load", "wear", "tangential_stiffness"}
+    # Of fatigue.
+    plain |= {"fatigue_strength_exponent", "fatigue_ductility_coefficient", "fatigue_ductility_exponent"}
+    plain |= {"fatemi_socie_factor", "crossland_slope", "scatter_decades"}
     plain |= {"increments_per_cycle", "increments_per_wear_cycle", "mesh_refinement", "contact_states"}
 
     def check(table: type[Table]) -> int:
