@@ -8,7 +8,7 @@ import click
 
 from wirewear.base.errors import RecordError, StudyError, as_sentence
 from wirewear.base.writing import is_special, json_text
-from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, given, most_memory, of_block, stage
+from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, given, most_memory, of_block, stage
 from wirewear.kinds import KINDS, Kind
 from wirewear.study import FIDELITIES
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--kind", type=click.Choice([*KINDS]), default="crossed-wires",
               show_default=True, help="What is simulated.")  # fmt: skip
-@click.option("--from", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="Take over its test.")
+@click.option("--from", "record_path", metavar="RECORD", type=Given(), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
 @click.option("--output", metavar="FILE.toml", type=OutputFile(),
               help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
@@ -197,7 +197,7 @@ def _require_new(path: Path) -> None:
 
 
 @cli.command()
-@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=Given())
 @click.option("--output", metavar="DIR", required=True, type=OutputFolder(), help="Study, table, run.")
 @click.option("--check", "fidelity", type=click.Choice(("none", *FIDELITIES)), default="quick", show_default=True,
               help="Check the fit by a run.")  # fmt: skip

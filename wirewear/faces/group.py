@@ -16,6 +16,7 @@ from click.core import ParameterSource
 
 from wirewear.base.budget import MOST_MEMORY_GB
 from wirewear.base.errors import Quantity, WirewearError, tell_plainly
+from wirewear.base.examples import example
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -59,6 +60,19 @@ class StatedOption(click.types.FloatParamType):
 
 
 STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))  #: Strengths of materials from lead to drawn steel.
+
+
+class Given(click.Path):
+    """A file or folder that is read, or the name of an example that comes with the program."""
+
+    def __init__(self) -> None:
+        """Any path."""
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; that of the example where there is no such file."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        return path if path.exists() else example(str(value)) or path
 
 
 class OutputFolder(click.Path):

@@ -8,7 +8,7 @@ import click
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, OutputFile, OutputFolder, busy, cli, default_output, most_memory
+from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, default_output, most_memory
 from wirewear.study import FIDELITIES
 
 
@@ -19,7 +19,7 @@ def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: 
 
 
 @cli.command(name="loops")
-@click.argument("path", metavar="FILE_OR_RECORD", type=click.Path(path_type=Path))
+@click.argument("path", metavar="FILE_OR_RECORD", type=Given())
 @click.option("--cycle", type=click.IntRange(0), help="This cycle only.  [default: all]")
 @click.option("--variant", metavar="NAME", help="Which run, where a result holds several.")
 @click.option("--displacement", metavar="COLUMN[:UNIT]", help="Column by name or number.  [default: by its name]")
@@ -79,7 +79,7 @@ def loops_command(
 
 
 @cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.argument("study_path", metavar="STUDY.toml", type=Given())
 @click.option(
     "--loads", metavar="LIST", default="", help="Normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]"
 )
@@ -90,7 +90,7 @@ def loops_command(
               help="From the sensor's point to the moving wire's holder.")  # fmt: skip
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Which variant of the study.")
-@click.option("--record", "record_path", metavar="RECORD", type=click.Path(path_type=Path), help="To be corrected.")
+@click.option("--record", "record_path", metavar="RECORD", type=Given(), help="To be corrected.")
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Where the corrected record goes.")
 @click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
 @most_memory

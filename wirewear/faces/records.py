@@ -11,14 +11,14 @@ import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, OutputFolder, busy, cli, most_memory, of_block, stage
+from wirewear.faces.group import Finite, Given, OutputFolder, busy, cli, most_memory, of_block, stage
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
 
 
 @cli.command(name="diagnose")
-@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=Given())
 @click.option("--output", metavar="DIR", required=True, type=OutputFolder())
 @click.option(
     "--model", metavar="STUDY.toml", type=click.Path(path_type=Path), help="[default: what the record states]"
@@ -74,7 +74,7 @@ def diagnose_command(
 
 
 @cli.command()
-@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=Given())
 @of_block
 @click.option("--json", "as_json", is_flag=True, help="Print the report as JSON.")
 @click.pass_context
@@ -248,7 +248,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 
 @cli.command(name="compare")
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.argument("record_path", metavar="RECORD", type=click.Path(path_type=Path))
+@click.argument("record_path", metavar="RECORD", type=Given())
 @click.option("--output", metavar="DIR", required=True, type=OutputFolder())
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:

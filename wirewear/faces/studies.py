@@ -11,7 +11,7 @@ import click
 
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import OutputFolder, busy, cli, default_output, given, most_memory
+from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
@@ -52,7 +52,7 @@ def materials_command() -> None:
 @click.argument("name", required=False)
 @click.option("--json", "as_json", is_flag=True, help="Print all effects, or NAME alone, as JSON.")
 @click.option("--plot", is_flag=True, help="Run the steel-wire test without and with NAME, and draw what differs.")
-@click.option("--study", "study_path", metavar="STUDY.toml", type=click.Path(path_type=Path), help="Plot this one.")
+@click.option("--study", "study_path", metavar="STUDY.toml", type=Given(), help="Plot this one.")
 @click.option("--size", type=click.Choice(["easy", "hard"]), default="easy", show_default=True, help="Size to plot.")
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True)
 @click.option(
@@ -138,13 +138,13 @@ def report(result_path: Path, output: Path | None) -> None:
 
 
 @cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.argument("study_path", metavar="STUDY.toml", type=Given())
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>]")
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
 @click.option("--overwrite", is_flag=True, help="Run anew where a result stands.")
-@click.option("--cycles-of", "record_path", metavar="RECORD", type=click.Path(path_type=Path),
+@click.option("--cycles-of", "record_path", metavar="RECORD", type=Given(),
               help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
 @click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")
 @click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")

@@ -131,7 +131,7 @@ class _Told:
 
 
 @group.cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.argument("study_path", metavar="STUDY.toml", type=group.Given())
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="The variant of the study to refine, if it has variants.")
 @click.option(
@@ -174,7 +174,7 @@ def converge(
 
 
 @group.cli.command()
-@click.argument("study_path", metavar="STUDY.toml", type=click.Path(path_type=Path))
+@click.argument("study_path", metavar="STUDY.toml", type=group.Given())
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
 @group.most_memory

@@ -1,0 +1,59 @@
+"""Studies and records that come with the program, by name, in a checkout and in an installed package."""
+
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner
+
+from wirewear import load_study, read_record
+from wirewear.base.examples import RECORDS, STUDIES, example
+from wirewear.faces import cli
+from wirewear.kinds import load_any_study
+
+ROOT = Path(__file__).parents[1]
+
+
+@pytest.mark.parametrize("name", [*STUDIES, *RECORDS])
+def test_every_example_is_read_by_its_name(name: str) -> None:
+    place = example(name)
+    assert place is not None
+    assert (load_any_study(place) if name in STUDIES else read_record(place)).name
+
+
+def test_a_name_that_is_none_of_theirs_has_no_example() -> None:
+    assert example("no_such_test") is None
+
+
+def test_a_command_takes_an_example_where_there_is_no_file_of_that_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    told = CliRunner().invoke(cli, ["check", "no_gap"])
+    assert told.exit_code == 0
+    assert "no_gap" in told.output
+    Path("no_gap").mkdir()
+    assert "experiment.toml" in CliRunner().invoke(cli, ["check", "no_gap"]).output
+
+
+def test_the_package_that_is_built_holds_what_the_program_looks_for(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The examples are copied as `setup.py` does when a wheel is built, and found beside the installed modules."""
+    asked: dict[str, Any] = {}
+    monkeypatch.setattr("setuptools.setup", lambda **given: asked.update(given["cmdclass"]))
+    monkeypatch.setattr("setuptools.command.build_py.build_py.run", lambda _: None)
+    monkeypatch.chdir(ROOT)
+    spec = spec_from_file_location("build_of_wirewear", ROOT / "setup.py")
+    assert spec is not None
+    assert spec.loader is not None
+    spec.loader.exec_module(module_from_spec(spec))
+    command = asked["build_py"].__new__(asked["build_py"])
+    command.__dict__.update(build_lib=str(tmp_path), editable_mode=False)
+    command.run()
+    monkeypatch.setattr("wirewear.base.examples._FOLDERS", (tmp_path / "wirewear" / "examples",))
+    found = [example(name) for name in (*STUDIES, *RECORDS)]
+    assert all(found)
+    assert not list(tmp_path.rglob("*.py"))
+    assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name
