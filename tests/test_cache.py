@@ -158,7 +158,7 @@ def test_of_runs_that_fail_the_one_that_comes_to_its_end_counts(
     monkeypatch.setattr("wirewear.simulation.run_study", run_study)
     found = nominal_run(coarse())
     assert found.status == "complete"
-    assert limits_of(found) == ()
+    assert limits_of(found, coarse()) == ()
     assert len(runs) == 2
 
 

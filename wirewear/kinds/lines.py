@@ -88,9 +88,10 @@ class LineContacts:
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Those of the whole contact, of the nominal run."""
         from wirewear.diagnosis.model.line_states import LineStates
-        from wirewear.diagnosis.model.nominal import nominal_line_run
+        from wirewear.diagnosis.model.nominal import limits_of, nominal_line_run
 
-        return LineStates.of_line(nominal_line_run(study, observer_of), study.pad.profile, tables.length_mm), ()
+        result = nominal_line_run(study, observer_of)
+        return LineStates.of_line(result, study.pad.profile, tables.length_mm), limits_of(result, study)
 
     def setup(self, study: PlanarStudy, tables: LineRecordTables) -> Setup:
         """Of the whole contact."""

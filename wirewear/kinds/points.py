@@ -82,7 +82,7 @@ class AtAPoint:
         del tables
         Gap.of(*study.bodies)  # refused before it is run
         result = nominal_run(study, observer_of)
-        return WearStates.of_run(result), limits_of(result)
+        return WearStates.of_run(result), limits_of(result, study)
 
     def setup(self, study: Study, tables: PointRecordTables) -> Setup:
         """With the fast model's numerical freedoms as expected."""

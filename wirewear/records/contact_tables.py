@@ -153,11 +153,6 @@ class LineTest(OfRecord):
         return self.contact.length_mm
 
     @property
-    def bodies_of_test(self) -> tuple[RecordBody, RecordBody]:
-        """The specimen, which is driven, and the pad."""
-        return self.specimen, self.pad
-
-    @property
     def depth_noise_um(self) -> float:
         """Of reading a profile, as from a figure."""
         return self.noise.depth_um or 0.0

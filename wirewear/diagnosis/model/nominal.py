@@ -31,6 +31,8 @@ _UNFORESEEN = (
     ", which the fast model does not foresee: it can be checked and compared, but neither fitted nor diagnosed"
 )
 
+_WITHOUT_BULK = "loops are foreseen without the bulk stresses of the bodies, whose strain hardly changes sliding ones"
+
 _FOLDER = "wirewear-nominal-"
 
 ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
@@ -91,8 +93,8 @@ def require_foreseen(record: AnyRecord) -> None:
     """See that the fast model foresees the loops that are looked at of a record.
 
     Raises:
-        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, a body carries a
-            bulk stress, or they are of a block whose stroke is shorter than another's.
+        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, or they are of
+            a block whose stroke is shorter than another's.
     """
     asked, held = record.tables.conditions, held_by(record.tables.conditions)
     if asked.load_cycle is not None:
@@ -102,8 +104,6 @@ def require_foreseen(record: AnyRecord) -> None:
             f"the drive of {record.name!r} holds its tangential force, which says nothing of how far the bodies slide"
             f"{_UNFORESEEN}."
         )
-    if any(one.bulk for one in (*record.tables.bodies_of_test, *record.tables.programme)):
-        raise RecordError(f"a body of the record {record.name!r} carries a bulk stress{_UNFORESEEN}.")
     if record.within_longer_strokes:
         raise RecordError(
             f"block {record.block} of the programme of {record.name!r} slides in scars of longer strokes, which the "
@@ -222,13 +222,18 @@ def wearing(study: Study) -> Study:
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
 
 
-def limits_of(nominal: RunResult) -> tuple[str, ...]:
-    """What its run says against wear states taken from it; nothing of one that came to its end."""
+def limits_of(nominal: RunResult, study: Study | PlanarStudy) -> tuple[str, ...]:
+    """What a study and its run say against wear states taken from it; nothing of one that came to its end without bulk
+    stresses.
+    """
+    bulk = any(own.study.drive.bulk for own in study.schedule.stretches)
+    told = (_WITHOUT_BULK,) if bulk else ()
     if nominal.status == "complete":
-        return ()
+        return told
     reached = f"cycle {counted(nominal.loops[-1].cycle)} of {counted(nominal.study['conditions']['cycles'])}"
     reason = nominal.message.rstrip(".")
-    return (f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there",)
+    ended = f"the simulation of the nominal model ended at {reached} ({reason}): later wear is led on from there"
+    return (*told, ended)
 
 
 def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
