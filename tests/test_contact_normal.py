@@ -186,3 +186,11 @@ def test_a_mesh_of_4_um_meets_hertz_within_2_percent(hertz: PointContact) -> Non
     assert -state.holder_z == pytest.approx(hertz.approach_mm, rel=0.02)
     assert np.sqrt(report.contact_area / np.pi) == pytest.approx(hertz.major_semi_axis_mm, abs=0.5 * fine)
     assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=fine)
+
+
+def test_a_loop_without_a_plateau_whose_contact_opens_is_not_said_to_be_in_partial_slip() -> None:
+    phase = 2.0 * np.pi * np.arange(200) / 200
+    load = np.maximum(np.cos(phase) + 0.2, 0.0)
+    found = analyse_loop(50.0 * np.cos(phase), 0.5 * load * np.tanh(-20.0 * np.sin(phase)), load)
+    steady = analyse_loop(50.0 * np.cos(phase), 0.5 * load * np.tanh(-20.0 * np.sin(phase)), 1.0)
+    assert (found.regime, steady.regime) == ("contact opened", "partial slip")

@@ -108,7 +108,7 @@ class MappedTest:
 
 def regime_of(figures: Iterable[LoopFigures]) -> Regime:
     """Gross or partial slip of all loops, or mixed."""
-    slides = {one.regime == "gross slip" for one in figures}
+    slides = {one.regime != "partial slip" for one in figures}
     if len(slides) == 2:
         return "mixed"
     return "gross slip" if slides == {True} else "partial slip"

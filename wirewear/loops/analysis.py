@@ -177,7 +177,8 @@ def analyse_loop(
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
     ratio = opening.energy_ratio(energy, amplitude, largest_force)
     if not courses.slide and not viscous and ratio is not None and (hidden := _hidden(courses, ratio)):
-        loop, read = loop.noted(hidden), _all_along(read, courses, energy, amplitude)
+        loop = loop if OPENS in loop.notes else loop.noted(hidden)
+        read = _all_along(read, courses, energy, amplitude)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -201,7 +202,7 @@ def analyse_loop(
         friction_backward=_from_zero(loop, sliding.backward, zero, 1.0),
         static_overshoot=static_overshoot(loop, courses.both) if slides else None,
         stick_slip=stick_slip(loop, courses.both) if slides else None,
-        regime="gross slip" if courses.slide else "partial slip",
+        regime="gross slip" if courses.slide else "contact opened" if OPENS in loop.notes else "partial slip",
         outlier_samples=loop.outliers,
         notes=(),
     )

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirewear.base.errors import WirewearError
 
-Regime = Literal["partial slip", "gross slip"]
+Regime = Literal["partial slip", "gross slip", "contact opened"]
 
 
 class LoopError(WirewearError):
@@ -117,7 +117,8 @@ class LoopFigures:
         friction_backward: |Q₋|/P, likewise.
         static_overshoot: by which share the force first passes the later peaks of the plateau; None if it does not.
         stick_slip: chatter of the plateaus; None where there is none.
-        regime: "gross slip" when a plateau follows the micro-slip branches, else "partial slip".
+        regime: "gross slip" when a plateau follows the micro-slip branches, else "partial slip", or "contact opened" where
+            the normal force falls to zero within the cycle.
         outlier_samples: indices of input samples left out as outliers.
         notes: sentences about what was left out, assumed or corrected.
     """

@@ -15,7 +15,7 @@ from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
 from wirewear.study.messages import validated
-from wirewear.study.programme import CycleBlock, Schedule, worked_course
+from wirewear.study.programme import CycleBlock, Schedule, held_by, worked_course
 
 #: What changes over the cycles, as keys of `[stated]` and as effects of a study.
 _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")
@@ -201,10 +201,16 @@ def _energies_mJ(evolution: Sequence[MeasuredEvolution], schedule: Schedule[Any]
     else:
         return found
     for one in schedule.stretches:
-        asked = one.study.conditions
-        stroke = asked.normal_load_N * asked.displacement_amplitude_um
-        found[one.block] = float(stroke * (one.study.stated.friction or 1.0))
+        friction_N = one.study.conditions.normal_load_N * (one.study.stated.friction or 1.0)
+        found[one.block] = float(friction_N * _stroke_um(one.study))
     return found
+
+
+def _stroke_um(tables: Any) -> float:
+    """Amplitude of the stroke that is asked for: what the drive holds, or what that comes to on a rigid rig."""
+    asked, friction = tables.conditions, tables.stated.friction or 1.0
+    held, largest = held_by(asked), asked.displacement_amplitude_um
+    return float(largest if held is None else held.first_um(friction * asked.normal_load_N, 0.0, largest))
 
 
 def _rows(evolution: MeasuredEvolution, schedule: Schedule[Any], block: int) -> MeasuredEvolution:
@@ -247,7 +253,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
             return self
         schedule = _schedule(tables)
         belongs = [schedule.at(loop.cycle).block for loop in self.loops]
-        strokes = {one.block: one.study.conditions.displacement_amplitude_um for one in schedule.stretches}
+        strokes = {one.block: _stroke_um(one.study) for one in schedule.stretches}
         chosen = number or max(sorted(set(belongs)), key=lambda one: (strokes[one], belongs.count(one)), default=1)
         if chosen not in belongs:
             known = ", ".join(map(str, sorted(set(belongs)))) or "none"

@@ -254,8 +254,10 @@ def cycles_of(number: float) -> str:
 
 def regime(result: RunResult) -> str:
     """Gross slip, partial slip, or both over the test, by the measured loops: their energy ratio, or their width where
-    the slopes of worn scars carry more force than friction does.
+    the slopes of worn scars carry more force than friction does. A contact that opens is in neither.
     """
+    if any(float(loop.normal_force_N.min()) <= 0.0 for loop in result.loops):
+        return "a contact that opens within its cycles"
     evolution = result.evolution
     amplitude = evolution["displacement_amplitude_um"]
     ratio = energy_ratio(evolution["dissipated_energy_mJ"], amplitude, evolution["max_tangential_force_N"])
