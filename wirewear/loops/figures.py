@@ -117,8 +117,8 @@ class LoopFigures:
         friction_backward: |Q₋|/P, likewise.
         static_overshoot: by which share the force first passes the later peaks of the plateau; None if it does not.
         stick_slip: chatter of the plateaus; None where there is none.
-        regime: "gross slip" when a plateau follows the micro-slip branches, else "contact opened" where the normal force
-            falls to zero within the cycle, else "partial slip".
+        regime: "gross slip" when a plateau follows the micro-slip branches; else "contact opened" where the normal
+            force falls to zero within the cycle, and else "partial slip".
         outlier_samples: indices of input samples left out as outliers.
         notes: sentences about what was left out, assumed or corrected.
     """
