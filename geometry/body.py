@@ -25,15 +25,23 @@ _HEXAHEDRON = 5
 
 LEAST_SCALED_JACOBIAN = 0.2  #: Elements with a smaller scaled Jacobian than this are refused.
 
+#: Debian's packages of the libraries that gmsh and VTK load; tools/prepare_machine.sh installs them.
+SYSTEM_PACKAGES = "libgl1 libglu1-mesa libegl1 libgl1-mesa-dri libxcursor1 libxft2 libxinerama1 libxfixes3 libgomp1"
+
 #: Differences from symmetry, in shares of the largest depth, that come from the computer's arithmetic.
 _ROUND_OFF = 1e-9
 
 
 @contextmanager
 def gmsh_session() -> Iterator[Any]:
-    """A quiet, reproducible gmsh session; gmsh's own errors become GeometryError."""
-    import gmsh
-
+    """A quiet, reproducible gmsh session; gmsh's own errors, or that it cannot be loaded, become GeometryError."""
+    try:
+        import gmsh
+    except OSError as error:
+        raise GeometryError(
+            f"gmsh does not find a library of the system ({error}): install what it and VTK load, on Debian by: "
+            f"apt-get install {SYSTEM_PACKAGES}."
+        ) from error
     gmsh.initialize(interruptible=False)
     try:
         for name, value in {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.RandomSeed": 1}.items():

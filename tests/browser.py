@@ -24,8 +24,8 @@ needs_browser = pytest.mark.skipif(
 
 OPTIONS = (
     "--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--disable-extensions",
-    "--no-first-run", "--disable-background-networking", "--host-resolver-rules=MAP * ~NOTFOUND", "--hide-scrollbars",
-    "--remote-debugging-pipe",
+    "--no-first-run", "--disable-background-networking", "--hide-scrollbars", "--remote-debugging-pipe",
+    "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )  # fmt: skip
 
 #: Elements that reach beyond a phone's screen, apart from those within something that scrolls.
@@ -66,10 +66,10 @@ class Page:
         for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
 
-    def open(self, path: Path, width: int = 1100, height: int = 900, *, phone: bool = False) -> None:
-        """Load a file into a window of that size."""
+    def open(self, path: Path | str, width: int = 1100, height: int = 900, *, phone: bool = False) -> None:
+        """Load a file, or an address of this machine, into a window of that size."""
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=phone)
-        self.call("Page.navigate", url=path.resolve().as_uri())
+        self.call("Page.navigate", url=path if isinstance(path, str) else path.resolve().as_uri())
         self.value(
             "new Promise(done => document.readyState === 'complete' ? done() : addEventListener('load', () => done()))"
         )
@@ -109,11 +109,8 @@ class Page:
                 self.problems.append(str(values["args"]))
             case "Log.entryAdded" if values["entry"]["level"] == "error":
                 self.problems.append(values["entry"]["text"])
-            case "Network.requestWillBeSent" if values["request"]["url"].split(":")[0] not in (
-                "file",
-                "data",
-                "blob",
-                "about",
+            case "Network.requestWillBeSent" if not values["request"]["url"].startswith(
+                ("file:", "data:", "blob:", "about:", "http://127.0.0.1:")
             ):
                 self.problems.append(f"asks the network for {values['request']['url']}")
 

@@ -1,12 +1,16 @@
 """Studies and records that come with the program, by name, in a checkout and in an installed package."""
 
+import sys
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pytest
 from click.testing import CliRunner
 
+from geometry import GeometryError
+from geometry.body import SYSTEM_PACKAGES, gmsh_session
 from wirewear import load_study, read_record
 from wirewear.base.examples import RECORDS, STUDIES, example
 from wirewear.faces import cli
@@ -57,3 +61,19 @@ def test_the_package_that_is_built_holds_what_the_program_looks_for(
     assert all(found)
     assert not list(tmp_path.rglob("*.py"))
     assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name
+
+
+def test_the_sentence_on_a_missing_library_names_the_packages_that_make_installs(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    script = (ROOT / "tools" / "prepare_machine.sh").read_text(encoding="utf-8")
+    assert f'packages="{SYSTEM_PACKAGES}"' in script
+
+    def unfound(name: str, *_: Any) -> None:
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file: No such file or directory")
+
+    monkeypatch.delitem(sys.modules, "gmsh", raising=False)
+    monkeypatch.setattr(sys, "meta_path", [SimpleNamespace(find_spec=unfound), *sys.meta_path])
+    with pytest.raises(GeometryError, match=r"libGLU\.so\.1.*apt-get install libgl1"), gmsh_session():
+        pass

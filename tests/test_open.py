@@ -1,0 +1,167 @@
+"""`wirewear open`: a desk's steps are commands, its pages are its owner's alone, and nothing that was made is lost."""
+
+import json
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from threading import Thread
+from time import monotonic, sleep
+from typing import Any
+
+import pytest
+
+import wirewear.faces.commands
+from tests.browser import TOO_WIDE, Page, browser, needs_browser
+from wirewear.base.errors import RunError
+from wirewear.base.examples import example
+from wirewear.faces import cli
+from wirewear.faces.desk import STEPS, Desk
+from wirewear.faces.serving import LOOPBACK, DeskServer
+
+__all__ = ["wirewear"]
+
+RECORD = example("no_gap")
+HEADER = "Time (s);Displacement (um);Force (N)\n"
+
+
+@pytest.fixture
+def desk(tmp_path: Path) -> Iterator[Desk]:
+    made = Desk(tmp_path / "desk")
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def server(desk: Desk) -> Iterator[DeskServer]:
+    with DeskServer(desk) as made:
+        Thread(target=made.serve_forever, daemon=True).start()
+        yield made
+        made.shutdown()
+
+
+def asked(url: str, method: str = "GET", body: bytes = b"", **headers: str) -> tuple[int, bytes]:
+    request = urllib.request.Request(url, body if method == "PUT" else None, headers, method=method)
+    try:
+        with urllib.request.urlopen(request) as answer:
+            return answer.status, answer.read()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read()
+
+
+def step(desk: Desk, name: str) -> dict[str, Any]:
+    return next(one for one in desk.state()["steps"] if one["name"] == name)
+
+
+def ended(desk: Desk, name: str, most_s: float = 200.0) -> dict[str, Any]:
+    began = monotonic()
+    while step(desk, name)["state"] == "running" and monotonic() - began < most_s:
+        sleep(0.1)
+    return step(desk, name)
+
+
+def logged() -> str:
+    """One cycle of the example, as a logger writes it."""
+    assert RECORD is not None
+    rows = [line.split(",") for line in (RECORD / "loops.csv").read_text(encoding="utf-8").splitlines()[1:]]
+    return HEADER + "".join(
+        f"{t};{x};{q}\n" for repeat, cycle, _, t, x, q, *_ in rows if (repeat, cycle) == ("1", "100")
+    )
+
+
+def test_every_step_is_a_command_and_its_options_are_the_commands_own() -> None:
+    for one in STEPS:
+        flags = {flag for parameter in cli.commands[one.command].params for flag in parameter.opts}
+        assert {option["flag"] for option in one.options} <= flags
+
+
+@pytest.mark.parametrize("secret", ["", "guessed"])
+def test_who_does_not_know_the_address_sees_nothing(server: DeskServer, secret: str) -> None:
+    host = server.url.removesuffix(f"{server.secret}/")
+    assert asked(f"{host}{secret}/state")[0] == 404
+    assert asked(f"{server.url}state", Host="elsewhere.example")[0] == 404
+    assert server.server_address[0] == LOOPBACK
+
+
+def test_nothing_outside_the_folder_is_served_or_written(server: DeskServer, tmp_path: Path) -> None:
+    (tmp_path / "secret.txt").write_text("mine", encoding="utf-8")
+    (server.desk.folder / "link").symlink_to(tmp_path / "secret.txt")
+    for place in ("out/%2e%2e/secret.txt", "out/..%2fsecret.txt", "out/link", "out//etc/passwd"):
+        assert asked(server.url + place)[0] == 404
+    assert asked(server.url + "files/..%2F..%2Fescaped.csv", "PUT", b"1")[0] == 200
+    assert not (tmp_path / "escaped.csv").exists()
+    assert (server.desk.folder / "files" / "escaped.csv").read_bytes() == b"1"
+    assert asked(server.url + "files/..", "PUT", b"1")[0] == 409
+
+
+def test_what_is_made_anew_is_put_aside(desk: Desk) -> None:
+    for text in ("first", "second", "third"):
+        desk.write_mapping(text)
+    desk.add("a.csv", b"1")
+    desk.add("a.csv", b"2")
+    kept = sorted(path.read_text(encoding="utf-8") for path in (desk.folder / "earlier").iterdir())
+    assert kept == ["1", "first", "second"]
+    assert desk.state()["mapping"] == "third"
+
+
+def test_a_step_waits_for_what_it_needs(desk: Desk) -> None:
+    assert not step(desk, "check")["ready"]
+    with pytest.raises(RunError, match="record is not there yet"):
+        desk.start("check", {})
+    with pytest.raises(RunError, match="no step"):
+        desk.start("destroy", {})
+
+
+def test_what_is_nothing_of_ours_is_refused(desk: Desk, tmp_path: Path) -> None:
+    with pytest.raises(RunError, match="no record, result or file"):
+        desk.take(tmp_path)
+
+
+@pytest.mark.seconds
+def test_a_record_that_was_opened_is_checked_where_it_lies(server: DeskServer) -> None:
+    assert RECORD is not None
+    server.desk.take(RECORD)
+    status, answer = asked(f"{server.url}steps/check", "PUT", json.dumps({"--no-such": "1"}).encode())
+    assert status == 200
+    assert json.loads(answer)["opened"] == {"record": str(RECORD)}
+    told = ended(server.desk, "check")
+    assert told["state"] == "done"
+    assert any("Nothing odd was found" in line for line in told["lines"])
+
+
+@pytest.mark.slow
+@needs_browser
+def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServer, tmp_path: Path) -> None:
+    desk = server.desk
+    with browser() as page:
+        page.open(server.url)
+        dropped = json.dumps(logged())
+        page.value(f"put([new File([{dropped}], 'cycle100.csv')])")
+        for flag, value in (("diameter", "0.45"), ("normal-load", "2"), ("cycles", "100")):
+            page.value(f"document.querySelector('#step-guess [data-flag=\"--{flag}\"]').value = '{value}'")
+        for name in ("guess", "look", "import", "check", "loops"):
+            begun(page, desk, name)
+        assert step(desk, "loops")["left"] == ["loops.png"]
+        wait_for(page, "document.querySelector('#step-loops img')?.naturalWidth > 100")
+        assert "diameter_mm = 0.45" in page.value("document.querySelector('textarea').value")
+        assert not page.problems
+        page.open(server.url, 390, 800, phone=True)
+        assert page.value(TOO_WIDE) == []
+    assert (desk.folder / "record" / "experiment.toml").is_file()
+
+
+def begun(page: Page, desk: Desk, name: str) -> None:
+    page.value(f"document.querySelector('#step-{name} button').click()")
+    began = monotonic()
+    while step(desk, name)["state"] == "idle" and monotonic() - began < 20.0:
+        sleep(0.1)
+    told = ended(desk, name)
+    assert told["state"] == "done", told["lines"]
+    wait_for(page, f"document.querySelector('#step-{name} .note').textContent.startsWith('done')")
+
+
+def wait_for(page: Page, what: str) -> None:
+    began = monotonic()
+    while not page.value(what):
+        assert monotonic() - began < 20.0, what
+        sleep(0.1)

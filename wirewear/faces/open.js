@@ -1,0 +1,103 @@
+"use strict";
+// The page of `wirewear open`: files are put, steps begun, and what they say shown until they end.
+const find = id => document.getElementById(id);
+const made = (kind, values = {}, ...inside) => {
+  const one = Object.assign(document.createElement(kind), values);
+  one.append(...inside);
+  return one;
+};
+const WORDS = { idle: "", running: "running", done: "done", failed: "failed" };
+const shown = new Map();
+
+async function ask(method, place, body) {
+  const answer = await fetch(place, { method, body });
+  const text = await answer.text();
+  find("problem").hidden = answer.ok;
+  if (!answer.ok) { find("problem").textContent = text; return null; }
+  const state = JSON.parse(text);
+  show(state);
+  return state;
+}
+
+async function put(files) {
+  for (const file of files) await ask("PUT", "files/" + encodeURIComponent(file.name), file);
+}
+
+function option(one) {
+  const input = one.choices
+    ? made("select", {}, made("option", { value: "", textContent: "as it is" }), ...one.choices.map(c => made("option", { value: c, textContent: c })))
+    : made("input", one.hint === null ? { type: "checkbox" } : { type: "text", placeholder: one.hint });
+  input.dataset.flag = one.flag;
+  return made("label", {}, input, `${one.flag.replace(/^-+/, "").replaceAll("-", " ")}: ${one.help}`);
+}
+
+function chosen(section) {
+  const values = {};
+  for (const input of section.querySelectorAll("[data-flag]"))
+    values[input.dataset.flag] = input.type === "checkbox" ? input.checked : input.value;
+  return JSON.stringify(values);
+}
+
+function section(step) {
+  const own = made("section", { className: "step", id: "step-" + step.name });
+  const parts = {
+    own, begin: made("button", { type: "button", textContent: "Go" }), end: made("button", { type: "button", textContent: "Stop" }),
+    state: made("span", { className: "note" }), text: made("pre"), left: made("div"), edit: null, seen: "",
+  };
+  parts.begin.onclick = async () => {
+    if (parts.edit && parts.edit.dataset.changed) await save(parts);
+    ask("PUT", "steps/" + step.name, chosen(own));
+  };
+  parts.end.onclick = () => ask("PUT", "stop");
+  own.append(made("h2", { textContent: step.title }), parts.begin, parts.end, parts.state);
+  if (step.options.length) own.append(made("details", { open: step.name === "guess" }, made("summary", { textContent: "options" }), made("div", { className: "options" }, ...step.options.map(option))));
+  own.append(parts.text, parts.left);
+  if (step.name === "look") {
+    parts.edit = made("textarea", { spellcheck: false, oninput: () => { parts.edit.dataset.changed = "yes"; } });
+    own.append(made("details", {}, made("summary", { textContent: "the mapping, which you may edit" }), parts.edit));
+  }
+  find("steps").append(own);
+  return parts;
+}
+
+async function save(parts) {
+  delete parts.edit.dataset.changed;
+  await ask("PUT", "mapping", parts.edit.value);
+}
+
+function show(state) {
+  find("folder").textContent = state.folder;
+  const opened = Object.entries(state.opened).map(([what, path]) => `${what}: ${path}`);
+  find("files").textContent = [...opened, ...state.files].join(" · ");
+  for (const step of state.steps) {
+    if (!shown.has(step.name)) shown.set(step.name, section(step));
+    const parts = shown.get(step.name), running = step.state === "running";
+    parts.begin.disabled = !step.ready || state.steps.some(one => one.state === "running");
+    parts.end.hidden = !running;
+    parts.state.textContent = WORDS[step.state] + (step.seconds === null ? "" : `, ${step.seconds} s`);
+    parts.text.hidden = !step.lines.length;
+    parts.text.classList.toggle("said", step.state === "failed");
+    const text = step.lines.join("\n");
+    if (parts.text.textContent !== text) { parts.text.textContent = text; parts.text.scrollTop = parts.text.scrollHeight; }
+    if (parts.edit && !parts.edit.dataset.changed && state.mapping !== null) parts.edit.value = state.mapping;
+    const left = running ? "" : step.left.join("\n") + step.seconds;
+    if (left === parts.seen) continue;
+    parts.seen = left;
+    parts.left.replaceChildren(...(running ? [] : step.left.map(path => {
+      const href = "out/" + path.split("/").map(encodeURIComponent).join("/");
+      return path.endsWith(".html") ? made("p", {}, made("a", { href, target: "_blank", textContent: path }))
+        : made("img", { src: href + "?" + step.seconds, alt: path });
+    })));
+  }
+}
+
+const drop = find("drop");
+drop.ondragover = event => { event.preventDefault(); drop.classList.add("over"); };
+drop.ondragleave = () => drop.classList.remove("over");
+drop.ondrop = event => { event.preventDefault(); drop.classList.remove("over"); put(event.dataTransfer.files); };
+find("choose").onchange = event => put(event.target.files);
+show(JSON.parse(find("data").textContent));
+setInterval(() => ask("GET", "state").catch(() => {
+  find("problem").hidden = false;
+  find("problem").textContent = "wirewear has ended: begin `wirewear open` again.";
+}), 1000);
