@@ -24,7 +24,6 @@ from wirewear.base.errors import RunError
 from wirewear.base.reading import Held, recognised
 from wirewear.base.writing import prepared_folder, write_bytes, write_text
 from wirewear.faces.group import cli
-from wirewear.records import read_record
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"
 FITTED = "fit/study.toml"
@@ -142,6 +141,8 @@ class Desk:
             opened = {what: self.places.get(what, what) for what in (RECORD, RESULT)}
             places = [one.format(**opened) for one in step.arguments]
             if name == "diagnose" and not chosen.get("--model") and (self.folder / FITTED).is_file():
+                from wirewear.records import read_record
+
                 # A record that states too little for a model of its own has the fitted one.
                 places += ["--model", FITTED] if read_record(self.folder / opened[RECORD]).tables.missing else []
             command = [sys.executable, "-m", "wirewear", step.command, *files, *places, *_typed(step, chosen)]
