@@ -77,7 +77,7 @@ def fields(
             "--animate": animate,
         }
         _require_known(result_path, kind, given)
-        bodies = _asked(result, body)
+        bodies = asked_bodies(result, body)
         _tell_taken(cycle, result, bodies)
         usable_folder(folder)
         shown = {
@@ -95,7 +95,7 @@ def fields(
         click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
 
 
-def _asked(result: RunResult, body: str) -> tuple[str, ...]:
+def asked_bodies(result: RunResult, body: str) -> tuple[str, ...]:
     """Both bodies of a run, or the one of that name."""
     if body == "both":
         return result.bodies
@@ -190,7 +190,7 @@ def _assessing(
     kind = kind_of(result)
     _require_known(path, kind, {"--body": body != "both"})
     every = cycles or _recorded(result.contact_forces)
-    bodies = _asked(result, body)
+    bodies = asked_bodies(result, body)
     for cycle in cycles:
         _tell_taken(cycle, result, bodies)
     chosen = {one: [*dict.fromkeys(kind.assessable(result, one, cycle, asked) for cycle in every)] for one in bodies}

@@ -39,6 +39,7 @@ _DEPTHS, _GROWTH = 11, 1.35  #: Depths below the surface at which damage is foun
 _RADII = (1.32, 1.54)
 _GAUSS = 5
 _QUANTILE = 1.96  #: Of 95 % of a normal distribution.
+ENDLESS_cycles = 1e12  #: No test has lasted so long: longer lives are endless.
 WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 
@@ -47,7 +48,7 @@ def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
     Raises StudyError if some are lacking.
     """
     modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
-    limit = np.inf if table.endurance_cycles is None else table.endurance_cycles
+    limit = ENDLESS_cycles if table.endurance_cycles is None else table.endurance_cycles
     if table.criterion in ("crossland", "stress-life"):
         strength, b = table.required(*CURVE_KEYS[:2])
         if table.criterion == "stress-life":
@@ -274,9 +275,22 @@ class BodyLife:
             raise ResultError(f"no crack begins in the {self.called}")
         return self.begun
 
-    def largest(self, cycle: float) -> float:
-        """The largest sum of what is there after so many cycles."""
-        return float(self.damage.of_present(self.damage.at(cycle)).max())
+    @property
+    def cycles(self) -> float:
+        """Cycles until a crack begins, endless where none does."""
+        return np.inf if self.begun is None else self.begun.cycles
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Between what 95 % of lives lie, by the scatter of the data alone."""
+        low, high = (np.inf if one is None else one.cycles for one in (self.low, self.high))
+        return low, high
+
+    @cached_property
+    def growth(self) -> tuple[Array, Array]:
+        """Cycles (n,) and the largest sum (n,) of what is there."""
+        steps = [(now.cycle, float(self.damage.of_present(now).max())) for now in self.damage.course()]
+        return np.array([cycle for cycle, _ in steps]), np.array([largest for _, largest in steps])
 
 
 def life_of(

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.interior.state import InnerState
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
@@ -89,6 +90,9 @@ class Kind(Protocol):
 
     def assessable(self, result: Any, body: str, cycle: float, asked: StrengthAsked) -> int:
         """The recorded cycle nearest to one; ResultError where it does not allow what is asked of a body."""
+
+    def inner_states(self, result: Any, body: str, cycle: int) -> Sequence[InnerState[Any]]:
+        """A body at all recorded positions of a recorded cycle."""
 
     def strength(self, result: Any, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """The strength of a body at a recorded cycle."""

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.interior.state import InnerState
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
@@ -138,6 +139,12 @@ class LineContacts:
         from wirewear.planar.pictures import planar_assessable
 
         return planar_assessable(result, body, round(cycle), asked)
+
+    def inner_states(self, result: RunResult, body: str, cycle: int) -> Sequence[InnerState[Any]]:
+        """Where its nodes stand in the worn surface."""
+        from wirewear.planar.pictures import planar_states
+
+        return planar_states(result, body, cycle)
 
     def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """At all positions of the cycle, averaged over discs."""

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.interior.state import InnerState
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records import AnyRecord
     from wirewear.records.exporting import Surface
@@ -114,6 +115,12 @@ class AtAPoint:
         from wirewear.interior.strength import assessable
 
         return assessable(result, body, cycle, asked)
+
+    def inner_states(self, result: RunResult, body: str, cycle: int) -> Sequence[InnerState[Any]]:
+        """Where its nodes stand in the worn surface."""
+        from wirewear.interior.bodies import body_states
+
+        return body_states(result, body, cycle)
 
     def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """At all positions of the cycle."""

@@ -63,7 +63,7 @@ class LifeTable(keys.Table):
         None, description="weight of the hydrostatic stress; without it that of both fatigue limits, or 0.3"
     )
     endurance_cycles: Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e15))] | None = Field(
-        None, description="cycles that would take longer than this to begin a crack do no damage"
+        None, description="stresses under which lives are longer do no damage; 1e12 by default"
     )
     threshold_MPa_sqrt_m: Annotated[float, PlainValidator(Quantity("MPa_sqrt_m", 0.1, 100.0))] | None = Field(
         None, description="range of the stress intensity at the threshold, R = -1"
@@ -85,7 +85,7 @@ class LifeTable(keys.Table):
     def of_material(self, named: str | None) -> Self:
         """The same with what it leaves out as the material has it, which is stated or `named` by a body."""
         name = self.material or named
-        known = {} if name is None else dict(material_named(name).fatigue)
+        known = {} if name is None else {"material": name, **dict(material_named(name).fatigue)}
         stated = known | self.model_dump(exclude_none=True, exclude_unset=True)
         strength = stated.get(TENSILE_STRENGTH)
         if strength is not None and not any(stated.get(key) for key in CURVE_KEYS):

@@ -1,0 +1,144 @@
+"""The command on the life of the bodies of a run, and the same for Python."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wirewear.base.errors import ResultError, StudyError, counted
+from wirewear.base.writing import usable_folder
+from wirewear.faces.group import Finite, OutputFolder, cli, default_output
+from wirewear.faces.interior import BODY, asked_bodies
+from wirewear.study.fidelity import FIDELITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Mapping, Sequence
+
+    from wirewear.interior.life import BodyLife
+    from wirewear.results import RunResult
+
+
+def lives(
+    result: RunResult,
+    bodies: Sequence[str] = (),
+    *,
+    values: Mapping[str, Any] | None = None,
+    wear_states: int | None = None,
+    tell: Callable[[str, int], None] = lambda _body, _cycle: None,
+) -> tuple[BodyLife, ...]:
+    """The lives of bodies of a run, both by default, with what its study states in [life] and these values of keys.
+
+    wear_states: of each block of cycles at most.  tell: hears of each body and cycle that is looked at.
+    Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
+    GeometryError if wear distorts a mesh too much.
+    """
+    from wirewear.interior.life import WEAR_STATES, averaging_radius_mm, life_of
+    from wirewear.interior.strength import StrengthAsked
+    from wirewear.kinds import kind_of
+    from wirewear.study.life import LifeTable, material_of_body
+    from wirewear.study.messages import validated
+
+    kind = kind_of(result)
+    where = f"[life] of {result.label!r}"
+    asked = validated(LifeTable, (result.study.get("life") or {}) | dict(values or {}), where, StudyError)
+    study = kind.study_from_tables(result.study, result.label)
+    stretches = [(own.start, own.end, own.block) for own in study.schedule.stretches]
+    found = []
+    for body in bodies or result.bodies:
+        table = asked.of_material(material_of_body(result.study, body))
+        length_um = 2e3 * averaging_radius_mm(table, plane=False)
+        kind.assessable(result, body, 1, StrengthAsked(averaging_length_um=length_um))
+        states_at, told = partial(kind.inner_states, result, body), partial(tell, body)
+        most = wear_states or WEAR_STATES
+        found.append(life_of(result, body, table, states_at, stretches, wear_states=most, tell=told))
+    return tuple(found)
+
+
+@cli.command()
+@click.argument("path", metavar="STUDY|RESULT", type=click.Path(path_type=Path))
+@BODY
+@click.option("--criterion", help="As criterion in [life].")
+@click.option("--material", help="Material of the table whose data of fatigue are taken.")
+@click.option("--averaging-length", metavar="UM", type=Finite(0.0, min_open=True), help="As averaging_length_um.")
+@click.option("--set", "others", metavar="KEY=VALUE", multiple=True, help="Any key of [life]; may be repeated.")
+@click.option("--wear-states", type=click.IntRange(1), help="Recorded cycles looked at, of each block.  [default: 6]")
+@click.option("--cycle", type=Finite(0.0), help="Of the maps of damage.  [default: when the crack begins]")
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True, help="Of a study's run.")
+@click.option("--variant", help="Of a study.")
+@click.option("--json", "as_json", is_flag=True, help="Print the lives as JSON.")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: life/ beside the result]")
+def life(
+    path: Path,
+    body: str,
+    criterion: str | None,
+    material: str | None,
+    averaging_length: float | None,
+    others: tuple[str, ...],
+    wear_states: int | None,
+    cycle: float | None,
+    fidelity: str,
+    variant: str | None,
+    as_json: bool,
+    output: Path | None,
+) -> None:
+    """Say after how many cycles a crack begins, where and on which plane, while wear takes damage away.
+
+    A study is run first. Data of the material come from [life] of the study, or from the options.
+    """
+    from wirewear.faces.study_script import progress_bar
+    from wirewear.interior.life_page import life_json, notes, sentence, write_lives
+
+    named = {"criterion": criterion, "material": material, "averaging_length_um": averaging_length}
+    values = {key: value for key, value in named.items() if value is not None} | dict(map(_pair, others))
+    result, beside = _run_or_read(path, fidelity, variant)
+    with progress_bar() as bar:
+        task = bar.add_task("", total=None)
+
+        def tell(name: str, at: int) -> None:
+            bar.update(task, description=f"{name}, cycle {counted(at)}")
+            if bar.disable:
+                click.echo(f"wirewear: {name}, cycle {counted(at)}", err=True)
+
+        found = lives(result, asked_bodies(result, body), values=values, wear_states=wear_states, tell=tell)
+    folder = usable_folder(output or beside / "life")
+    written = write_lives(found, result.label, folder, cycle)
+    if as_json:
+        click.echo(life_json(found))
+    else:
+        for one in found:
+            click.echo("\n".join([sentence(one), *(f"  {note}" for note in notes(one))]))
+    click.echo(f"the page is {written[-1]}", err=as_json)
+
+
+def _pair(text: str) -> tuple[str, Any]:
+    key, equals, value = text.partition("=")
+    if not equals:
+        raise StudyError(f"--set takes KEY=VALUE, not {text!r}.")
+    try:
+        return key, float(value)
+    except ValueError:
+        return key, value
+
+
+def _run_or_read(path: Path, fidelity: str, variant: str | None) -> tuple[RunResult, Path]:
+    """A result, or that of a study which is run first, and the folder beside which its life is written."""
+    from wirewear.faces.looking import one_run
+    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.simulation import ProgressBar
+
+    if path.suffix != ".toml":
+        if variant is not None:
+            raise ResultError("--variant is of a study: name the folder of the variant's run instead.")
+        return one_run(path), path if path.is_dir() else path.parent
+    study = load_any_study(path)
+    if variant is not None:
+        study = study.variant(variant)
+    elif study.variant_names:
+        raise StudyError(f"{path} has the variants {', '.join(study.variant_names)}: choose one with --variant.")
+    folder, kind = default_output(path), kind_of(study)
+    results = kind.run(study, fidelity=fidelity, output=folder, resume=False, observer_of=ProgressBar, jobs=1)
+    kind.write_beside(results, folder)
+    return results[0], folder

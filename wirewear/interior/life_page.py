@@ -1,0 +1,216 @@
+"""Lives of bodies in sentences, as JSON, as pictures and on a page."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import LogNorm
+from matplotlib.figure import Figure
+
+from geometry.arrays import Array
+from wirewear.base import frame
+from wirewear.base.errors import ResultError, counted
+from wirewear.base.writing import json_text, write_csv, write_text, writing
+from wirewear.interior.life import BodyLife
+from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.pictures.style import INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save, svg
+from wirewear.study.materials import material_named
+
+_PAGE = Path(__file__).parent / "life.html"
+_DRAWN = 1e-3  #: Sums below this share of the largest are drawn as none.
+NOT_AVERAGED = (
+    "Stresses are not averaged over any length: this life does not converge as the mesh is refined. State a critical "
+    "distance, a threshold with a fatigue limit, a grain or an averaging length."
+)
+
+
+def sentence(life: BodyLife) -> str:
+    """When and where a crack begins in a body, or why none does."""
+    end = life.damage.end
+    if life.begun is None:
+        peak = float(life.growth[1].max())
+        why = "what is damaged is worn off first" if life.damage.worn_mm(end).any() else "no plane is pulled"
+        return f"{life.called}: no crack begins: {why}; the largest sum is {frame.figure(peak)}."
+    low, high = life.interval
+    between = f"{_cycles(low)} to {_cycles(high)}" if np.isfinite(high) else f"from {_cycles(low)} on, or never"
+    x, y = life.place_um
+    where = f"x = {x:.0f} µm" + ("" if life.plane else f", y = {y:.0f} µm")
+    deep = f"{life.depth_um:.1f} µm deep" if life.depth_um > 1e-2 else "at the surface"
+    worn = f" under {life.worn_um:.1f} µm worn off" if life.worn_um > 1e-2 else ""
+    angle = "" if life.plane_angle_deg is None else f", on a plane at {life.plane_angle_deg:.0f}° to the surface"
+    told = f"after {_cycles(life.cycles)} cycles (95 % of lives by the scatter of data: {between})"
+    how = f"a crack begins {told}"
+    if life.begun.beyond:
+        how = f"no crack begins within {counted(round(end))} cycles; if it went on as at its end, one would {told}"
+    return f"{life.called}: {how}, at {where}, {deep}{worn}{angle}."
+
+
+def _cycles(cycles: float) -> str:
+    return counted(round(float(f"{cycles:.2g}"))) if cycles < 1e7 else f"{cycles:.1e}"
+
+
+def notes(life: BodyLife) -> list[str]:
+    """What a reader must know of a life before using it."""
+    found = [] if life.averaged else [NOT_AVERAGED]
+    if life.table.material is not None:
+        item = material_named(life.table.material)
+        read = "" if item.fatigue_verified else " Their source was not read, or they are estimates."
+        found.append(f"Data of {item.name}: {item.fatigue_source}.{read}")
+    return found
+
+
+def life_json(lives: Sequence[BodyLife]) -> str:
+    """All of them; what is endless is null."""
+    return json_text({"lives": [_plain(life) for life in lives]})
+
+
+def _plain(life: BodyLife) -> dict[str, Any]:
+    low, high = life.interval
+    begun = life.begun
+    found: dict[str, Any] = {
+        "body": life.body,
+        "sentence": sentence(life),
+        "criterion": life.table.criterion,
+        "cycles_to_initiation": frame.number(life.cycles),
+        "cycles_low": frame.number(low),
+        "cycles_high": frame.number(high),
+        "beyond_the_run": None if begun is None else begun.beyond,
+        "run_cycles": life.damage.end,
+        "wear_states": [state.cycle for state in life.states],
+        "averaged": life.averaged,
+        "data": life.table.model_dump(exclude_none=True),
+        "notes": notes(life),
+    }
+    if begun is not None:
+        x, y = life.place_um
+        found |= {
+            "x_um": x,
+            "y_um": y,
+            "depth_um": life.depth_um,
+            "worn_off_um": life.worn_um,
+            "plane_angle_deg": life.plane_angle_deg,
+            "plane_normal": life.normal.tolist(),
+        }
+    return found
+
+
+def write_lives(lives: Sequence[BodyLife], name: str, folder: Path, cycle: float | None = None) -> list[Path]:
+    """Write life.json, life.csv (the largest sum over the cycles), a picture of each body and life.html; returns all.
+
+    cycle: of the maps of damage; by default when the crack begins, or the last one.
+    Raises ResultError if the folder cannot be written.
+    """
+    rows = [
+        {"body": life.body, "cycle": float(at), "largest_sum": float(largest)}
+        for life in lives
+        for at, largest in zip(*life.growth, strict=True)
+    ]
+    with writing(ResultError, f"cannot write lives to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        return [
+            write_text(folder / "life.json", life_json(lives)),
+            write_csv(folder / "life.csv", rows),
+            *(save(partial(draw_life, life, cycle), folder / f"life_{life.body}.png") for life in lives),
+            write_text(folder / "life.html", page(lives, name, cycle)),
+        ]
+
+
+def page(lives: Sequence[BodyLife], name: str, cycle: float | None = None) -> str:
+    """The page, which needs no other file."""
+    shown = [
+        {
+            "name": life.called,
+            "sentence": sentence(life),
+            "notes": notes(life),
+            "picture": frame.inline_svg(svg(partial(draw_life, life, cycle)), f"life-{life.body}"),
+            "data": life.table.model_dump(exclude_none=True),
+            "states": ", ".join(counted(state.cycle) for state in life.states),
+        }
+        for life in lives
+    ]
+    first = min(lives, key=lambda life: life.cycles)
+    values = {
+        "name": name,
+        "lives": shown,
+        "summary": sentence(first)[:1].upper() + sentence(first)[1:],
+        "mood": "good" if all(life.averaged for life in lives) else "open",
+    }
+    return frame.rendered(_PAGE, values)
+
+
+def draw_life(life: BodyLife, cycle: float | None = None) -> Figure:
+    """How the largest sum grows, and where the sum stands after a cycle: from above, and in a section.
+
+    cycle: by default when the crack begins, or when the sum is largest.
+    """
+    cycles, largest = life.growth
+    default = life.cycles if life.cycles < life.damage.end else float(cycles[largest.argmax()])
+    at = min(default if cycle is None else cycle, life.damage.end)
+    now = life.damage.at(at)
+    there = life.damage.of_present(now)
+    figure = new_figure(2.9)
+    ratios = (1.2, 1.5) if life.plane else (1.2, 1.0, 1.3)
+    panels = figure.subplots(1, len(ratios), width_ratios=ratios)
+    _draw_growth(panels[0], life)
+    highest = float(there.max()) or 1.0
+    norm = LogNorm(_DRAWN * highest, highest)
+    if not life.plane:
+        _draw_above(panels[1], life, there.max(axis=1), norm)
+    _draw_beneath(panels[-1], life, np.where(life.damage.present(now.worn_mm), now.damage, 0.0), now.worn_mm, norm)
+    figure.colorbar(ScalarMappable(norm, STRESS_COLOURS), ax=list(panels[1:]), label="Miner's sum", pad=0.02)
+    panel_letters(list(panels))
+    figure.suptitle(f"{life.called}, {life.table.criterion}, maps after {cycle_name(round(at))} cycles", fontsize=9)
+    return figure
+
+
+def _draw_growth(axes: Axes, life: BodyLife) -> None:
+    cycles, largest = life.growth
+    axes.loglog(cycles, np.maximum(largest, 1e-12), color=VARIANT_COLOURS[0])
+    axes.axhline(1.0, color=INK, linewidth=0.6)
+    low, high = life.interval
+    if low <= cycles[-1]:
+        axes.axvspan(low, min(high, cycles[-1]), color=VARIANT_COLOURS[0], alpha=0.15, linewidth=0.0)
+    axes.set(title="largest sum", xlabel="cycles", ylabel="Miner's sum", ylim=(_DRAWN * largest.max() or _DRAWN, 10.0))
+
+
+def _draw_above(axes: Axes, life: BodyLife, largest: Array, norm: LogNorm) -> None:
+    """Over the surface, in the axes of the test."""
+    columns = np.column_stack([life.columns_mm, np.zeros(len(life.columns_mm))])
+    x, y, _ = 1e3 * life.to_world @ columns.T
+    levels = np.geomspace(norm.vmin, norm.vmax * (1.0 + 1e-9), 13)
+    axes.tricontourf(x, y, np.maximum(largest, 1e-2 * norm.vmin), levels=levels, norm=norm, cmap=STRESS_COLOURS)
+    if life.begun is not None:
+        axes.plot(*life.place_um, marker="x", color=INK)
+    axes.set(aspect="equal", title="largest beneath", xlabel="x, along the motion [µm]", ylabel="y [µm]")
+    axes.grid(visible=False)
+
+
+def _draw_beneath(axes: Axes, life: BodyLife, damage: Array, worn_mm: Array, norm: LogNorm) -> None:
+    """Beneath the line of columns through the largest sum that runs along the motion."""
+    state = life.states[-1]
+    shape = len(state.axial_mm), len(state.transverse_mm)
+    i, j = np.unravel_index(int(damage.max(axis=1).argmax()), shape)
+    along = abs(float(life.to_world[0, 0])) > 0.5**0.5 or life.plane
+    line = (slice(None), j) if along else (i, slice(None))
+    order = np.arange(len(life.columns_mm)).reshape(shape)[line]
+    columns = np.column_stack([life.columns_mm[order], np.zeros(len(order))])
+    x = 1e3 * (life.to_world @ columns.T)[0]
+    depth = 1e3 * life.damage.levels_mm
+    shown = np.ma.masked_less(damage[order].T, norm.vmin)
+    axes.pcolormesh(x, depth, shown, shading="nearest", norm=norm, cmap=STRESS_COLOURS, rasterized=True)
+    axes.fill_between(x, 0.0, 1e3 * worn_mm[order], color="#ffffff", zorder=2)
+    axes.plot(x, 1e3 * worn_mm[order], color=INK, linewidth=0.8, zorder=3)
+    reached = depth[(damage[order] > norm.vmin).any(axis=0)].max(initial=1e3 * float(worn_mm[order].max()))
+    axes.set(
+        title="beneath it",
+        xlabel="x, along the motion [µm]",
+        ylabel="depth below the unworn surface [µm]",
+        ylim=(1.1 * float(reached) + float(depth[1]), 0.0),
+    )
+    axes.grid(visible=False)
