@@ -1,14 +1,20 @@
 """Criteria of life against closed forms, and damage that moves with the material as it wears."""
 
+import json
+from pathlib import Path
+
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from geometry import Elastic
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError
+from wirewear.faces import cli
 from wirewear.interior.criteria import LifeCurve
 from wirewear.interior.damage import Damage, Rates, Span
 from wirewear.interior.life import criterion_of, kernel_of
+from wirewear.interior.life_page import NOT_AVERAGED
 from wirewear.study.life import CRITERIA, LifeTable
 
 STEEL = Elastic(210000.0, 0.3)
@@ -146,3 +152,73 @@ def test_blocks_high_and_low_add_up_by_miner_whatever_their_order_until_wear_tak
     assert after(low, high, 0.0) == pytest.approx(0.55)
     # Of what the high block did first, wear takes the most away.
     assert after(high, low, 2e-5) < 0.7 * after(low, high, 2e-5)
+
+
+PULLED = """
+format = 1
+name = "pulled flat"
+kind = "cylinder-on-flat"
+
+[pad]
+radius_mm = 6.0
+material = "steel"
+
+[specimen]
+material = "steel"
+bulk.axial_stress_MPa = 400.0
+bulk.axial_stress_amplitude_MPa = 300.0
+
+[conditions]
+normal_load_N_per_mm = 30.0
+displacement_amplitude_um = 1.5
+cycles = 2000
+
+[contact]
+friction = 0.6
+
+[wear]
+specimen_energy_mm3_per_J = 2e-5
+
+[log]
+loop_cycles = [1, 2000]
+
+[mesh]
+contact_mesh_um = 16.0
+jump_tolerance = 0.1
+
+[life]
+averaging_length_um = 20.0
+tensile_strength_MPa = 800.0
+"""
+
+
+@pytest.mark.seconds
+def test_a_study_is_run_and_its_page_says_where_a_pulled_flat_cracks(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pulled.toml").write_text(PULLED)
+    made = CliRunner().invoke(cli, ["life", "pulled.toml", "--body", "specimen", "--output", "out"])
+    assert made.exit_code == 0, made.output
+    assert "specimen: " in made.output
+    found = json.loads((tmp_path / "out" / "life.json").read_text(encoding="utf-8"))["lives"][0]
+    # Pulled most when it is at its end at +x, the flat cracks behind the edge that trails then.
+    assert 30.0 < found["x_um"] < 150.0
+    assert 45.0 < found["plane_angle_deg"] <= 90.0
+    assert found["cycles_low"] < found["cycles_to_initiation"] < found["cycles_high"]
+    assert found["averaged"]
+    page = (tmp_path / "out" / "life.html").read_text(encoding="utf-8")
+    assert "estimates" in page
+    assert NOT_AVERAGED not in page
+    again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]
+    stronger = CliRunner().invoke(cli, [*again, "--set", "tensile_strength_MPa=1200"])
+    assert json.loads(stronger.stdout)["lives"][0]["cycles_to_initiation"] > 5.0 * found["cycles_to_initiation"]
+    for mistake, told in (
+        (["--set", "strength=3"], "unknown key 'strength'"),
+        (["--set", "averaging"], "KEY=VALUE"),
+        (["--material", "brass"], "in no table of materials"),
+    ):
+        refused = CliRunner().invoke(cli, [*again, *mistake])
+        assert refused.exit_code == 2
+        assert told in refused.output
+        assert "Traceback" not in refused.output

@@ -42,6 +42,7 @@ FILES = (
     ("`wirewear sweep`", "`sweep.html`, `table.csv`, `table.parquet`", "the page of a sweep; a row for each run"),
     ("`wirewear fields`", "`*.vtu`, `*.png`", "displacements and stresses inside the bodies"),
     ("`wirewear strength`", "`strength_*.vtu`, `strength_*.png`", "where wires yield, where cracks begin first"),
+    ("`wirewear life`", "`life.html`, `life.json`, `life.csv`, `life_*.png`", "after how many cycles cracks begin"),
     ("`python -m studies.blind score`", "`score.html`, `score.json`", "how often diagnoses were right"),
     ("`wirewear converge`", "`convergence.csv`", "limits of all figures and their errors"),
 )

@@ -14,6 +14,7 @@ require_own_siblings()
 if TYPE_CHECKING:
     from wirewear import effects, reference
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
+    from wirewear.faces.life import lives
     from wirewear.faces.looking import Run, read_result, read_results
     from wirewear.faces.running import Record, load, read_record, run, run_variants
     from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
@@ -27,7 +28,7 @@ if TYPE_CHECKING:
 __all__ = [
     "Evolution", "ExperimentRecord", "Loop", "LoopSignals", "Record", "RecordError", "ResultError", "Run", "RunError",
     "RunResult", "Scar", "Sensor", "SensorError", "SensorNoise", "Study", "StudyError", "WirewearError", "__version__",
-    "check_record", "effects", "largest_mean_pressure_MPa", "load", "load_study", "parse_study", "read_record",
+    "check_record", "effects", "largest_mean_pressure_MPa", "lives", "load", "load_study", "parse_study", "read_record",
     "read_result", "read_results", "record_of_result", "reference", "run", "run_study", "run_variants",
     "sensor_held_stroke", "write_record", "write_result",
 ]  # fmt: skip

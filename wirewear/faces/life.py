@@ -10,9 +10,9 @@ import click
 
 from wirewear.base.errors import ResultError, StudyError, counted
 from wirewear.base.writing import usable_folder
-from wirewear.faces.group import Finite, OutputFolder, cli, default_output
+from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output
 from wirewear.faces.interior import BODY, asked_bodies
-from wirewear.study.fidelity import FIDELITIES
+from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -58,7 +58,7 @@ def lives(
 
 
 @cli.command()
-@click.argument("path", metavar="STUDY|RESULT", type=click.Path(path_type=Path))
+@click.argument("path", metavar="STUDY|RESULT", type=Given())
 @BODY
 @click.option("--criterion", help="As criterion in [life].")
 @click.option("--material", help="Material of the table whose data of fatigue are taken.")

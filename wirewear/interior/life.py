@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from geometry import Elastic
-from geometry.arrays import Array, BoolArray, IntArray
+from geometry.arrays import Array, IntArray
 from solvers.strain import interpolation
 from wirewear.base.errors import ResultError
 from wirewear.interior.criteria import (
@@ -38,6 +38,7 @@ _DEPTHS, _GROWTH = 11, 1.35  #: Depths below the surface at which damage is foun
 #: Radii of the area and of the volume over the critical distance (Bellett et al., Int. J. Fatigue 27 (2005) 1103).
 _RADII = (1.32, 1.54)
 _GAUSS = 5
+_BESIDE = 4.0  #: Elements beside whatever touches that are looked at.
 _QUANTILE = 1.96  #: Of 95 % of a normal distribution.
 ENDLESS_cycles = 1e12  #: No test has lasted so long: longer lives are endless.
 WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
@@ -119,11 +120,9 @@ class LifeState:
     worn_mm: Array
 
     def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
-        """Logarithms (c, d) and worn depths (c,) in columns on other lines; none beside its own."""
-        (a, inside), (t, beside) = _linear(self.axial_mm, axial_mm), _linear(self.transverse_mm, transverse_mm)
-        share = np.einsum("ai,tj,ijd->atd", a, t, self.share, optimize=True)
-        share[~(inside[:, None] & beside)] = FLOOR
-        worn = np.einsum("ai,tj,ij->at", a * inside[:, None], t * beside[:, None], self.worn_mm)
+        """Logarithms (c, d) and worn depths (c,) in columns on other lines; beside its own as at their edge."""
+        a, t = _linear(self.axial_mm, axial_mm), _linear(self.transverse_mm, transverse_mm)
+        share, worn = (np.einsum("ai,tj,ij...->at...", a, t, own) for own in (self.share, self.worn_mm))
         return share.reshape(-1, share.shape[2]), worn.ravel()
 
 
@@ -135,7 +134,7 @@ def wear_state(
     patch, mesh = first.body.patch, first.body.mesh
     plane = mesh.points.shape[1] == 2
     loaded = first.places_mm[first.loaded_nodes]
-    margin = averaging_radius_mm(table, plane=plane) + 2.0 * patch.smallest_element
+    margin = averaging_radius_mm(table, plane=plane) + _BESIDE * patch.smallest_element
     rows, columns = (
         np.flatnonzero((lines >= loaded[:, k].min() - margin) & (lines <= loaded[:, k].max() + margin))
         for k, lines in enumerate((patch.axial_mm, patch.transverse_mm))
@@ -192,13 +191,12 @@ def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
     return [(i, 1.0 - part), (i + 1, part)]
 
 
-def _linear(lines: Array, at: Array) -> tuple[Array, BoolArray]:
-    """Weights (n, l) of lines for positions (n,), and whether these lie between lines (n,)."""
+def _linear(lines: Array, at: Array) -> Array:
+    """Weights (n, l) of lines for positions (n,)."""
     weights = np.zeros((len(at), len(lines)))
     for column, part in _sides(lines, at):
         weights[np.arange(len(at)), column] += part
-    slack = 1e-6 * max(float(np.ptp(lines)), 1e-9)
-    return weights, (at >= lines[0] - slack) & (at <= lines[-1] + slack)
+    return weights
 
 
 @dataclass(frozen=True, eq=False)
@@ -340,7 +338,7 @@ def _chosen(recorded: Sequence[int], stretches: Sequence[tuple[float, float, int
     chosen: set[int] = set()
     for number in {block for _, _, block in stretches}:
         own = [c for c in recorded if any(s < c <= e and b == number for s, e, b in stretches)]
-        wanted = np.geomspace(own[0], own[-1], min(count, len(own))) if own else ()
+        wanted = np.geomspace(own[0], own[-1], count) if len(own) > count else own
         chosen |= {own[int(np.abs(np.log(np.array(own) / at)).argmin())] for at in wanted}
     return sorted(chosen)
 

@@ -35,8 +35,8 @@ def sentence(life: BodyLife) -> str:
     end = life.damage.end
     if life.begun is None:
         peak = float(life.growth[1].max())
-        why = "what is damaged is worn off first" if life.damage.worn_mm(end).any() else "no plane is pulled"
-        return f"{life.called}: no crack begins: {why}; the largest sum is {frame.figure(peak)}."
+        why = ", for damage wears off faster than it grows" if life.damage.worn_mm(end).any() else ""
+        return f"{life.called}: no crack begins{why}; the largest sum is {frame.figure(peak)}."
     low, high = life.interval
     between = f"{_cycles(low)} to {_cycles(high)}" if np.isfinite(high) else f"from {_cycles(low)} on, or never"
     x, y = life.place_um
@@ -159,11 +159,13 @@ def draw_life(life: BodyLife, cycle: float | None = None) -> Figure:
     panels = figure.subplots(1, len(ratios), width_ratios=ratios)
     _draw_growth(panels[0], life)
     highest = float(there.max()) or 1.0
-    norm = LogNorm(_DRAWN * highest, highest)
+    limits = _DRAWN * highest, highest
     if not life.plane:
-        _draw_above(panels[1], life, there.max(axis=1), norm)
-    _draw_beneath(panels[-1], life, np.where(life.damage.present(now.worn_mm), now.damage, 0.0), now.worn_mm, norm)
-    figure.colorbar(ScalarMappable(norm, STRESS_COLOURS), ax=list(panels[1:]), label="Miner's sum", pad=0.02)
+        _draw_above(panels[1], life, there.max(axis=1), limits)
+    _draw_beneath(panels[-1], life, np.where(life.damage.present(now.worn_mm), now.damage, 0.0), now.worn_mm, limits)
+    figure.colorbar(
+        ScalarMappable(LogNorm(*limits), STRESS_COLOURS), ax=list(panels[1:]), label="Miner's sum", pad=0.02
+    )
     panel_letters(list(panels))
     figure.suptitle(f"{life.called}, {life.table.criterion}, maps after {cycle_name(round(at))} cycles", fontsize=9)
     return figure
@@ -179,19 +181,21 @@ def _draw_growth(axes: Axes, life: BodyLife) -> None:
     axes.set(title="largest sum", xlabel="cycles", ylabel="Miner's sum", ylim=(_DRAWN * largest.max() or _DRAWN, 10.0))
 
 
-def _draw_above(axes: Axes, life: BodyLife, largest: Array, norm: LogNorm) -> None:
+def _draw_above(axes: Axes, life: BodyLife, largest: Array, limits: tuple[float, float]) -> None:
     """Over the surface, in the axes of the test."""
     columns = np.column_stack([life.columns_mm, np.zeros(len(life.columns_mm))])
     x, y, _ = 1e3 * life.to_world @ columns.T
-    levels = np.geomspace(norm.vmin, norm.vmax * (1.0 + 1e-9), 13)
-    axes.tricontourf(x, y, np.maximum(largest, 1e-2 * norm.vmin), levels=levels, norm=norm, cmap=STRESS_COLOURS)
+    levels = np.geomspace(limits[0], limits[1] * (1.0 + 1e-9), 13)
+    axes.tricontourf(
+        x, y, np.maximum(largest, 1e-2 * limits[0]), levels=levels, norm=LogNorm(*limits), cmap=STRESS_COLOURS
+    )
     if life.begun is not None:
         axes.plot(*life.place_um, marker="x", color=INK)
     axes.set(aspect="equal", title="largest beneath", xlabel="x, along the motion [µm]", ylabel="y [µm]")
     axes.grid(visible=False)
 
 
-def _draw_beneath(axes: Axes, life: BodyLife, damage: Array, worn_mm: Array, norm: LogNorm) -> None:
+def _draw_beneath(axes: Axes, life: BodyLife, damage: Array, worn_mm: Array, limits: tuple[float, float]) -> None:
     """Beneath the line of columns through the largest sum that runs along the motion."""
     state = life.states[-1]
     shape = len(state.axial_mm), len(state.transverse_mm)
@@ -202,11 +206,11 @@ def _draw_beneath(axes: Axes, life: BodyLife, damage: Array, worn_mm: Array, nor
     columns = np.column_stack([life.columns_mm[order], np.zeros(len(order))])
     x = 1e3 * (life.to_world @ columns.T)[0]
     depth = 1e3 * life.damage.levels_mm
-    shown = np.ma.masked_less(damage[order].T, norm.vmin)
-    axes.pcolormesh(x, depth, shown, shading="nearest", norm=norm, cmap=STRESS_COLOURS, rasterized=True)
+    shown = np.ma.masked_less(damage[order].T, limits[0])
+    axes.pcolormesh(x, depth, shown, shading="nearest", norm=LogNorm(*limits), cmap=STRESS_COLOURS, rasterized=True)
     axes.fill_between(x, 0.0, 1e3 * worn_mm[order], color="#ffffff", zorder=2)
     axes.plot(x, 1e3 * worn_mm[order], color=INK, linewidth=0.8, zorder=3)
-    reached = depth[(damage[order] > norm.vmin).any(axis=0)].max(initial=1e3 * float(worn_mm[order].max()))
+    reached = depth[(damage[order] > limits[0]).any(axis=0)].max(initial=1e3 * float(worn_mm[order].max()))
     axes.set(
         title="beneath it",
         xlabel="x, along the motion [µm]",
