@@ -1,6 +1,8 @@
-"""Studies and records that come with the program, by name, in a checkout and in an installed package."""
+"""What is installed: examples by their names, in a checkout and in a wheel, system libraries, and one version."""
 
+import re
 import sys
+import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import SimpleNamespace
@@ -77,3 +79,24 @@ def test_the_sentence_on_a_missing_library_names_the_packages_that_make_installs
     monkeypatch.setattr(sys, "meta_path", [SimpleNamespace(find_spec=unfound), *sys.meta_path])
     with pytest.raises(GeometryError, match=r"libGLU\.so\.1.*apt-get install libgl1"), gmsh_session():
         pass
+
+
+def test_one_version_stands_everywhere() -> None:
+    own = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    told = {
+        "CITATION.cff": f"\nversion: {own['version']}\n",
+        "codemeta.json": f'"version": "{own["version"]}"',
+        "tools/conda/meta.yaml": f'version: "{own["version"]}"',
+    }
+    assert [name for name, text in told.items() if text not in (ROOT / name).read_text(encoding="utf-8")] == []
+
+
+def test_the_recipe_asks_for_every_package_that_the_program_needs() -> None:
+    own = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    recipe = (ROOT / "tools" / "conda" / "meta.yaml").read_text(encoding="utf-8")
+    wanted = [re.sub(r"(>=.*)", r" \1", one).lower() for one in own]
+    assert [
+        one
+        for one in wanted
+        if one not in recipe.replace("python-gmsh", "gmsh").replace("matplotlib-base", "matplotlib")
+    ] == []
