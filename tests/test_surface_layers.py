@@ -18,6 +18,7 @@ from wirewear.base.errors import StudyError
 from wirewear.pictures.scar_maps import scars_from_above
 from wirewear.planar import run_planar_study
 from wirewear.simulation.problem import wear_rates
+from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
 
@@ -89,6 +90,7 @@ def test_a_run_of_wires_tells_when_a_layer_was_worn_through_and_shows_where(tmp_
     assert through is not None
     cycles, depth = result.evolution["cycle"], result.evolution["max_depth_fixed_um"]
     assert depth[cycles < through].max() < layers[0]["thickness_um"] < depth[-1]
+    assert f"layers, from the outermost, are worn through at cycle {round(through)}." in sentence(result)
     maps = scars_from_above([result]).axes[:2]
     assert [any("Contour" in type(one).__name__ for one in axes.collections) for axes in maps] == [False, True]
 

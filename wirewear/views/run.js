@@ -37,13 +37,15 @@ function showScar(cycle) {
     const k = near(scar.cycles, cycle), depth = unpacked(scar, k), steep = by("steep").checked ? 4 : 1;
     const z = scar.unworn.map((row, a) => row.map((h, b) => h === null ? null : h / steep - depth[a][b]));
     surface.show({x: scar.lines, y: scar.lines, z, depth, deepest: scar.deepest, exaggeration: steep});
-    by("scale").textContent = `Cycle ${figure(scar.cycles[k])}: ${figure(Math.max(...depth.map(r => Math.max(...r))), 3)} µm deep; dark is ${figure(scar.deepest, 3)} µm.`;
+    by("scale").textContent = `Cycle ${figure(scar.cycles[k])}: ${figure(Math.max(...depth.map(r => Math.max(...r))), 3)} µm deep; dark is ${figure(scar.deepest, 3)} µm.` +
+      scar.section.layers.map((face, k) => ` Layer ${k + 1} is worn through on ${figure(1e-6 * (scar.lines[1] - scar.lines[0]) ** 2 * depth.flat().filter(d => d >= face).length, 3)} mm².`).join("");
   }
   const shown = scarRuns.map(r => [r, r.scars[body]]), own = shown[0][1].section, heights = shown.flatMap(([, s]) => s.section.unworn.map((h, a) => h - s.section.depths[s.cycles.length - 1][a]));
   const low = 1.5 * Math.min(...shown.map(([, s]) => -s.deepest + Math.min(0, ...s.section.unworn.filter((h, a) => s.section.depths[s.cycles.length - 1][a] > 0))), -1e-3);
   const x = {label: "position along the motion x [µm]"};
   chart(by("section"), {x, y: {label: `height z, ${scar.called} [µm]`, min: Math.max(low, Math.min(...heights)), max: -0.12 * low}, series: [
     {x: own.x, y: own.unworn, color: "#8a8a8a", dash: "4 3", width: 1.2, name: "unworn"},
+    ...own.layers.map((face, k) => ({x: own.x, y: own.unworn.map(h => h - face), color: "#8a8a8a", dash: "1 3", width: 1.2, name: `below layer ${k + 1}`})),
     ...shown.map(([r, s]) => line(r, s.section.x, s.section.unworn.map((h, a) => h - s.section.depths[near(s.cycles, cycle)][a]), {kind: "worn"}))]});
   for (const [name, label] of Object.entries({pressure_MPa: "pressure [MPa]", slip_amplitude_um: "slip amplitude [µm]"})) if (scar.profiles)
     chart(by(name), {x, y: {label: `${label}, ${scar.called}`, zero: true}, series: shown.map(([r, s]) => line(r, s.section.x, s.profiles[name][near(s.cycles, cycle)]))});

@@ -186,6 +186,7 @@ def _scars(result: RunResult, body: str) -> dict[str, Any]:
         "x": numbers(x),
         "unworn": numbers(_heights(scars[-1], x, np.zeros(1))),
         "depths": [numbers(scar.sampled(x, np.zeros(1))[:, 0]) for scar in smooth],
+        "layers": numbers(result.layer_faces_um(body)),
     }
     return own | {"deepest": number(deepest), "section": section}
 
@@ -221,6 +222,10 @@ def sentence(result: RunResult) -> str:
             f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
             f"{called(other)}, {depths[driven]:.3g} µm in the {called(driven)}."
         )
+    for body in result.bodies:
+        through = [f"at cycle {counted(round(cycle))}" if cycle else "not yet" for cycle in result.worn_through(body)]
+        if through:
+            text += f" The {called(body)}'s layers, from the outermost, are worn through {', '.join(through)}."
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
 
 
