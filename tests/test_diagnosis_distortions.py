@@ -92,10 +92,7 @@ def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "seams", "words"),
-    [
-        (grinding, {"contact", "loading"}, "alike on both sides"),
-        (creeping, {"sensor"}, "zero of the force channel"),
-    ],
+    [(grinding, {"contact", "loading"}, "alike on both sides"), (creeping, {"sensor"}, "zero of the force channel")],
 )
 def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], words: str) -> None:
     answer = diagnosed(bent(change)).diagnosis
