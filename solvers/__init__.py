@@ -10,7 +10,7 @@ from solvers.contact_state import ContactState, Guide, Holder, IncrementReport, 
 from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
 from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, anew, closed_cycle, first_quarter, run_cycle, settled
+from solvers.fretting import CycleTrace, anew, bulk_work, closed_cycle, first_quarter, run_cycle, settled
 from solvers.friction_law import (
     Coulomb,
     Friction,
@@ -51,9 +51,9 @@ __all__ = [
     "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
     "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
     "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew",
-    "bare_depth", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing",
-    "first_quarter", "flattened", "friction_law", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
-    "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of",
-    "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_law",
-    "wear_laws",
+    "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
+    "facing", "first_quarter", "flattened", "friction_law", "friction_laws", "jump_cycles", "kept_by",
+    "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled",
+    "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state",
+    "wear_law", "wear_laws",
 ]  # fmt: skip

@@ -6,11 +6,13 @@ reversals, where the contact changes from slip to stick and back.
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
+from solvers.contact.linearisation import facing_offset
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, Path
 from solvers.wear_path import wear_path
@@ -51,6 +53,19 @@ class CycleTrace:
     def friction_work(self) -> float:
         """Friction work of the cycle, mJ."""
         return float(self.work.sum())
+
+
+def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
+    """Work in mJ that what stretches the bodies does on their contact over a cycle, by the trapezoidal rule.
+
+    A loop's area is friction work and this one: it is negative where bulk strain makes the surfaces slide.
+    """
+    every, total = np.arange(problem.primary.patch.size), 0.0
+    for old, new in pairwise((trace.start, *trace.states)):
+        offset = facing_offset(problem, new, new.drive, new.holder_x)
+        moved = problem.stretched(new.bulk - old.bulk, every, offset)
+        total += 0.5 * float(problem.surface.areas @ ((old.traction + new.traction) * moved).sum(axis=1))
+    return total
 
 
 def cosine_places(amplitude_mm: float, increments: int) -> Array:

@@ -149,6 +149,16 @@ def test_a_run_keeps_the_bulk_stress_of_each_position_and_its_fields_have_it(of:
         np.testing.assert_allclose(state.stress[far, :3], 550.0 * np.array([1.0, 0.3, 0.0]), atol=25.0)
 
 
+@pytest.mark.parametrize("phase_deg", [0.0, 90.0])
+def test_the_area_of_a_loop_is_friction_work_and_that_of_what_pulls_the_body(phase_deg: float) -> None:
+    stress = {"axial_stress_amplitude_MPa": STRESS_MPa, "phase_deg": phase_deg}
+    result = run_planar_study(stretched("specimen", stress), fidelity="quick")
+    area, bulk = (float(result.evolution[name][0]) for name in ("dissipated_energy_mJ", "bulk_work_mJ"))
+    assert bulk < -0.2 * area
+    assert area - bulk == pytest.approx(float(result.loops[0].friction_work_mJ[-1]), rel=2e-3)
+    assert result.quality["loop_area_against_friction_work"] < 2e-3
+
+
 def test_no_half_of_a_cycle_mirrors_the_other_where_a_body_is_stretched_within_it() -> None:
     alternating = coarse(LONG + TENSION).drive
     steady = coarse(LONG + TENSION.replace("amplitude_MPa = 150", "amplitude_MPa = 0")).drive

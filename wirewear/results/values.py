@@ -99,6 +99,8 @@ PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is 
 #: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 
+BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
+
 #: Columns that results of earlier versions lack, which are then NaN: unknown.
 LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
 
@@ -109,6 +111,7 @@ COLUMN_MEANINGS = {
     "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
     "of line contacts over segments",
     "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
+    BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
 }
 
 T = TypeVar("T")

@@ -13,8 +13,18 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
-from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport, PlacedBody, SolverError, measured_holder
+from solvers import (
+    ContactProblem,
+    ContactState,
+    CycleTrace,
+    IncrementReport,
+    PlacedBody,
+    SolverError,
+    bulk_work,
+    measured_holder,
+)
 from wirewear.results import (
+    BULK_WORK,
     LAYERS_OF_BODIES,
     PLAY_TRAVEL,
     SPRING_TRAVEL,
@@ -236,6 +246,7 @@ class Recorded(ABC):
         scars = self.scars(problem, trace, cycle)
         pressures = pressure_figures(problem, trace, self._pressure_length_mm)
         row = evolution_row(problem, state, trace, scars, pressures, done, jump)
+        row |= {BULK_WORK: bulk_work(problem, trace)} if self.schedule.pulled else {}
         row |= {} if held is None else {"held_error": held.error(trace)}
         by_block = {"block": float(block.block)} if len(self.schedule.stretches) > 1 else {}
         self._rows.append(row | self.further_columns(loop, scars) | by_block)

@@ -10,6 +10,7 @@ import numpy as np
 from solvers import ContactProblem, CycleTrace, IncrementReport, mirror_error, symmetry_of
 from wirewear.base.course import enclosed_energy
 from wirewear.loops.sensor import enclosed_area
+from wirewear.results import BULK_WORK
 from wirewear.results.scar import ENERGIES_AGREE
 
 QUALITY = (
@@ -98,17 +99,20 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
 
     accumulated_mJ: friction energy that has worn.
     """
-    counters.worst("loop_area_against_friction_work", area_mismatch(trace))
+    counters.worst("loop_area_against_friction_work", area_mismatch(trace, rows[-1].get(BULK_WORK, 0.0)))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
-    cycles, energies = ([row[name] for row in rows] for name in ("cycle", "dissipated_energy_mJ"))
+    cycles = [row["cycle"] for row in rows]
+    energies = [row["dissipated_energy_mJ"] - row.get(BULK_WORK, 0.0) for row in rows]
     around_mJ = max(4e-3 * row["displacement_amplitude_um"] * row["max_tangential_force_N"] for row in rows)
     worn = accumulated_mJ > _ROUND_OFF * cycles[-1] * around_mJ
     counters.energy_against_loops = energy_mismatch(cycles, energies, accumulated_mJ) if worn else 0.0
 
 
-def area_mismatch(trace: CycleTrace) -> float:
-    """Relative difference of a loop's area and the friction work over it; 0 where it encloses next to nothing."""
-    drive, force, work = trace.drive, trace.tangential_force, trace.friction_work
+def area_mismatch(trace: CycleTrace, bulk_work_mJ: float = 0.0) -> float:
+    """Relative difference of a loop's area and the friction work over it, with the work of what stretches the bodies;
+    0 where it encloses next to nothing.
+    """
+    drive, force, work = trace.drive, trace.tangential_force, trace.friction_work + bulk_work_mJ
     area = abs(enclosed_area(drive, force))
     if work <= 0.0 or area < _LEAST_AREA * np.ptp(drive) * np.ptp(force):
         return 0.0

@@ -108,6 +108,12 @@ class Schedule(Generic[AnyStudy]):
                 found.append(Stretch(start, end, number + 1, own))
         return tuple(found)
 
+    @cached_property
+    def pulled(self) -> bool:
+        """Whether any body carries a bulk stress in any block."""
+        every: Sequence[Stretch[Any]] = self.stretches
+        return any(own.study.drive.bulk for own in every)
+
     def at(self, done: float) -> Stretch[AnyStudy]:
         """That to which a cycle belongs."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])

@@ -226,8 +226,7 @@ def limits_of(nominal: RunResult, study: Study | PlanarStudy) -> tuple[str, ...]
     """What a study and its run say against wear states taken from it; nothing of one that came to its end without bulk
     stresses.
     """
-    bulk = any(own.study.drive.bulk for own in study.schedule.stretches)
-    told = (_WITHOUT_BULK,) if bulk else ()
+    told = (_WITHOUT_BULK,) if study.schedule.pulled else ()
     if nominal.status == "complete":
         return told
     reached = f"cycle {counted(nominal.loops[-1].cycle)} of {counted(nominal.study['conditions']['cycles'])}"
