@@ -1,0 +1,1 @@
+"""The fretting atlas: published experiments simulated, compared and diagnosed, one folder an entry."""
