@@ -7,7 +7,7 @@ from pathlib import Path
 
 import click
 
-from studies.atlas.entry import ENTRIES, PREDICTIONS, Entry, Row, read_entries
+from studies.atlas.entry import ALL, ENTRIES, PREDICTIONS, Entry, Row, read_entries
 from wirewear import StudyError
 from wirewear.faces.group import Commands, OutputFolder
 
@@ -90,7 +90,7 @@ def predict(entries: tuple[str, ...], fidelity: str, output: Path) -> None:
 
     for entry in read_entries(entries):
         rows = _rows(entry, fidelity, output, to_predict=True)
-        found = {(row.test, row.figure): row.simulated for row in rows if row.simulated is not None}
+        found = {(row.test, row.figure): row.simulated for row in rows if row.simulated and row.test != ALL}
         lines = [
             {"test": test, "figure": figure, "predicted": float(f"{value:.5g}")}
             for (test, figure), value in (found | entry.predictions).items()

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import polars as pl
+from polars import selectors
 from polars.exceptions import PolarsError
 from pydantic import BaseModel, ConfigDict
 
@@ -148,7 +149,8 @@ class Entry:
     def rows(self, simulated: Simulated, *, to_predict: bool = False) -> list[Row]:
         """All comparisons; or, of rows that are not fitted, what is to be predicted, without a look at measurements.
 
-        A row that is not fitted is compared once its prediction is written down.
+        A row that is not fitted is compared once its prediction is written down. A column of the table hides a figure
+        of a run of the same name.
         Raises StudyError, in one sentence, if an expression cannot be computed.
         """
         frame, fitted = self.tests, self.table.fitted
@@ -156,8 +158,8 @@ class Entry:
         frame = frame.with_columns(predicted.alias("is_predicted"))
         if to_predict:
             frame = frame.filter("is_predicted")
-        figures = [simulated(row) for row in frame.iter_rows(named=True)]
-        frame = pl.concat([frame, pl.DataFrame(figures, infer_schema_length=None)], how="horizontal")
+        figures = pl.DataFrame([simulated(row) for row in frame.iter_rows(named=True)], infer_schema_length=None)
+        frame = frame.with_columns(column for column in figures if column.name not in frame.columns)
         return [row for one in self.table.compare for row in self._compared(frame, one, measured=not to_predict)]
 
     def _compared(self, frame: pl.DataFrame, one: Compared, *, measured: bool) -> list[Row]:
@@ -187,7 +189,8 @@ class Entry:
     ) -> pl.DataFrame:
         """What a frame's `select` or `with_columns` gives for expressions by name."""
         try:
-            return taken([self._sql(text).alias(name) for name, text in expressions.items()])
+            found = taken([self._sql(text).alias(name) for name, text in expressions.items()])
+            return found.with_columns(selectors.decimal().cast(pl.Float64))
         except PolarsError as error:
             names, told = next(iter(expressions)), str(error).splitlines()[0]
             raise StudyError(
