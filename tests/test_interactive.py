@@ -17,7 +17,7 @@ from wirewear.results import EVOLUTION_COLUMNS, write_result
 
 pytestmark = pytest.mark.seconds
 
-TITANIUM = Path(__file__).parents[1] / "studies" / "titanium_oxygenation" / "record_2Hz"
+TITANIUM = Path(__file__).parents[1] / "studies" / "atlas" / "arnaud2021" / "record_2Hz"
 
 VARIANTS = (
     MINIMAL + "[variants.soft.holder]\ntangential_stiffness_N_per_mm = 167\n[variants.stiff.contact]\nfriction = 0.5\n"

@@ -237,7 +237,7 @@ def effect(name: str, **values: float) -> Effect[Any]:
 
 
 ROOT = Path(__file__).parent.parent
-TITANIUM = ROOT / "studies" / "titanium_oxygenation"
+TITANIUM = ROOT / "studies" / "atlas" / "arnaud2021"
 
 #: A steel cylinder of 6 mm, worn by 1500 µm² of both bodies.
 WORN_STEEL = WornLineContact(Cylinder(6.0, curved_along=True), 18.5, 0.0359, 110000.0, 0.5, 3.2e-3)

@@ -24,7 +24,7 @@ from wirewear.views.comparison import compare, write_comparison
 
 pytestmark = pytest.mark.seconds
 
-MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "mccoll2004" / "record"
+MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "atlas" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
 
 

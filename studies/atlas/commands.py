@@ -124,4 +124,6 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
         write_text(folder / "tests.csv", "test,use,stroke_um,dissipated_energy_J\n1,fit,50,\n2,predict,60,\n")
     else:
         shutil.copyfile(table, folder / "tests.csv")
-    click.echo(f"{folder} holds entry.toml, study.toml and tests.csv: fill them in (docs/atlas.md), then predict and run.")
+    click.echo(
+        f"{folder} holds entry.toml, study.toml and tests.csv: fill them in (docs/atlas.md), then predict and run."
+    )

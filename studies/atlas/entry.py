@@ -51,9 +51,10 @@ class Compared(_Table):
 class EntryTable(_Table):
     """What entry.toml says.
 
-    taken: the rows that are looked at, in SQL. fitted: the rows that constants are fitted on, in SQL; all others are predictions. constants: numbers, or SQL over
-    those rows. columns: SQL, row by row; a column with a dot in its name is a key of the study. figures: a function,
-    `module:name`, that gives a row's figures where no study does, and why.
+    tests: the table, a test a row. taken: rows of it that are looked at, in SQL. fitted: those of them that constants
+    are fitted on; all others are predictions. constants: numbers, or SQL over the fitted rows. columns: SQL, row by
+    row; a column with a dot in its name is a key of the study. figures: a function, `module:name`, that gives a row's
+    figures where no study does, and why.
     """
 
     name: str
@@ -67,6 +68,7 @@ class EntryTable(_Table):
     study: str | None = None
     figures: str | None = None
     figures_because: str = ""
+    tests: str = "tests.csv"
     taken: str = "TRUE"
     fitted: str | None = None
     constants: Mapping[str, float | str] = {}
@@ -121,7 +123,7 @@ class Entry:
     @cached_property
     def tests(self) -> pl.DataFrame:
         """Its tests with constants and columns. Raises StudyError, in one sentence, if they cannot be computed."""
-        path = self.folder / "tests.csv"
+        path = self.folder / self.table.tests
         try:
             frame = pl.read_csv(path, comment_prefix="#", infer_schema_length=None)
         except (OSError, PolarsError) as error:
@@ -172,9 +174,8 @@ class Entry:
         for place, (known, simulated, published) in enumerate(values.iter_rows()):
             test = ALL if together else chosen["test"][place]
             written = self.predictions.get((test, one.figure))
-            if written is None and not together and chosen["is_predicted"][place]:
-                known = None
-            figures = known, published, simulated, written, one.tolerance
+            hidden = written is None and not together and chosen["is_predicted"][place]
+            figures = None if hidden else known, published, simulated, written, one.tolerance
             rows.append(Row(self.name, test, one.figure, one.unit, *figures))
         return rows
 
@@ -184,9 +185,7 @@ class Entry:
         except PolarsError as error:
             raise StudyError(as_sentence(f"{text!r} in {self.folder / 'entry.toml'} is no SQL: {error}")) from None
 
-    def _evaluated(
-        self, taken: Callable[..., pl.DataFrame], expressions: Mapping[str, str | float]
-    ) -> pl.DataFrame:
+    def _evaluated(self, taken: Callable[..., pl.DataFrame], expressions: Mapping[str, str | float]) -> pl.DataFrame:
         """What a frame's `select` or `with_columns` gives for expressions by name."""
         try:
             found = taken([self._sql(text).alias(name) for name, text in expressions.items()])

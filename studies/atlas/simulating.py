@@ -69,7 +69,8 @@ def _figures(entry: Entry, row: Mapping[str, Any], run: RunResult) -> dict[str, 
     """Figures of a run at its end or at the row's `at_cycle`, with those of its first loop and of the row's `record`.
 
     The evolution's, `first_` ones of its first cycle, `loop_` and `first_loop_` ones of the analysis of loops,
-    settings, and of each difference from the record `NAME_simulated`, `NAME_measured` and `NAME_difference`.
+    settings, depths and mid-stroke pressures of scars, and of each difference from the record `NAME_simulated`,
+    `NAME_measured` and `NAME_difference`.
     """
     cycles = run.evolution["cycle"]
     at = row.get("at_cycle") or cycles[-1]
@@ -81,6 +82,9 @@ def _figures(entry: Entry, row: Mapping[str, Any], run: RunResult) -> dict[str, 
         x_um, depth_um = scar.section_along_motion()
         found[f"middle_depth_{body}_um"] = float(np.interp(0.0, x_um, depth_um))
         found[f"deepest_at_{body}_um"] = float(abs(x_um[np.argmax(depth_um)]))
+        middle = np.hypot(scar.axial_um[:, None], scar.transverse_um[None, :]).argmin()
+        found[f"middle_pressure_{body}_MPa"] = float(scar.pressure_MPa.flat[middle])
+        found[f"peak_pressure_{body}_MPa"] = float(scar.pressure_MPa.max())
     for start, loop in (("first_loop_", run.loops[0]), ("loop_", [one for one in run.loops if one.cycle <= at][-1])):
         try:
             loop_figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_force_N)

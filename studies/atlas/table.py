@@ -21,7 +21,7 @@ def frozen(path: Path = FROZEN) -> list[Row]:
     """The rows of a written table; none where there is no file."""
     if not path.exists():
         return []
-    strings = {name: pl.String for name in ("entry", "test", "figure", "unit")}
+    strings = dict.fromkeys(("entry", "test", "figure", "unit"), pl.String)
     table = pl.read_csv(path, schema_overrides=strings, infer_schema_length=None)
     return [Row(**row) for row in table.drop("error", "within").iter_rows(named=True)]
 
@@ -57,10 +57,10 @@ def compared(rows: Sequence[Row]) -> list[Row]:
 
 def sentence(rows: Sequence[Row]) -> str:
     """How many figures agree."""
-    known = compared(rows)
+    known, entries = compared(rows), len({row.entry for row in rows})
     predicted = [row for row in known if row.predicted is not None]
     return (
-        f"{len({row.entry for row in rows})} entries, {len(known)} compared figures: {_within(known)} within tolerance. "
+        f"{entries} entries, {len(known)} compared figures: {_within(known)} within tolerance. "
         f"{len(predicted)} of them were predicted before they were compared: {_within(predicted)}."
     )
 
@@ -81,6 +81,6 @@ def rows_table(rows: Sequence[Row]) -> Table:
         figures = (figure(value, 4) for value in (row.measured, row.published, row.simulated, row.predicted))
         error = "–" if row.error is None else f"{row.error:+.1%}"
         names = Text(row.entry), Text(row.test), Text(f"{row.figure} [{row.unit}]")
-        verdict = Text(f"{row.tolerance:.0%}", {True: "green", False: "red"}.get(row.within, ""))
+        verdict = Text(f"{row.tolerance:.0%}", "green" if row.within else "red")
         table.add_row(*names, *figures, error, verdict)
     return table

@@ -6,9 +6,10 @@ Columns of the table are in docs/tribometers.md.
 """
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 from rich import box
@@ -20,7 +21,7 @@ from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.planar.contact_stiffness import line_contact_stiffness
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 
-from .rows import TribometerRow, read_rows
+from .rows import TribometerRow, read_rows, row_of
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.
 TOLERANCE = 0.10
@@ -82,6 +83,16 @@ def read_tribometers(path: Path, progress: Progress | None = None) -> tuple[Trib
     wrong.
     """
     return judged(read_rows(path), progress)
+
+
+def figures(row: Mapping[str, Any]) -> dict[str, float]:
+    """What the atlas compares of a row of its table (studies/atlas/infante2020_tribometers)."""
+    texts = {name: "" if value is None else str(value) for name, value in row.items()}
+    found = judge(row_of(texts, f"test {row['test']}"))
+    return {
+        "contact_stiffness_N_per_um": found.contact_stiffness_N_per_um,
+        "predicted_slip_amplitude_um": found.predicted_slip_amplitude_um,
+    }
 
 
 def judged(rows: Sequence[TribometerRow], progress: Progress | None = None) -> tuple[Tribometer, ...]:

@@ -2,7 +2,7 @@
 
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -87,7 +87,13 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
     where = f"{path}, line {line}"
     if len(cells) > len(names):
         raise RecordError(f"{where}: there are {len(cells)} values for {len(names)} columns.")
-    values = dict(zip(names, cells, strict=False))
+    return row_of(dict(zip(names, cells, strict=False)), where, f"line {line}")
+
+
+def row_of(values: Mapping[str, str], where: str, source: str = "") -> TribometerRow:
+    """The row of texts by column; `where` names their origin in messages, `source` the row if its column is empty.
+    Raises RecordError, in one sentence, if a value is missing or wrong.
+    """
     if values.get("contact") not in CONTACTS:
         raise RecordError(
             f"{where}, column contact: {shown(values.get('contact', ''))} is none of {', '.join(CONTACTS)}."
@@ -96,13 +102,13 @@ def _row(names: Sequence[str], cells: list[str], path: Path, line: int) -> Tribo
     numbers: dict[str, Any] = {name: _number(values, name, where) for name in NUMBERS}
     numbers |= {name: _number(values, name, where) if values.get(name) else None for name in OPTIONAL}
     row = TribometerRow(
-        source=values.get("source") or f"line {line}", contact=values["contact"], pad=pad, specimen=specimen, **numbers
+        source=values.get("source") or source, contact=values["contact"], pad=pad, specimen=specimen, **numbers
     )
     _require_consistent(row, where)
     return row
 
 
-def _materials(values: dict[str, str], where: str) -> tuple[Elastic, Elastic]:
+def _materials(values: Mapping[str, str], where: str) -> tuple[Elastic, Elastic]:
     """Of both bodies: by their own constants where they are given, else by name."""
     own, specimens = (_constants(values, columns, where) for columns in (CONSTANTS, SPECIMEN_CONSTANTS))
     if own is not None:
@@ -120,7 +126,7 @@ def _materials(values: dict[str, str], where: str) -> tuple[Elastic, Elastic]:
     return pad, specimens or specimen
 
 
-def _constants(values: dict[str, str], columns: tuple[str, str], where: str) -> Elastic | None:
+def _constants(values: Mapping[str, str], columns: tuple[str, str], where: str) -> Elastic | None:
     """Of one body; None where none are given."""
     if not any(values.get(column) for column in columns):
         return None
@@ -130,7 +136,7 @@ def _constants(values: dict[str, str], columns: tuple[str, str], where: str) -> 
     return Elastic(modulus, ratio)
 
 
-def _number(values: dict[str, str], name: str, where: str) -> float:
+def _number(values: Mapping[str, str], name: str, where: str) -> float:
     text = values.get(name, "")
     try:
         value = math.nan if "_" in text else float(text)

@@ -26,7 +26,7 @@ class WireLevel:
 
     per_contact_radius: elements per radius of the fresh contact, in all directions.
     per_sticking_radius: the same where its middle sticks for good and the annulus around it wears until it carries
-    nothing: a hundredth of the radius that sticks is a tenth of the worn volume (studies/partial_slip).
+    nothing: a hundredth of the radius that sticks is a tenth of the worn volume (studies/atlas/partial_slip).
     along_motion, across_motion: elements per half-width of the scar. The worn wires touch in a band across the motion
     that travels over the whole scar and is narrowest at its edges, so elements along the motion are the shorter ones.
     Neither direction is meshed finer than the fresh contact.
