@@ -50,10 +50,12 @@ def _run(names: Sequence[str], fidelity: str, output: Path, *, freeze: bool) -> 
 
     from studies.atlas.page import write_page
     from studies.atlas.table import FROZEN, compared, frozen, moved, rows_table, sentence, write_table
+    from wirewear.base.writing import prepared_folder
     from wirewear.faces.study_script import wide_console
 
     entries = read_entries(names)
     rows = [row for entry in entries for row in _rows(entry, fidelity, output)]
+    prepared_folder(output)
     page = write_page(entries, rows, fidelity, output / "atlas.html")
     table = write_table(rows, output / "atlas.csv")
     console: Console = wide_console(140)
