@@ -1,5 +1,6 @@
 """The article's steel-wire test, its first loops, its wear, its findings, and the chapter on its rig."""
 
+import re
 import subprocess
 import sys
 from functools import cache
@@ -40,6 +41,46 @@ def test_first_loops_enclose_the_closed_form_s_energy_and_slip(runs: dict[str, R
         slip = 1e3 * reference.slip_amplitude(contact, 0.06, rig)
         assert first["dissipated_energy_mJ"] == pytest.approx(energy, rel=0.02)
         assert first["slip_amplitude_um"] == pytest.approx(slip, rel=0.01)
+
+
+def readme_quick() -> dict[str, list[str]]:
+    """Numbers of the column `quick` of the README's table of accuracy, by the first words of their rows."""
+    text = (STUDY.parents[2] / "README.md").read_text(encoding="utf-8")
+    table = text[text.index("| | expected | quick |") :].split("\n\n")[0].splitlines()[2:]
+    rows = [[cell.strip() for cell in line.strip("|").split("|")] for line in table]
+    return {row[0]: re.findall(r"-?\d+\.?\d*", row[2].replace("−", "-")) for row in rows}
+
+
+def test_the_table_of_the_readme_is_what_a_fresh_run_comes_to(runs: dict[str, RunResult]) -> None:
+    run, steel = runs["compliant"], reference.Elastic(210000.0, 0.3)
+    first, last = run.evolution.at(1), run.evolution.at(100_000)
+    told, settings, quality = readme_quick(), run.settings, run.quality
+    assert len(told) == 8
+    hertz = reference.hertz_point(2.0, 0.225, reference.contact_modulus(steel, steel))
+    contact = reference.partial_slip_point(
+        2.0, 0.62, hertz.contact_radius_mm, reference.tangential_contact_modulus(steel, steel)
+    )
+    expected = {
+        "largest pressure before wear": [
+            100.0 * (float(settings["fresh_max_pressure_MPa"]) / hertz.peak_pressure_MPa - 1.0)
+        ],
+        "slip amplitude δ0, first loop": [
+            100.0 * (first["slip_amplitude_um"] / (1e3 * reference.slip_amplitude(contact, 0.06, 167.0)) - 1.0)
+        ],
+        "friction energy of the first loop": [
+            100.0 * (first["dissipated_energy_mJ"] / reference.dissipated_energy(contact, 0.06, 167.0) - 1.0)
+        ],
+        "loop area against friction work, worst loop": [100.0 * quality["loop_area_against_friction_work"]],
+        "pressures against their mirror image, worst loop": [100.0 * quality["mirror_error"]],
+        "after 100 000 cycles: depth of fixed, moving wire": [last["max_depth_fixed_um"], last["max_depth_moving_um"]],
+        "δ0, largest tangential force": [last["slip_amplitude_um"], last["max_tangential_force_N"]],
+    }
+    # The approach is of bodies pressed alone, as `wirewear verify` has it.
+    assert told.keys() - expected.keys() == {"approach before wear"}
+    for row, values in expected.items():
+        shown = told[row]
+        decimals = [len(text.partition(".")[2]) for text in shown]
+        assert [f"{value:.{n}f}" for value, n in zip(values, decimals, strict=True)] == shown, row
 
 
 def test_the_rigid_rig_over_predicts_slip_throughout(runs: dict[str, RunResult]) -> None:
