@@ -27,6 +27,11 @@ class BulkStress:
     phase_rad: float = 0.0
     plane_strain: bool = False
 
+    @property
+    def none(self) -> bool:
+        """Whether there is no such stress."""
+        return not any((*self.mean, *self.amplitude))
+
     def nominal(self, times: Array) -> Array:
         """Axial, bending and torsion stress at the contact (m, 3) at shares (m,) of the cycle."""
         swing = np.cos(2.0 * np.pi * np.asarray(times) - self.phase_rad)

@@ -35,7 +35,7 @@ def remeshed(
     """
     old, new = ((of.primary.patch, of.secondary.patch) for of in (problem, onto))
     blank = unloaded_state(onto)
-    carried = replace(blank, wear=transferred_wear(state.wear, old, new), drive=state.drive)
+    carried = replace(blank, wear=transferred_wear(state.wear, old, new), drive=state.drive, bulk=state.bulk)
     pressed, report = press(onto, carried)
     return replace(pressed, pressed_z=state.pressed_z), report
 

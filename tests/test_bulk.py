@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from solvers.bulk import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.interior_runs import CYCLE, run_with_forces
-from tests.studies import coarse
+from tests.studies import coarse, minimal
 from tests.test_planar_study import TABLES
 from tests.test_programme import LONG, block
 from wirewear import StudyError
@@ -27,6 +27,7 @@ from wirewear.records.values import believed_study
 from wirewear.results import read_result
 from wirewear.results.hdf5 import write_result
 from wirewear.simulation.runs import simulate
+from wirewear.study import study_from_tables
 from wirewear.verification import QUICK
 from wirewear.verification.line_contact import bulk_rows
 
@@ -191,6 +192,28 @@ def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
 def test_a_bulk_stress_that_cannot_be_is_told_with_its_place(text: str, told: str) -> None:
     with pytest.raises(StudyError, match=told):
         coarse(LONG + text)
+
+
+def test_a_state_on_another_mesh_is_as_stretched_as_before() -> None:
+    study = stretched("specimen", {"axial_stress_MPa": STRESS_MPa})
+    problem = planar_problem(study, *bodies(study, plan(study, "quick")))
+    state = solvers.press(problem, replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk))[0]
+    assert state.bulk.any()
+    np.testing.assert_array_equal(solvers.remeshed(problem, state, problem)[0].bulk, state.bulk)
+
+
+def test_a_ball_is_not_pulled() -> None:
+    steel = {"youngs_modulus_MPa": 2.1e5, "poissons_ratio": 0.3}
+    tables = minimal() | {
+        "kind": "ball-on-flat",
+        "bodies": {"ball": {"diameter_mm": 5.0, **steel}, "flat": dict(steel)},
+    }
+    tables.pop("wires")
+    tables["bodies"]["flat"]["bulk"] = {"axial_stress_MPa": 100.0}
+    assert study_from_tables(tables, "study.toml").drive.bulk[0].mean[0] == 100.0
+    tables["bodies"]["ball"]["bulk"] = {"axial_stress_MPa": 100.0}
+    with pytest.raises(StudyError, match=r"bulk in \[bodies.ball\] of study.toml is given, but a ball is no bar"):
+        study_from_tables(tables, "study.toml")
 
 
 def test_torsion_is_of_round_bars() -> None:

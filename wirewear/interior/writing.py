@@ -210,7 +210,9 @@ def draw_strength(strength: Strength) -> Figure:
     panel_letters(list(panels.ravel()))
     length = strength.asked.averaging_length_um
     averaged = f"averaged over {length:g} µm" if length > 0.0 else "not averaged"
-    figure.suptitle(f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}", fontsize=9, color=INK)
+    bulk = ", with the bulk stress" if "bulk_stress_MPa" in strength.grid.field_data else ""
+    title = f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}{bulk}"
+    figure.suptitle(title, fontsize=9, color=INK)
     return figure
 
 

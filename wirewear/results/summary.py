@@ -32,7 +32,14 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")
-    for section in (_STATE, _MOTION, _wear_rows(results), _PRESSURES, _quality_rows(results), _COST):
+    for section in (
+        _STATE,
+        [*_MOTION, *_bulk_rows(results)],
+        _wear_rows(results),
+        _PRESSURES,
+        _quality_rows(results),
+        _COST,
+    ):
         for name, cell in section:
             table.add_row(Text(name), *(cell(result) for result in results))
         table.add_section()
@@ -101,6 +108,24 @@ def _wear_rows(results: Sequence[RunResult]) -> list[Row]:
         *((f"layers worn through, {called(body)} [cycle]", _worn_through(body)) for body in layered),
         *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
     ]
+
+
+def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:
+    """Axial and bending stress at the contact over the first logged cycle, of bodies that carry any."""
+
+    def cell(body: str) -> Callable[[RunResult], str]:
+        def told(result: RunResult) -> str:
+            found = (one.bulk_stress_MPa for one in result.contact_forces if one.body == body)
+            stress = next((one for one in found if one is not None), None)
+            if stress is None:
+                return NOTHING
+            along = stress[:, :2].sum(axis=1)
+            return f"{_number(float(along.min()))} … {_number(float(along.max()))}"
+
+        return told
+
+    rows = [(f"bulk stress along the {called(body)} [MPa]", cell(body)) for body in results[0].bodies]
+    return [row for row in rows if any(row[1](result) != NOTHING for result in results)]
 
 
 def _pressure_length(result: RunResult) -> str:

@@ -94,7 +94,7 @@ def forces_on(
     states = [trace.states[k] for k in chosen]
     upper, lower = (np.array(each) for each in zip(*(forces_on_bodies(problem, one) for one in states), strict=True))
     found = []
-    bulk: Sequence[Array | None] = [own.nominal(trace.time[chosen]) for own in problem.timing.drive.bulk]
+    bulk = [None if own.none else own.nominal(trace.time[chosen]) for own in problem.timing.drive.bulk]
     placed = zip(bodies, (problem.lower, problem.upper), (lower, upper), made_of, bulk or (None, None), strict=True)
     for name, body, force, further, stress in placed:
         nodes = np.flatnonzero((force != 0.0).any(axis=(0, 2)))

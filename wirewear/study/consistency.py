@@ -131,7 +131,11 @@ def _layers(tables: ContactTables) -> Inconsistency | None:
 
 def _bulk(tables: ContactTables) -> Inconsistency | None:
     for body in tables.bodies_of_test():
-        if body.bulk is not None and (told := body.bulk.unfit(is_round=isinstance(body, Wire))):
+        if body.bulk is None:
+            continue
+        if min(body.curvatures_per_mm) > 0.0 and not body.has_axis:
+            return Inconsistency(("bodies", body.name, "bulk"), "is given, but a ball is no bar that is pulled or bent")
+        if told := body.bulk.unfit(is_round=isinstance(body, Wire)):
             return Inconsistency(("bodies", body.name, "bulk"), told)
     return None
 
