@@ -46,5 +46,5 @@ def picture(rows: Sequence[Row]) -> Figure:
         axes.plot([row.tolerance], [-names.index(row.entry)], "|", color=GREY, markersize=9)
     axes.set_yticks([-place for place in range(len(names))], names)
     axes.set(xscale="log", xlabel="relative error (grey: tolerances)", ylim=(0.6 - len(names), 0.6))
-    axes.legend(loc="lower left")
+    figure.legend(loc="outside right upper")
     return figure
