@@ -21,6 +21,7 @@ FLOOR = -30.0  #: Decimal logarithm of the share of life per cycle where there i
 _STEPS = (16, 400)
 _LEVELS = 4  #: Levels at which sums are kept, for each spacing of the depths of rates.
 _FINE = 400  #: Depths at which is known what a point gathers on its way to the surface.
+_UNWORN = 1e-3  #: A surface that recedes by less than this share of a spacing in as long as the run lasted rests.
 _PER_LAYER = 4.0  #: Steps while the surface recedes by the uppermost spacing of depths.
 
 
@@ -145,7 +146,7 @@ class Damage:
         there, first = self.of_present(last), Begun(np.inf, 0, 0, beyond=True)
         for column, depths in enumerate(self.levels_mm - last.worn_mm[:, None]):
             lacking, rate = asked - there[column], last.rate[column]
-            if speed[column] > 0.0:
+            if speed[column] * last.cycle > _UNWORN * self.depths_mm[1]:
                 # On its way to the surface a point gathers what lies between, over the speed of the surface.
                 still = np.interp(depths, fine, passed[column]) - lacking * speed[column]
                 cycles = (depths - np.interp(still, passed[column], fine)) / speed[column]
