@@ -5,7 +5,7 @@ import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import product
 from math import exp, isfinite, log, log2, prod
 from pathlib import Path
@@ -19,9 +19,12 @@ from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
+from wirewear.interior import body_states
+from wirewear.interior.life import life_of
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.study import Study, load_study
+from wirewear.study.life import material_of_body
 from wirewear.study.messages import validated
 from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
@@ -156,6 +159,7 @@ AT_END = (
 AT_START = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "max_pressure_MPa")
 FIRST = "first_"
 VOLUME = "worn_volume_mm3"
+LIFE = "cycles_to_initiation"  #: Of the body that cracks first; none where no crack begins.
 QUALITY = ("mirror_error", "energy_against_loops")
 
 TECHNICAL = (*QUALITY, PRESSURE_LENGTH)  #: Figures that tell how a run was made and measured, and not what came out.
@@ -163,16 +167,16 @@ DEPTH = "max_depth_"  #: What columns of depths begin with; then comes a body, t
 _BEFORE_DEPTHS = 4  #: How many of `AT_END` stand before the depths.
 
 
-def figures_named(bodies: Sequence[str]) -> tuple[str, ...]:
-    """All figures of a row, in the table's order, of a driven and a held body."""
+def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ...]:
+    """All figures of a row, in the table's order, of a driven and a held body; life: of a study that states [life]."""
     depths = (f"{DEPTH}{body}_um" for body in bodies)
     at_end = (*AT_END[:_BEFORE_DEPTHS], *depths, *AT_END[_BEFORE_DEPTHS:])
-    return (*at_end, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL)
+    return (*at_end, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL, *([LIFE] if life else []))
 
 
 EFFECTS = "effects"
 
-CODE = (*RUN_CODE, "wirewear/sweeps")
+CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/interior")
 
 
 @dataclass(frozen=True)
@@ -205,8 +209,9 @@ def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: i
     begun = time.process_time()
     figures, failure = None, ""
     try:
-        result = simulate(varied(study, values), fidelity=fidelity)
-        figures = figures_of(result)
+        own = varied(study, values)
+        result = simulate(own, fidelity=fidelity)
+        figures = figures_of(result, shortest_life(own, result))
         if results is not None:
             write_result(prepared_folder(results / f"{number:06d}") / RESULT_FILE_NAME, result)
     except WirewearError as problem:
@@ -217,16 +222,34 @@ def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: i
     return SweepRow(number, figures, failure, time.process_time() - begun, peak)
 
 
-def figures_of(result: RunResult) -> dict[str, float | None]:
-    """The figures of a finished run; None for what it does not have."""
+def shortest_life(study: Study, result: RunResult) -> float | None:
+    """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
+    table = study.tables.life
+    if table is None:
+        return None
+    stretches = [(own.start, own.end, own.block) for own in study.schedule.stretches]
+    return min(
+        life_of(
+            result,
+            body,
+            table.of_material(material_of_body(result.study, body)),
+            partial(body_states, result, body),
+            stretches,
+        ).cycles
+        for body in result.bodies
+    )
+
+
+def figures_of(result: RunResult, life: float | None = None) -> dict[str, float | None]:
+    """The figures of a finished run, and its life where that is asked for; None for what it does not have."""
     evolution = result.evolution
-    names = figures_named(result.bodies)
+    names = figures_named(result.bodies, life=life is not None)
     last = {name: float(evolution[name][-1]) for name in names if name in evolution}
     first = {f"{FIRST}{name}": float(evolution[name][0]) for name in AT_START}
     volume = float(result.worn_volume_mm3[-1])
     quality = {name: float(result.quality.get(name, float("nan"))) for name in QUALITY}
     length = {PRESSURE_LENGTH: float(result.settings[PRESSURE_LENGTH])}
-    found = {**last, VOLUME: volume, **first, **quality, **length}
+    found = {**last, VOLUME: volume, **first, **quality, **length} | ({} if life is None else {LIFE: life})
     return {name: found[name] if isfinite(found[name]) else None for name in names}
 
 
