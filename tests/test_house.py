@@ -256,8 +256,8 @@ BUDGETS = {
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     # 1100 are lives until a crack begins: criteria, data of materials, damage that moves with the material, its page.
-    "lines of geometry, solvers and wirewear": 66_896,
-    "lines of wirewear": 53_925,
+    "lines of geometry, solvers and wirewear": 66_922,
+    "lines of wirewear": 53_951,
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
@@ -278,7 +278,7 @@ BUDGETS = {
     # Kinds ask pictures and interior what there is to draw of a result and inside it; the map of running conditions
     # asks a study for its bodies, whatever its kind, and an import from heights asks a body for its unworn surface;
     # what was left out of a fit is told by what results call a body; a life takes its data from a study's table.
-    "arrows between rooms": 145,
+    "arrows between rooms": 146,
     "questions for the kind of contact": 0,
     "lines of wirewear that import, per cent": 6.8,
 }
