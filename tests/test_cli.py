@@ -97,6 +97,15 @@ def test_every_error_of_ours_ends_in_its_sentence_and_exit_code_2(
     assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"wirewear: {error}\n")
 
 
+def test_what_is_interrupted_within_a_compiled_function_is_interrupted(study_file: Path, asked: dict[str, Any]) -> None:
+    fault = SystemError("CPUDispatcher returned a result with an exception set")
+    fault.__cause__ = KeyboardInterrupt()
+    asked["raises"] = fault
+    told = wirewear("run", study_file)
+    assert (told.exit_code, told.stderr.count("\n")) == (130, 1)
+    assert "interrupted; --resume" in told.stderr
+
+
 @pytest.mark.seconds
 def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_traceback(tmp_path: Path) -> None:
     command = Path(sys.executable).with_name("wirewear")

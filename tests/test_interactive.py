@@ -178,3 +178,17 @@ def test_exported_columns_stand_in_their_natural_order(run: ww.Run, tmp_path: Pa
     run.save(tmp_path / "result.h5")
     columns = ww.read_result(tmp_path / "result.h5").to_polars().columns
     assert tuple(columns[: len(EVOLUTION_COLUMNS)]) == EVOLUTION_COLUMNS
+
+
+@pytest.mark.seconds
+def test_a_line_contact_is_loaded_run_drawn_and_read_as_any_other(tmp_path: Path) -> None:
+    text = (Path(__file__).parents[1] / "studies/cylinder_on_flat/study.toml").read_text(encoding="utf-8")
+    short = text.replace("cycles = 10000", "cycles = 2").replace("[1, 100, 1000, 3000, 10000]", "[1, 2]")
+    result = ww.run(ww.load(short), fidelity="quick", progress=False)
+    assert (result.contact_kind, result.evolution["cycle"][-1]) == ("line-contact", 2)
+    assert result.evolution["worn_volume_pad_mm3"][-1] > 0.0
+    assert result.to_polars()["cycle"].to_list() == [1, 2]
+    assert result.plot().axes
+    assert ww.read_result(result.save(tmp_path / "line.h5")).evolution["cycle"][-1] == 2
+    with pytest.raises(ww.ResultError, match="line contact"):
+        result.surface("pad")

@@ -36,7 +36,7 @@ def pulled(amplitude: float, mean: float = 0.0, wave: Array | None = None) -> Ar
 
 
 def life(criterion: str, history: Array) -> float:
-    return 1.0 / criterion_of(LifeTable(criterion=criterion, **OWN), STEEL).damage(history).share[0]
+    return float(1.0 / criterion_of(LifeTable(criterion=criterion, **OWN), STEEL).damage(history).share[0])
 
 
 def test_a_curve_of_two_terms_is_inverted_from_half_a_cycle_to_far_beyond_any_test() -> None:

@@ -190,7 +190,10 @@ class Commands(_Listed):
             with warnings.catch_warnings(), _misuse_told(), _unwritten_told():
                 tell_plainly()
                 return super().invoke(ctx)
-        except KeyboardInterrupt:
+        except (KeyboardInterrupt, SystemError) as error:
+            # What is interrupted within a compiled function comes as a fault of the interpreter's.
+            if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+                raise
             click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
             ctx.exit(INTERRUPTED)
         except WirewearError as error:

@@ -37,12 +37,14 @@ class Run(RunResult):
         """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
         Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
         """
-        from wirewear.pictures import drawings
+        from wirewear.kinds import kind_of
         from wirewear.pictures.gallery import overview
         from wirewear.pictures.style import styled
 
         results = told_apart([self, *beside])
-        known = {"overview": lambda: overview(results)} | drawings(results)
+        known = dict(kind_of(self).drawings(results))
+        # The profiles of a line contact are its overview.
+        known["overview"] = next(iter(known.values())) if self.length_mm else lambda: overview(results)
         if what not in known:
             raise ResultError(f"there is no picture {what!r} of this run: choose one of {', '.join(known)}.")
         with styled():
@@ -67,10 +69,11 @@ class Run(RunResult):
 
     def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
         """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
-        Raises ResultError if no scar is recorded near that cycle, or there is no such wire.
+        Raises ResultError if no scar is recorded near that cycle, there is no such wire, or it is a line contact.
         """
         from wirewear.results.flat import surface_mesh
 
+        self.with_maps()
         body = wire or self.bodies[1]
         return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, body), upper=self.is_upper(body))
 
@@ -81,11 +84,12 @@ class Run(RunResult):
 
         at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
         of a recorded position.  worn: the nodes stand in the worn surface.
-        Raises ResultError if no contact forces are recorded near that cycle, or there is no such wire or position;
-        GeometryError if wear distorts the mesh too much.
+        Raises ResultError if no contact forces are recorded near that cycle, there is no such wire or position,
+        or it is a line contact; GeometryError if wear distorts the mesh too much.
         """
         from wirewear.interior import body_grid, body_states
 
+        self.with_maps()
         cycle = self._last_scar() if cycle is None else cycle
         return body_grid(body_states(self, wire or self.bodies[1], cycle, [at], worn=worn)[0])
 
@@ -169,7 +173,7 @@ def read_result(path: str | Path) -> Run:
     """The run stored in a file, or in a folder of one.
     Raises ResultError if there is none, or it is damaged, or the folder holds several.
     """
-    return Run.of(one_run(Path(path)).with_maps())
+    return Run.of(one_run(Path(path)))
 
 
 def one_run(path: Path) -> RunResult:
@@ -189,7 +193,7 @@ def read_results(path: str | Path) -> tuple[Run, ...]:
     """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
     Raises ResultError if nothing is found there, or a file found cannot be read.
     """
-    return tuple(Run.of(result.with_maps()) for result in read_all_plain(Path(path)))
+    return tuple(Run.of(result) for result in read_all_plain(Path(path)))
 
 
 def _course(run: RunResult, column: str, unit: str) -> str:

@@ -14,11 +14,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 from wirewear.base import notebook
 from wirewear.base.errors import StudyError, counted
+from wirewear.base.reading import parsed_toml
 from wirewear.faces.looking import Run
+from wirewear.kinds import any_study, kind_of, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
-from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar, run_study, simulate
-from wirewear.study import Study, load_study, parse_study
+from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar
 
 if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
@@ -198,17 +199,17 @@ def watched(label: str, *, shown: bool) -> Iterator[Observer]:
             yield terminal
 
 
-def load(source: str | Path) -> Study:
-    """Read a study from a file, or from text that is one: TOML of more than one line.
+def load(source: str | Path) -> Any:
+    """Read a study of any kind of contact from a file, or from text that is one: TOML of more than one line.
     Raises StudyError, in one sentence, if there is no such file, or it is no valid study.
     """
     if isinstance(source, str) and "\n" in source.strip():
-        return parse_study(source, "the text given")
-    return load_study(source)
+        return any_study(parsed_toml(source, "the text given", StudyError), "the text given")
+    return load_any_study(source)
 
 
 def run(
-    study: Study,
+    study: Study | PlanarStudy,
     *,
     fidelity: str = "standard",
     output: str | Path | None = None,
@@ -223,22 +224,25 @@ def run(
     RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
     converge, or left the fine patch.
     """
-    study = study.alone('run one, as in run(study.variant("{first}")), or all with run_variants(study)')
+    if study.variant_names:
+        how = f'run one, as in run(study.variant("{study.variant_names[0]}")), or all with run_variants(study)'
+        raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
+    kind: Any = kind_of(study)
     label = study.variant_name or study.name
     if output is None:
         if resume:
             raise StudyError("resume = True goes on with a run in a folder: name it as output.")
         with watched(label, shown=progress) as observer:
-            return Run.of(simulate(study, fidelity=fidelity, observer=observer))
+            return Run.of(kind.simulated(study, fidelity=fidelity, observer=observer))
     with watched(label, shown=progress) as observer:
-        results = run_study(
+        results = kind.run(
             study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: _lent(observer)
         )
     return Run.of(results[0])
 
 
 def run_variants(
-    study: Study, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
+    study: Study | PlanarStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
     """Simulate all variants of a study, by their names; with `output`, each in a folder of its own.
     Raises StudyError if the study has no variants, and whatever `run` raises.

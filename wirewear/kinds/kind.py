@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
+    from wirewear.simulation import Observer
     from wirewear.study.template import Template
 
 
@@ -49,6 +50,9 @@ class Kind(Protocol):
 
     def run(self, study: Any, **asked: Any) -> list[Any]:
         """Results of a study's variants, each with what belongs into its folder; arguments as of `run_study`."""
+
+    def simulated(self, study: Any, *, fidelity: str, observer: Observer) -> Any:
+        """The result of a study without variants, of which no file is left."""
 
     def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
         """Write and draw the meshes of both bodies."""

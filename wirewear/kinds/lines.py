@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.results import RunResult
+    from wirewear.simulation import Observer
     from wirewear.study.template import Template
 
 
@@ -51,6 +52,12 @@ class LineContacts:
         from wirewear.planar import run_planar_variants
 
         return run_planar_variants(study, **asked)
+
+    def simulated(self, study: PlanarStudy, *, fidelity: str, observer: Observer) -> RunResult:
+        """Of one millimetre."""
+        from wirewear.planar import run_planar_study
+
+        return run_planar_study(study, fidelity=fidelity, observer=observer)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """Tables and pictures of each run, and a picture of several side by side."""

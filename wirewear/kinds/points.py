@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.records.tables import PointRecordTables
     from wirewear.results import RunResult
+    from wirewear.simulation import Observer
     from wirewear.study import Study
     from wirewear.study.template import Template
 
@@ -46,6 +47,12 @@ class AtAPoint:
         from wirewear.simulation import run_study
 
         return run_study(study, **asked)
+
+    def simulated(self, study: Study, *, fidelity: str, observer: Observer) -> RunResult:
+        """Of whole bodies."""
+        from wirewear.simulation import simulate
+
+        return simulate(study, fidelity=fidelity, observer=observer)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """The scars of each run over the cycles for ParaView."""
