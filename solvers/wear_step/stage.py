@@ -31,6 +31,9 @@ from solvers.wear_step.surfaces import Cycle, Facing
 _MOST_ITERATIONS = 60
 # Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
 _FOLLOWED = 8
+# Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its normals
+# so far in one step that the two go on in turns.
+_UNDAMPED = 12
 # Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
 # by no more than the second.
 _SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
@@ -73,14 +76,15 @@ def solve_stage(
     nothing = np.zeros_like(before.primary_depth), np.zeros_like(before.secondary_depth)
     recession = problem.wear.recession(before, nothing, problem.primary_is_upper)
     base, share = cycle.gaps(problem, before.depths), open_share(problem.layers)
-    worn, active, cycles = before, pressure > 0.0, lasting(pressure)
+    worn, active, cycles, seen = before, pressure > 0.0, lasting(pressure), before.depths
     every = np.ones(cycle.orbits.count)
     stretch = every, every
     friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch))
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         cycle.influences.know(active | cycle.sticks)
-        facing, known = cycle.facing(problem, worn.depths), friction
+        seen = worn.depths if iteration <= _UNDAMPED else _halfway(seen, worn.depths)
+        facing, known = cycle.facing(problem, seen), friction
         slip = _slip_lengths(cycle, stretch)
         friction = cycle.law_at(problem, worn, slip)
         if 1 < iteration <= _FOLLOWED:
@@ -122,6 +126,11 @@ def worn_by(
     recession = problem.wear.recession(before, work, problem.primary_is_upper)
     bodies = problem.primary, problem.secondary
     return after_work(before, recession.secant, energy, work, totals, bodies), recession
+
+
+def _halfway(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Array, Array]:
+    """Depths of both bodies between two of them."""
+    return 0.5 * (one[0] + other[0]), 0.5 * (one[1] + other[1])
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
