@@ -13,11 +13,12 @@ from tests.frozen_states import frozen_states
 from tests.studies import COARSE, WEARING, coarse
 from tests.test_planar_study import TABLES
 from wirewear import StudyError, load_study
+from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.model.candidates import library, nominal_setup
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.forward import simulate as simulate_fast
-from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.model.nominal import checked_model, nominal_study
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.effects.drive import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
@@ -170,6 +171,19 @@ def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_t
     slipping = study.changed({"conditions": {"held_slip_amplitude_um": 45.0}})
     names = [{one.name for one in library(nominal_setup(own, "sensor"))} for own in (study, slipping)]
     assert names[1] - names[0] == {"held_displacement"}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("wear.law", {"name": "energy-threshold", "threshold_mJ_per_mm2": 50.0}, 'has the wear law "energy-threshold"'),
+        ("wires.fixed.layers", [{"thickness_um": 1.0}], "has layers, which the fast model does not foresee"),
+    ],
+)
+def test_a_model_that_wears_as_the_fast_model_does_not_foresee_is_refused(key: str, value: Any, told: str) -> None:
+    measured = record(repeats=1)
+    with pytest.raises(RecordError, match=told):
+        checked_model(measured, nominal_study(measured).with_values({key: value}))
 
 
 def test_an_effect_has_all_blocks_hold_its_displacement() -> None:

@@ -10,6 +10,7 @@ from math import log
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from solvers import Archard, EnergyLaw
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
 from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, identity_of
 from wirewear.diagnosis.calibration import constants
@@ -142,7 +143,14 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
 
 
 def _require_the_same(record: AnyRecord, study: Study | PlanarStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
-    """Refuse a model of another test: `pairs` are numbers of model and record by their keys."""
+    """Refuse a model of another test, or one that wears as the fast model does not foresee.
+
+    pairs: numbers of model and record by their keys.
+    """
+    other = [f'the wear law "{law.name}"' for law in study.laws[1:] if not isinstance(law, EnergyLaw | Archard)]
+    other += ["layers"] if any(study.layers.values()) else []
+    if other:
+        raise RecordError(f"the model {study.name!r} has {other[0]}{_UNFORESEEN}.")
     for key, (own, recorded) in pairs.items():
         if abs(own - recorded) > SAME * max(abs(own), abs(recorded)):
             raise RecordError(
