@@ -190,7 +190,7 @@ def _draw_above(axes: Axes, life: BodyLife, largest: Array, limits: tuple[float,
         x, y, np.maximum(largest, 1e-2 * limits[0]), levels=levels, norm=LogNorm(*limits), cmap=STRESS_COLOURS
     )
     if life.begun is not None:
-        axes.plot(*life.place_um, marker="x", color=INK)
+        axes.plot(*life.place_um, marker="x", color=VARIANT_COLOURS[0])
     axes.set(aspect="equal", title="largest beneath", xlabel="x, along the motion [µm]", ylabel="y [µm]")
     axes.grid(visible=False)
 
