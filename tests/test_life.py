@@ -138,6 +138,15 @@ def test_a_run_that_ends_too_early_is_gone_on_with_as_it_wears() -> None:
     assert never is None
 
 
+@pytest.mark.parametrize("speed", [1e-30, 1e-24, 1e-15])
+def test_a_surface_that_recedes_by_round_off_is_gone_on_with_as_one_that_stays(speed: float) -> None:
+    ends = [worn_evenly(3, 200.0, speed=each).begun([0.5, 1e3]) for each in (speed, 0.0)]
+    for found, expected in zip(*ends, strict=True):
+        assert found is not None
+        assert expected is not None
+        assert found.cycles == pytest.approx(expected.cycles, rel=0.02)
+
+
 def test_blocks_high_and_low_add_up_by_miner_whatever_their_order_until_wear_takes_one_away() -> None:
     depths = LAMBDA_mm * np.linspace(0.0, 8.0, 33)
     fade = -depths / LAMBDA_mm / np.log(10.0)

@@ -67,7 +67,7 @@ def _run(names: Sequence[str], fidelity: str, output: Path, *, freeze: bool) -> 
         write_table(sorted([*others, *rows], key=lambda row: row.entry), FROZEN)
     elif fidelity == "quick" and (apart := moved(rows, before)):
         for row, old in apart:
-            was = "none" if old is None else f"{old.simulated:.5g}"
+            was = "none" if old.simulated is None else f"{old.simulated:.5g}"
             now = "none" if row.simulated is None else f"{row.simulated:.5g} {row.unit}"
             click.echo(f"{row.entry}, {row.test}: {row.figure} is {now}, was {was} in the frozen table.")
         raise SystemExit(1)

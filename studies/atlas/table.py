@@ -36,11 +36,11 @@ def _rounded(row: Row) -> dict[str, object]:
     return {key: float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value for key, value in values.items()}
 
 
-def moved(rows: Sequence[Row], before: Sequence[Row]) -> list[tuple[Row, Row | None]]:
-    """Rows that differ from those of before by more than their tolerance, in what is simulated, or that are new."""
+def moved(rows: Sequence[Row], before: Sequence[Row]) -> list[tuple[Row, Row]]:
+    """Rows that differ from those of before by more than their tolerance, in what is simulated."""
     known = {(row.entry, row.test, row.figure): row for row in before}
     pairs = [(row, known.get((row.entry, row.test, row.figure))) for row in rows]
-    return [(row, old) for row, old in pairs if old is None or _apart(row, old)]
+    return [(row, old) for row, old in pairs if old is not None and _apart(row, old)]
 
 
 def _apart(row: Row, old: Row) -> bool:
@@ -59,8 +59,9 @@ def sentence(rows: Sequence[Row]) -> str:
     """How many figures agree."""
     known, entries = compared(rows), len({row.entry for row in rows})
     predicted = [row for row in known if row.predicted is not None]
+    named = f"{entries} {'entry' if entries == 1 else 'entries'}"
     return (
-        f"{entries} entries, {len(known)} compared figures: {_within(known)} within tolerance. "
+        f"{named}, {len(known)} compared figures: {_within(known)} within tolerance. "
         f"{len(predicted)} of them were predicted before they were compared: {_within(predicted)}."
     )
 

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
 
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--kind", type=click.Choice([*KINDS]), default="crossed-wires",
-              show_default=True, help="What is simulated.")  # fmt: skip
+@click.option("--kind", type=click.Choice([name for own in KINDS.values() for name in own.names]),
+              default="crossed-wires", show_default=True, help="What is simulated.")  # fmt: skip
 @click.option("--from", "record_path", metavar="RECORD", type=Given(), help="Take over its test.")
 @click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
 @click.option("--output", metavar="FILE.toml", type=OutputFile(),
@@ -47,6 +47,7 @@ def new(
     **told: float | None,
 ) -> None:
     """Begin a study NAME, or with --mapping an import of a logger's FILES."""
+    kind = next(name for name, own in KINDS.items() if kind in own.names)
     if not mapping:
         _new_study(names, kind, record_path, output)
         return

@@ -22,6 +22,7 @@ _STEPS = (16, 400)
 _LEVELS = 4  #: Levels at which sums are kept, for each spacing of the depths of rates.
 _FINE = 400  #: Depths at which is known what a point gathers on its way to the surface.
 _UNWORN = 1e-3  #: A surface that recedes by less than this share of a spacing in as long as the run lasted rests.
+ENDLESS_cycles = 1e12  #: No test has lasted so long: longer lives are endless.
 _PER_LAYER = 4.0  #: Steps while the surface recedes by the uppermost spacing of depths.
 
 
@@ -146,13 +147,16 @@ class Damage:
         there, first = self.of_present(last), Begun(np.inf, 0, 0, beyond=True)
         for column, depths in enumerate(self.levels_mm - last.worn_mm[:, None]):
             lacking, rate = asked - there[column], last.rate[column]
-            if speed[column] * last.cycle > _UNWORN * self.depths_mm[1]:
+            cycles = np.divide(lacking, rate, out=np.full_like(rate, np.inf), where=rate > 0.0)
+            # Where less is worn off meanwhile than can be told apart, damage goes on where it is.
+            moves = speed[column] * np.minimum(cycles, ENDLESS_cycles) > fine[1]
+            if moves.any():
                 # On its way to the surface a point gathers what lies between, over the speed of the surface.
                 still = np.interp(depths, fine, passed[column]) - lacking * speed[column]
-                cycles = (depths - np.interp(still, passed[column], fine)) / speed[column]
-                cycles[(still < 0.0) | (depths < 0.0)] = np.inf
-            else:
-                cycles = np.divide(lacking, rate, out=np.full_like(rate, np.inf), where=rate > 0.0)
+                gathered, at = np.unique(passed[column], return_index=True)
+                taken = (depths - np.interp(still, gathered, fine[at])) / speed[column]
+                taken[(still < 0.0) | (depths < 0.0)] = np.inf
+                cycles = np.where(moves, taken, cycles)
             level = int(cycles.argmin())
             if last.cycle + cycles[level] < first.cycles:
                 first = Begun(float(last.cycle + cycles[level]), column, level, beyond=True)

@@ -22,7 +22,7 @@ from wirewear.interior.criteria import (
     SmithWatsonTopper,
     StressLife,
 )
-from wirewear.interior.damage import FLOOR, Begun, Damage, Rates, Span
+from wirewear.interior.damage import FLOOR, Begun, Damage, ENDLESS_cycles, Rates, Span
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import stresses_of
 from wirewear.results.scar import called
@@ -40,7 +40,6 @@ _RADII = (1.32, 1.54)
 _GAUSS = 5
 _BESIDE = 4.0  #: Elements beside whatever touches that are looked at.
 _QUANTILE = 1.96  #: Of 95 % of a normal distribution.
-ENDLESS_cycles = 1e12  #: No test has lasted so long: longer lives are endless.
 WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 

@@ -213,7 +213,9 @@ class PlanarStudy(keys.NamedTable):
     stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     log: Log = Field(Log(), description="which cycles are recorded")
-    life: LifeTable | None = Field(None, description="how long the bodies last until a crack begins")
+    life: LifeTable | None = Field(
+        None, description="criterion and data by which cycles are counted until a crack begins"
+    )
     mesh: PlanarMeshing = Field(PlanarMeshing(), description="resolution")
 
     _variants: tuple[tuple[str, "PlanarStudy"], ...] = PrivateAttr(())

@@ -336,7 +336,9 @@ class ContactTables(StatesItsKind, ABC):
     effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
-    life: LifeTable | None = Field(None, description="how long the bodies last until a crack begins")
+    life: LifeTable | None = Field(
+        None, description="criterion and data by which cycles are counted until a crack begins"
+    )
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
 

@@ -14,7 +14,7 @@ from wirewear.study.tables import StudyTables
 
 #: Keys that are spelled otherwise than a number or text, or make sense to few.
 HIDDEN = (
-    "friction_law", "moving", "fixed", "surface", "layers", "update", "explicit_jump_cycles", "formulation",
+    "friction_law", "moving", "fixed", "surface", "layers", "bulk", "update", "explicit_jump_cycles", "formulation",
     "primary_wire",
 )  # fmt: skip
 
