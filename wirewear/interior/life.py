@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -312,9 +312,18 @@ def life_of(
     depths, criterion, first = np.zeros(0), None, None
     thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
     found: BodyLife | None = None
-    for cycle in _chosen(recorded, stretches, wear_states):
-        if found is not None and found.high is not None and not found.high.beyond and found.high.cycles < cycle:
-            break
+
+    def upcoming() -> Iterator[int]:
+        """Cycles in turn, until all lives have ended; then the recorded ones on either side of the life."""
+        for cycle in _chosen(recorded, stretches, wear_states):
+            if found is not None and found.high is not None and not found.high.beyond and found.high.cycles < cycle:
+                break
+            yield cycle
+        if found is not None and found.begun is not None and not found.begun.beyond:
+            place = int(np.searchsorted(recorded, found.cycles))
+            yield from [cycle for cycle in recorded[max(place - 1, 0) : place + 1] if cycle not in known]
+
+    for cycle in upcoming():
         tell(cycle)
         states = states_at(cycle)
         if criterion is None or first is None:
@@ -323,7 +332,7 @@ def life_of(
             depths = step * (_GROWTH ** np.arange(_DEPTHS) - 1.0) / (_GROWTH - 1.0)
         known[cycle] = wear_state(states, criterion, table, depths, _worn(result, body, cycle))
         ordered = tuple(known[one] for one in sorted(known))
-        damage = _damage(result, body, ordered, depths, stretches, last=cycle == recorded[-1])
+        damage = _damage(result, body, ordered, depths, stretches, last=max(known) == recorded[-1])
         begun, low, high = damage.begun(thresholds.tolist())
         plane = first.body.mesh.points.shape[1] == 2
         found = BodyLife(body, table, ordered, damage, begun, low, high, first.to_world, plane)
