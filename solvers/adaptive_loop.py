@@ -34,8 +34,8 @@ _MOST_REPEATS = 4
 _FIRST_STEP, _SMALLEST_STEP = 1.0 / 1000.0, 1.0 / 8000.0
 _LARGEST_TREND = 4.0
 _SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
-# A force that bends as much over shorter steps is rough, not bent: after so many cuts in vain the first step is taken,
-# and the stroke is followed no better than it is rough.
+# A force that bends as much over shorter steps is rough, not bent: after so many cuts that do not help, the first step
+# is taken, and the stroke is followed no better than it is rough.
 _CUTS_IN_VAIN = 2
 # What was thought right, or is given by the way out, is only taken anew when it is wrong by more than this factor.
 _PATIENCE = 2.0

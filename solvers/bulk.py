@@ -37,11 +37,6 @@ class BulkStress:
         swing = np.cos(2.0 * np.pi * np.asarray(times) - self.phase_rad)
         return np.asarray(np.array(self.mean) + swing[..., None] * np.array(self.amplitude))
 
-    def at(self, times: Array, points_mm: Array, axis_depth_mm: float) -> Array:
-        """Stresses (m, n, 6) at points (n, 3) of the body, whose axis lies so deep, at shares (m,) of the cycle."""
-        across = self.material.poissons_ratio if self.plane_strain else 0.0
-        return section_stress(self.nominal(times), points_mm, axis_depth_mm, across)
-
     def gradient(self, nominal: Array) -> Array:
         """Displacement gradient (m, 2, 2) of the surface at the contact, along x and y, under stresses (m, 3) as
         `nominal` gives them; the line along y does not turn by torsion.

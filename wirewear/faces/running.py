@@ -20,6 +20,7 @@ from wirewear.kinds import any_study, kind_of, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
 from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar
+from wirewear.study.study import alone
 
 if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
@@ -224,9 +225,7 @@ def run(
     RunError or ResultError if the folder holds another run, or cannot be written; SolverError if the contact did not
     converge, or left the fine patch.
     """
-    if study.variant_names:
-        how = f'run one, as in run(study.variant("{study.variant_names[0]}")), or all with run_variants(study)'
-        raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
+    study = alone(study, 'run one, as in run(study.variant("{first}")), or all with run_variants(study)')
     kind: Any = kind_of(study)
     label = study.variant_name or study.name
     if output is None:

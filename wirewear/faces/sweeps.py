@@ -87,9 +87,10 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     """Run a study whose inputs scatter, print its intervals and write them."""
     from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import wide_console
+    from wirewear.study.study import alone
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain, sentence, table, write_uncertainty
 
-    study = study.alone() if variant is None else study.variant(variant)
+    study = alone(study) if variant is None else study.variant(variant)
     with _told_of(RUNS + 1) as told:
         found = run_uncertain(study, folder, engine_of(jobs), observer=told)
     wide_console(110).print(table(found))

@@ -10,7 +10,6 @@ import numpy as np
 
 from solvers import ContactProblem, CycleTrace, unloaded_state
 from wirewear.base.engine import Engine, LocalProcesses
-from wirewear.base.errors import StudyError
 from wirewear.base.identity import PLANAR_CODE, Identity, added_code, identity_of
 from wirewear.effects import problem_with
 from wirewear.planar.model import PlanarPlan, bodies, holder_of, plan, planar_problem, require_affordable_meshes
@@ -25,6 +24,7 @@ from wirewear.simulation.held import held_of
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.simulation.runs import run_planned
 from wirewear.simulation.together import ObserverFor
+from wirewear.study.study import alone
 
 
 class PlanarRecord(Recorded):
@@ -161,8 +161,7 @@ def run_planar_study(
     RunError if nothing can be written to `output`, or another command does; or it is to be resumed and holds another
     run. Raises SolverError if the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
-    if study.variant_names:
-        raise StudyError(f"the study {study.name!r} has variants: run one of them, or all with run_planar_variants.")
+    study = alone(study, "run one of them, or all with run_planar_variants")
     watching = observer or NoObserver()
     if output is None:
         run = PlanarRun.of(study, fidelity)
@@ -216,8 +215,7 @@ def refined_study(study: PlanarStudy, fidelity: str) -> PlanarStudy:
     """The study with itself and its refinements as variants.
     Raises StudyError if the study has variants of its own; choose one of them.
     """
-    if study.variant_names:
-        raise StudyError(f"the study {study.name!r} has variants: choose one of {', '.join(study.variant_names)}.")
+    study = alone(study)
     tolerance, mesh = plan(study, fidelity).jump_tolerance, study.mesh
 
     def finer(resolution: convergence.Resolution, factor: float) -> dict[str, float]:

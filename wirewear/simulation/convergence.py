@@ -23,6 +23,7 @@ from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
 from wirewear.study import Study
+from wirewear.study.study import alone
 
 # Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
@@ -225,7 +226,7 @@ def refined_study(study: Study, fidelity: str) -> Study:
     """The study with itself and its refinements as variants.
     Raises StudyError if the study has variants of its own; choose one of them.
     """
-    study = study.alone()
+    study = alone(study)
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
     given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
     sizes = {name: size for name, size in given.items() if size is not None}

@@ -226,7 +226,7 @@ class Cycler:
             if not jump.uncertain:
                 return jump.state, jump.pressure_change
             # What sticks and how far the rest slides is known of the cycle before the jump: the one after it tells what
-            # came of that, and is traced in vain if the jump is rejected.
+            # came of that, and is of no use if the jump is rejected.
             after = self._traced(problem, jump.state, before + cycles)
             in_vain.append(after)
             self.friction_work_mJ = after.work_mJ

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import Any, TypeVar, cast
+from typing import Any, Protocol, TypeVar, cast
 
 from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base import notebook
@@ -34,6 +34,31 @@ from wirewear.study.wires import Wires
 LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
 
 AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+class HasVariants(Protocol):
+    """A study of any kind."""
+
+    @property
+    def name(self) -> str:
+        """Title of the study."""
+
+    @property
+    def variant_names(self) -> tuple[str, ...]:
+        """Names of its variants, none of a study without."""
+
+
+AnyStudy = TypeVar("AnyStudy", bound=HasVariants)
+
+
+def alone(study: AnyStudy, how: str = "choose one with --variant") -> AnyStudy:
+    """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
+    Raises StudyError if it has variants.
+    """
+    if study.variant_names:
+        how = how.replace("{first}", study.variant_names[0])
+        raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
+    return study
 
 
 def with_values(tables: ContactTables, values: Mapping[str, Any], where: str) -> ContactTables:
@@ -301,15 +326,6 @@ class Study:
                 return Study(tables, variant_name=name)
         known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
         raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
-
-    def alone(self, how: str = "choose one with --variant") -> Study:
-        """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
-        Raises StudyError if it has variants.
-        """
-        if self.variants:
-            how = how.replace("{first}", self.variant_names[0])
-            raise StudyError(f"the study {self.name!r} has the variants {', '.join(self.variant_names)}: {how}.")
-        return self
 
     def __repr__(self) -> str:
         own = f", variant {self.variant_name!r}" if self.variant_name else ""

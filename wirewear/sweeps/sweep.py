@@ -26,6 +26,7 @@ from wirewear.simulation import simulate
 from wirewear.study import Study, load_study
 from wirewear.study.life import material_of_body
 from wirewear.study.messages import validated
+from wirewear.study.study import alone
 from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
@@ -298,7 +299,7 @@ def load_sweep(path: str | Path) -> Sweep:
     if tables.variant is not None:
         study = study.variant(tables.variant)
     else:
-        study = study.alone(f'choose one by variant = "{{first}}" in {path}')
+        study = alone(study, f'choose one by variant = "{{first}}" in {path}')
     sweep = Sweep(tables.name, study, design_of(tables, str(path)), tables.fidelity, tables.keep_results)
     _require_possible(sweep, str(path))
     return sweep
