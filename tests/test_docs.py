@@ -33,7 +33,9 @@ ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
-MOST_WORDS, MOST_IN_SENTENCE = 1500, 25
+MOST_WORDS = 1500
+#: Of the whole site, with code and tables. At 1.0 it is to be 18 000.
+MOST_WORDS_OF_ALL = 31_500
 
 #: Tables whose keys stand in the page of files.
 IN_FILES = (RecordTables, LineRecordTables, RecordMapping, LineMapping, SweepTables, Vary)
@@ -70,6 +72,11 @@ def test_a_page_is_read_in_a_few_minutes(page: Path) -> None:
     text = FENCE.sub("", page.read_text(encoding="utf-8"))
     prose = [line for line in text.splitlines() if not line.lstrip().startswith(("|", "!["))]
     assert len(" ".join(prose).split()) < MOST_WORDS
+
+
+def test_all_pages_are_read_in_an_afternoon() -> None:
+    site = [page for page in PAGES if page.parent.name != "paper"]
+    assert sum(len(page.read_text(encoding="utf-8").split()) for page in site) <= MOST_WORDS_OF_ALL
 
 
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))

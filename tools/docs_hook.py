@@ -1,15 +1,23 @@
 """What MkDocs does beside its own while it builds the site: pages made from the code, links that leave the site."""
 
+import base64
 import re
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from matplotlib import rc_context
+from matplotlib.font_manager import FontProperties
+from matplotlib.mathtext import math_to_image
 from mkdocs.structure.files import File, Files
 
 from tools.reference import pages
 
 #: A link to a file of the repository that is no page.
 OUTSIDE = re.compile(r"(?<!!)\[([^\]]+)\]\((?:\.\./)+((?:studies|wirewear|solvers|geometry|tests|tools)[^)#]*)\)")
+
+#: A formula in TeX, which GitHub typesets and Markdown does not.
+FORMULA = re.compile(r"^```math\n(.*?)\n```$", re.DOTALL | re.MULTILINE)
 
 
 def on_config(config: Any) -> Any:
@@ -30,8 +38,16 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Name files of the repository in place of links to them, which lead nowhere in the site."""
-    return OUTSIDE.sub(lambda link: f"{link[1]} (`{link[2]}`)", markdown)
+    """Name files of the repository in place of links to them, which lead nowhere in the site; typeset formulas."""
+    return FORMULA.sub(_typeset, OUTSIDE.sub(lambda link: f"{link[1]} (`{link[2]}`)", markdown))
+
+
+def _typeset(formula: re.Match[str]) -> str:
+    """A picture in the page itself, so that no script has to be loaded."""
+    text, picture = " ".join(formula[1].split()), BytesIO()
+    with rc_context({"mathtext.fontset": "stix"}):
+        math_to_image(f"${text}$", picture, format="svg", prop=FontProperties(size=13))
+    return f"![{text}](data:image/svg+xml;base64,{base64.b64encode(picture.getvalue()).decode()})"
 
 
 def _named(nav: Any) -> list[str]:
