@@ -25,7 +25,7 @@ def on_config(config: Any) -> Any:
     docs = Path(config.docs_dir)
     named = set(_named(config.nav))
     others = sorted(str(page.relative_to(docs)) for page in docs.rglob("*.md"))
-    if left := [page for page in others if page not in named]:
+    if left := [page for page in others if page not in named and not config.exclude_docs.match_file(page)]:
         config.nav.append({"More": left})
     return config
 

@@ -20,7 +20,7 @@ from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.simulation import discretise
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 
-#: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/benchmarks.md.
+#: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/accuracy.md.
 POWER = 1.3
 
 POWERS = (0.0, 2.5)  #: Powers beyond these come from runs that are too alike in size to tell.
