@@ -13,20 +13,8 @@ from studies.diagnosis.gap_free_pairs import Pair, pair_of
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.distortions import _log_evidence
 from wirewear.diagnosis.infer.families import FAMILIES
-from wirewear.diagnosis.infer.full_sampling import Ripple, ripple
-from wirewear.diagnosis.infer.shapes import (
-    Branches,
-    displacement_after_play,
-    force_after_play,
-    force_read,
-    opening,
-    stiffening,
-)
-from wirewear.diagnosis.infer.shapes_in_time import averaged, rattling, slewing
-from wirewear.diagnosis.model.candidates import nominal_setup
+from wirewear.diagnosis.infer.shapes import Branches, displacement_after_play, force_after_play, force_read, stiffening
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.readings import phases_of
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.views.diagnosis_wording import Diagnosed
@@ -167,35 +155,6 @@ def test_a_holder_that_stiffens_keeps_forces_and_bends_what_sticks_alone() -> No
     assert change[0, 0, 0] == pytest.approx(0.0, abs=1e-9)
 
 
-def rippled(amplitude_N: float, along: str) -> ExperimentRecord:
-    """Loops with a ripple of 7 µm along the stroke that turns with the direction, or with hum of 50 Hz."""
-
-    def change(loop: MeasuredLoop) -> MeasuredLoop:
-        direction = np.sign(np.gradient(loop.displacement_um))
-        slides = direction * loop.tangential_force_N > 0.7 * PLATEAU_N
-        wave = direction * np.sin(2.0 * np.pi * loop.displacement_um / 7.0) * slides
-        if along == "time":
-            wave = np.sin(2.0 * np.pi * 50.0 * loop.time_s + 1.3 * loop.cycle + loop.repeat)
-        return replace(loop, tangential_force_N=loop.tangential_force_N + amplitude_N * wave)
-
-    return bent(change)
-
-
-def found_ripple(one: ExperimentRecord) -> Ripple | None:
-    setup = nominal_setup(nominal_study(one), "sensor")
-    return ripple(states(), setup, reduce(one).loops)
-
-
-@pytest.mark.seconds
-def test_a_ripple_of_the_noises_height_is_seen_at_full_sampling() -> None:
-    wave = found_ripple(rippled(0.008, "stroke"))
-    assert wave is not None
-    assert wave.along == "stroke"
-    assert wave.length == pytest.approx(7.0, rel=0.03)
-    assert wave.amplitude_N == pytest.approx(0.008, rel=0.3)
-    assert wave.p_value < 1e-20
-
-
 @pytest.fixture(scope="module")
 def observed() -> Observations:
     """What is observed of two tests that the fast model made, without any scatter between them."""
@@ -228,65 +187,6 @@ def test_covariances_are_symmetric_and_of_no_negative_variance_and_scatter_adds_
     assert np.trace(scattered.fixed) > np.trace(pair.fixed)
     assert pair.freedoms.shape[0] == pair.residual.size
     assert np.isfinite(pair.freedoms).all()
-
-
-def two_branches() -> Branches:
-    setup = nominal("sensor")
-    course = simulate(states(), setup, np.array([1000.0, 30_000.0]))
-    return Branches.of(course, setup.amplitude_um, setup.plateau_force_N)
-
-
-def evenly(b: Branches, values: Array) -> Array:
-    """A channel of the first loop at a thousand even phases."""
-    phases = phases_of(b.course.displacement_um, b.motion)[0].ravel()
-    even = np.interp(np.arange(1000) * 2.0 * np.pi / 1000, phases, values[0].ravel(), period=2.0 * np.pi)
-    return np.asarray(even)
-
-
-def test_a_logger_takes_the_mean_of_a_window_about_each_sample() -> None:
-    before = two_branches()
-    after = averaged(0.05)(before, 1.0)
-    window = np.zeros(1000)
-    window[np.arange(-25, 26)] = np.r_[0.5, np.ones(49), 0.5] / 50.0
-    force = evenly(before, before.course.tangential_force_N)
-    expected = np.fft.irfft(np.fft.rfft(force) * np.fft.rfft(window), 1000)
-    assert np.abs(evenly(before, after.tangential_force_N) - expected).max() < 0.01 * before.force_N
-    assert np.ptp(after.displacement_um) < np.ptp(before.course.displacement_um)
-
-
-def test_a_slow_channel_turns_at_its_rate_and_reaches_the_plateau() -> None:
-    before = two_branches()
-    after = slewing(0.5)(before, 1.0).tangential_force_N
-    own, slow = (np.abs(np.diff(evenly(before, q))).max() for q in (before.course.tangential_force_N, after))
-    # Steep flanks have few points, and go straight between them.
-    assert slow == pytest.approx(0.5 * own, rel=0.25)
-    middle = before.place[0, 0].searchsorted(0.3)
-    assert after[0, 0, middle:] == pytest.approx(before.course.tangential_force_N[0, 0, middle:])
-
-
-def test_a_joint_gives_nothing_below_the_force_that_opens_it() -> None:
-    before = two_branches()
-    change = opening(0.5)(before, 0.02).displacement_um - before.course.displacement_um
-    sticks = before.p_N[0, 0] < 0.45 * before.force_N
-    given = change[0, 0, sticks & (before.p_N[0, 0] > -0.45 * before.force_N)]
-    assert np.ptp(given) < 1e-9
-    assert change[0, 0] == pytest.approx(-change[0, 1], abs=1e-6 * before.amplitude_um)
-    assert np.abs(change[0, 0]).max() > 0.005 * before.amplitude_um
-
-
-def test_a_loose_load_swings_after_each_reversal_and_both_forces_with_it() -> None:
-    before = two_branches()
-    sine, cosine = rattling(6.0, 0.09)
-    load = before.course.normal_force_N
-    swung = [shape(before, 0.1).normal_force_N / load - 1.0 for shape in (sine, cosine)]
-    assert swung[0][:, :, 0] == pytest.approx(0.0, abs=1e-12)
-    assert swung[1][:, :, 0] == pytest.approx(0.1)
-    for share in swung:
-        assert share[:, 0] == pytest.approx(share[:, 1], abs=1e-9)
-        assert np.abs(share[:, :, -1]).max() < 0.1 * np.exp(-0.5 / 0.09) + 1e-9
-    sliding = slice(-20, None)
-    forces = sine(before, 0.1).tangential_force_N[:, :, sliding] / before.course.tangential_force_N[:, :, sliding]
-    assert forces - 1.0 == pytest.approx(swung[0][:, :, sliding], abs=1e-6)
 
 
 def slow(loop: MeasuredLoop) -> MeasuredLoop:
@@ -331,20 +231,9 @@ def rattled(loop: MeasuredLoop) -> MeasuredLoop:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("change", "seam", "words"),
-    [
-        (slow, "sensor", "no faster than a rate"),
-        (smeared, "sensor", "averages over a time"),
-        (spotted, "contact", "at one place"),
-        (rattled, "loading", "rattles"),
-    ],
-)
-def test_what_a_rig_does_to_its_loops_is_told_by_its_seam(
-    change: Callable[[MeasuredLoop], MeasuredLoop], seam: str, words: str
-) -> None:
+@pytest.mark.parametrize("change", [slow, smeared, spotted, rattled])
+def test_what_a_rig_does_to_its_loops_is_no_known_effect(change: Change) -> None:
     one = record(evolution=False, repeats=1)
     answer = diagnosed(replace(one, loops=tuple(map(change, one.loops)))).diagnosis
     assert answer.verdict == "unexplained"
-    assert answer.resembles[0].seam == seam
-    assert words in answer.resembles[0].family
+    assert answer.resembles

@@ -104,7 +104,6 @@ PARTS = (
     Part("no families of distortions", _given(6, {})),
     Part("no unnamed second effect beside families", _given(7, -np.inf)),
     Part("a slipping holder is allowed nothing", changed=_unallowed),
-    Part("no ripple at full sampling", partial(patch.object, JUDGING, "ripple", lambda *_: None)),
     Part(
         "held-out cycles need not bear it out",
         partial(patch.object, Shrink, "supports", new_callable=PropertyMock, return_value=True),

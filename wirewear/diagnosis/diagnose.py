@@ -12,7 +12,6 @@ import numpy as np
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
-from wirewear.diagnosis.infer.full_sampling import ripple
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.sets import Classes, joined, masses, next_measurement, plausible
@@ -27,17 +26,7 @@ from wirewear.diagnosis.infer.weighing import (
     weigh,
     without,
 )
-from wirewear.diagnosis.infer.where import (
-    Place,
-    Resemblance,
-    changes,
-    findings,
-    places,
-    relevance_of,
-    resemblances,
-    rippling,
-    with_ripple,
-)
+from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
 from wirewear.diagnosis.model.setup import Setup
@@ -51,7 +40,6 @@ from wirewear.records.checking import remarks_told
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, estimates, forms
 from wirewear.views.diagnosis_wording import (
     Diagnosed,
-    of_hum,
     of_laws,
     of_scatter,
     of_the_record,
@@ -252,14 +240,11 @@ def judged(
     setup = found.problem.setup
     near = relevant(found.singles)
     classes = classes_of(near, found.apart(near))
-    wave = ripple(states, found.best.setup, observed.loops)
     tolerance = record.tables.tolerance.model_dump()
-    least_N = tolerance["force"] * setup.plateau_force_N
-    stays = wave if wave and wave.along == "stroke" and wave.amplitude_N > least_N else None
     # What an explanation leaves is judged as a gap is: what does not matter hints at no other cause.
     left_over = places(found.problem, found.covariance, found.best.setup)
     leaves = relevance_of(left_over, tolerance, detected=True).relevant
-    surprise = max(found.remainder.log_surprise if leaves else 0.0, stays.log_surprise if stays else 0.0)
+    surprise = found.remainder.log_surprise if leaves else 0.0
     gains = gains_of(found.distortions) if leaves else {}
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
     weighed = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains, found.rival)
@@ -292,8 +277,6 @@ def judged(
     resembles: tuple[Resemblance, ...] = ()
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
-        if stays is not None:
-            resembles = with_ripple(resembles, rippling(stays, observed.loops, setup.plateau_force_N))
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
     unseen = _undetectable(found, own)
     unnamed = failing.get(found.best.names, ()) if verdict == "unexplained" else ()
@@ -313,7 +296,6 @@ def judged(
         updated_by=tuple(other.name for other in further),
         notes=(
             *(f"the further record {other.name!r} is taken in" for other in further),
-            *of_hum(wave),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *of_scatter(found.covariance.contradicted),
             *(of_unrecognised(unnamed) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),

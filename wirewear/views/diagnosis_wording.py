@@ -11,7 +11,6 @@ from wirewear.base import notebook
 from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
@@ -251,14 +250,6 @@ _KNOWN = constants("diagnose")
 
 #: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
 AS_MUCH = _KNOWN.number("as_much")
-
-
-def of_hum(wave: Ripple | None) -> tuple[str, ...]:
-    """What was taken for noise though it is none of the sensors'."""
-    if wave is None or wave.along != "time":
-        return ()
-    size = f"{wave.amplitude_N:.2g} N at about {wave.length:.3g} Hz"
-    return (f"the force swings by {size} while the contact slides, as hum or vibration does: it was taken for noise",)
 
 
 def of_zero(zero: ForceZero) -> tuple[str, ...]:

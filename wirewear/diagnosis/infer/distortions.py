@@ -225,9 +225,8 @@ def _of_shapes(
     family: Family, shapes: Sequence[Shape], problem: Problem, branches: Branches, base: Array, logged: Array
 ) -> Iterator[Array]:
     row = np.searchsorted(logged, np.log(np.maximum(problem.layout.cycle, 1)) - 1e-9)
-    step = family.step or _STEP
     for shape in shapes:
-        change = (problem.layout.observed(shape(branches, step)) - base) / step
+        change = (problem.layout.observed(shape(branches, _STEP)) - base) / _STEP
         if not family.develops:
             yield change
             continue

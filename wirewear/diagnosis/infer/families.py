@@ -16,29 +16,22 @@ from wirewear.diagnosis.infer.shapes import (
     Branches,
     Family,
     Shape,
-    behind,
     between_ends,
-    bump,
     cubic,
     displacement_after_play,
-    displacement_behind,
     displacement_read,
     fast,
     force_after_play,
-    force_beside,
     force_read,
     in_travel,
     later,
     loaded,
     on_the_rig,
-    opening,
     resisting,
     since,
     stiffening,
-    turning,
     yielding,
 )
-from wirewear.diagnosis.infer.shapes_in_time import averaged, giving_late, leaking, rattling, ringing, slewing
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.line_wear import EDGE
 from wirewear.effects import Seam
@@ -59,25 +52,8 @@ SOLVERS = _KNOWN.number("solvers")
 #: What a mesh's own walls lend to families that are odd in the place.
 WALLS = _KNOWN.number("walls")
 
-#: A charge leaks with a time constant of a cycle over 2π times this; a cell rings at such harmonics of the drive.
-LEAK, RINGS, DAMPING = _KNOWN.number("leak"), _KNOWN.numbers("rings"), _KNOWN.number("damping")
-
-#: Phases of the drive by which a joint gives way late.
-LATE = _KNOWN.numbers("late")
-
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
-
-#: Shares of a cycle over which a logger averages; shares of the force's own fastest turn that a channel follows.
-AVERAGED, SLEWED = _KNOWN.numbers("averaged"), _KNOWN.numbers("slewed")
-
-SPOTTED = "friction that differs at one place of the stroke"
-
-#: Places of a spot along the stroke and its width, over the amplitude.
-SPOTS, SPOT = _KNOWN.numbers("spots"), _KNOWN.number("spot")
-
-#: A load rattles at such harmonics of the drive, and fades within this share of a cycle.
-RATTLES, RATTLED = _KNOWN.numbers("rattles"), _KNOWN.number("rattled")
 
 _sensor, _holder, _contact, _loading = (
     partial(Family, seam) for seam in (Seam.SENSOR, Seam.HOLDER, Seam.CONTACT, Seam.LOADING)
@@ -141,55 +117,11 @@ FAMILIES: tuple[Family, ...] = (
         allowed=WALLS,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
-    _sensor("force channel that leaks, as charge does", (leaking(LEAK),), allowed=WALLS, counts=False),
-    Family.one_of(Seam.SENSOR, "force channel that rings", (ringing(at, DAMPING) for at in RINGS), allowed=SOLVERS),
-    _sensor(
-        "displacement channel that gives way late under the force",
-        tuple(map(giving_late, LATE)),
-        allowed=SOLVERS,
-        counts=False,
-    ),
-    _sensor(
-        "displacement channel behind the motion, most in mid-stroke",
-        (displacement_behind(behind),),
-        allowed=SOLVERS,
-        counts=False,
-    ),
     _loading(
         "load that swings in time with the drive",
         (loaded(in_travel(2)), loaded(later), loaded(fast)),
         allowed=WALLS,
         counts=False,
-    ),
-    _loading(
-        "load that is more in one direction of motion than in the other", tuple(map(turning, LENGTHS)), counts=False
-    ),
-    _sensor(
-        "force that the cell bears beside the contact, as a spring or a mass makes it",
-        (force_beside(in_travel(1)),),
-        allowed=WALLS,
-        counts=False,
-    ),
-    Family.one_of(
-        Seam.SENSOR,
-        "logger that averages over a time, so that corners are round",
-        ((averaged(window),) for window in AVERAGED),
-        allowed=SOLVERS,
-        step=1.0,
-    ),
-    Family.one_of(
-        Seam.SENSOR,
-        "force channel that follows no faster than a rate",
-        ((slewing(share),) for share in SLEWED),
-        allowed=SOLVERS,
-        step=1.0,
-    ),
-    Family.one_of(
-        Seam.HOLDER, "holder that opens beyond a force, without hysteresis", ((opening(at),) for at in RELEASES)
-    ),
-    Family.one_of(Seam.CONTACT, SPOTTED, ((resisting(bump(at, SPOT)),) for at in SPOTS), develops=True, allowed=WALLS),
-    Family.one_of(
-        Seam.LOADING, "load that rattles after each reversal", (rattling(at, RATTLED) for at in RATTLES), allowed=WALLS
     ),
 )
 

@@ -6,7 +6,7 @@ both rise. A shape of unit size changes forces by the plateau force, displacemen
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -35,8 +35,6 @@ class Family:
         develops: whether its sizes may change over the cycles.
         allowed: log evidence that friction laws and solvers were seen to add to it beside known effects.
         instead: sets of shapes that it may have instead of these, each as likely.
-        step: share of unit size over which changes are taken; 0 for that of small ones. Rounded corners change readings
-            by no straight law, so that they are taken as a whole.
         counts: whether it speaks for a cause outside the library; else it names one that others speak for, as nothing
             that solvers add to it was learned.
     """
@@ -49,25 +47,7 @@ class Family:
     develops: bool = False
     allowed: float = 0.0
     instead: tuple[tuple[Shape, ...], ...] = ()
-    step: float = 0.0
     counts: bool = True
-
-    @classmethod
-    def one_of(
-        cls,
-        seam: Seam,
-        name: str,
-        sets: Iterable[tuple[Shape, ...]],
-        *,
-        develops: bool = False,
-        allowed: float = 0.0,
-        step: float = 0.0,
-    ) -> Family:
-        """One that only names, of the first of these sets of shapes or any other."""
-        first, *others = sets
-        return cls(
-            seam, name, first, develops=develops, allowed=allowed, instead=tuple(others), step=step, counts=False
-        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,15 +137,6 @@ def force_read(power: Callable[[Array], Array]) -> Shape:
     return shape
 
 
-def force_beside(share: Callable[[Branches], Array]) -> Shape:
-    """A force channel that bears a share f of the plateau force beside the contact, f (n, 2, m) along the travel."""
-
-    def shape(b: Branches, size: float) -> LoopCourse:
-        return b.read_with(b.course.displacement_um, _DIRECTIONS * (b.p_N + size * b.force_N * share(b)))
-
-    return shape
-
-
 def displacement_read(power: Callable[[Array], Array]) -> Shape:
     """A displacement channel that reads δ + δa f(δ/δa), f being 0 at both ends, as the drive holds them."""
 
@@ -208,16 +179,6 @@ def stiffening() -> Shape:
     return shape
 
 
-def opening(released: float) -> Shape:
-    """A joint of the holder that opens, either way, once the force is beyond a share of the plateau force."""
-
-    def shape(b: Branches, size: float) -> LoopCourse:
-        beyond = np.sign(b.p_N) * np.maximum(np.abs(b.p_N) / b.force_N - released, 0.0)
-        return b.held_with(size * b.amplitude_um * beyond)
-
-    return shape
-
-
 def force_after_play() -> Shape:
     """A force channel that comes after the force by a play: a reading stays until it is taken up, then lags by half."""
 
@@ -227,13 +188,6 @@ def force_after_play() -> Shape:
         return b.read_with(b.course.displacement_um, _DIRECTIONS * read)
 
     return shape
-
-
-def displacement_behind(share: Callable[[Branches], Array]) -> Shape:
-    """A displacement channel that reads a share f of the amplitude less in the direction of travel, f (n, 2, m)."""
-    return lambda b, size: b.read_with(
-        _DIRECTIONS * (b.y_um + size * b.amplitude_um * share(b)), b.course.tangential_force_N
-    )
 
 
 def displacement_after_play(*, held: bool) -> Shape:
@@ -283,21 +237,6 @@ def fast(b: Branches) -> Array:
     return np.asarray(_DIRECTIONS * np.sqrt(np.maximum(1.0 - b.place**2, 0.0)))
 
 
-def behind(b: Branches) -> Array:
-    """Behind the motion, most in mid-stroke."""
-    return np.asarray(-np.maximum(1.0 - b.place**2, 0.0))
-
-
-def bump(at: float, width: float) -> Share:
-    """At one place of the rig, so wide, whichever way it is passed."""
-    return lambda b: np.asarray(np.exp(-(((_DIRECTIONS * b.place - at) / width) ** 2)))
-
-
 def since(length: float) -> Shape:
     """Friction that passes over some way after each reversal."""
     return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
-
-
-def turning(length: float) -> Shape:
-    """A load that is more one way, and turns over some way after each reversal."""
-    return loaded(lambda b: np.asarray(_DIRECTIONS * (1.0 - 2.0 * np.exp(-b.slid / length))))

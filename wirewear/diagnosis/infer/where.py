@@ -12,11 +12,9 @@ from wirewear.base.errors import counted
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.distortions import Distortion
-from wirewear.diagnosis.infer.families import SPOTTED
-from wirewear.diagnosis.infer.full_sampling import Ripple
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe import AlongBranch, ReducedLoop
+from wirewear.diagnosis.observe import AlongBranch
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Part
@@ -258,26 +256,6 @@ def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidenc
     weights = np.exp(logs - np.logaddexp.reduce(logs))
     pairs = zip(ordered, weights.tolist(), strict=True)
     return tuple(_described(problem, one, weight) for one, weight in pairs if weight >= LEAST_LISTED)[:MOST_LISTED]
-
-
-def with_ripple(found: Sequence[Resemblance], ripple: Resemblance) -> tuple[Resemblance, ...]:
-    """A ripple first, but for a spot at one place, which leaves waves, too."""
-    spotted = bool(found) and found[0].family == SPOTTED
-    return (*found[:1], ripple, *found[1:]) if spotted else (ripple, *found)
-
-
-def rippling(one: Ripple, loops: Sequence[ReducedLoop], plateau_N: float) -> Resemblance:
-    """A ripple along the stroke as what a gap behaves like."""
-    cycles = [loop.cycle for loop in loops]
-    share = 100.0 * one.amplitude_N / plateau_N
-    text = (
-        f"The force ripples along the stroke, at the same places in all loops: {one.amplitude_N:.2g} N high, "
-        f"{share:.2g} % of the friction force, and {one.length:.2g} µm long."
-    )
-    where = "all along the stroke"
-    return Resemblance(
-        "contact", "ripple of the friction along the stroke", 1.0, (min(cycles), max(cycles)), where, text
-    )
 
 
 def _described(problem: Problem, one: Distortion, probability: float) -> Resemblance:
