@@ -1,14 +1,9 @@
 """What MkDocs does beside its own while it builds the site: pages made from the code, links that leave the site."""
 
-import base64
 import re
-from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from matplotlib import rc_context
-from matplotlib.font_manager import FontProperties
-from matplotlib.mathtext import math_to_image
 from mkdocs.structure.files import File, Files
 
 from tools.reference import pages
@@ -38,16 +33,8 @@ def on_files(files: Files, config: Any) -> Files:
 
 
 def on_page_markdown(markdown: str, **_: Any) -> str:
-    """Name files of the repository in place of links to them, which lead nowhere in the site; typeset formulas."""
-    return FORMULA.sub(_typeset, OUTSIDE.sub(lambda link: f"{link[1]} (`{link[2]}`)", markdown))
-
-
-def _typeset(formula: re.Match[str]) -> str:
-    """A picture in the page itself, so that no script has to be loaded."""
-    text, picture = " ".join(formula[1].split()), BytesIO()
-    with rc_context({"mathtext.fontset": "stix"}):
-        math_to_image(f"${text}$", picture, format="svg", prop=FontProperties(size=13))
-    return f"![{text}](data:image/svg+xml;base64,{base64.b64encode(picture.getvalue()).decode()})"
+    """Name files of the repository in place of links to them, which lead nowhere in the site; L2M4M's marks."""
+    return FORMULA.sub(r"\n$$\1$$\n", OUTSIDE.sub(lambda link: f"{link[1]} (`{link[2]}`)", markdown))
 
 
 def _named(nav: Any) -> list[str]:
