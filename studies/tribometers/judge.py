@@ -2,7 +2,7 @@
 
     python -m studies.tribometers.judge TABLE.csv [--json]
 
-Columns of the table are in docs/tribometers.md.
+Columns of the table are in docs/loops.md.
 """
 
 import math
