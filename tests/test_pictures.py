@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 from geometry import build_body
 from geometry.arrays import Array
 from tests.synthetic_results import bowl, result
+from wirewear.faces import cli
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.mesh import PARTS, round_facets
@@ -110,6 +112,23 @@ def test_sections_are_drawn_of_the_last_shared_cycle_and_of_one_whose_wear_is_we
 def test_texts_of_an_svg_are_texts(tmp_path: Path) -> None:
     written = save(lambda: loops_by_run([result()]), tmp_path / "loops.svg").read_text(encoding="utf-8")
     assert "tangential force Q [N]</text>" in written
+
+
+def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_path: Path) -> None:
+    one, two = tmp_path / "one.h5", tmp_path / "two"
+    write_result(one, result())
+    for run in (result("compliant", 167.0), result("rigid")):
+        write_result(two / run.variant / "result.h5", run)
+    widths = []
+    for options in (
+        ["loops", str(one), "--cycle", "1", "--paper"],
+        ["loops", str(one), "--paper"],
+        ["loops", str(one)],
+    ):
+        told = CliRunner().invoke(cli, [*options, "--output", str(tmp_path / "loops.png")])
+        assert told.exit_code == 0, told.output
+        widths.append(imread(tmp_path / "loops.png").shape[1])
+    assert widths == [round(600 * style.COLUMN_in), 600 * style.WIDTH_in, style.DOTS_PER_INCH * style.WIDTH_in]
 
 
 def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:

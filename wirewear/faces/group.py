@@ -240,6 +240,23 @@ most_memory = click.option(
 )
 
 
+def _draw_for_a_journal(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    from wirewear.pictures.style import on_paper
+
+    if wanted:
+        context.with_resource(on_paper())
+
+
+#: An option of commands that leave pictures as files.
+paper = click.option(
+    "--paper",
+    is_flag=True,
+    expose_value=False,
+    callback=_draw_for_a_journal,
+    help="Draw for a journal of two columns: its sizes and letters, 600 dots per inch.",
+)
+
+
 #: An option of commands that look at the loops of one block of a record's programme.
 of_block = click.option(
     "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"

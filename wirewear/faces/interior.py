@@ -9,7 +9,7 @@ import click
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import usable_folder
-from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli
+from wirewear.faces.group import STRENGTH, Finite, OutputFolder, cli, paper
 from wirewear.results import POSITIONS
 
 if TYPE_CHECKING:
@@ -43,6 +43,7 @@ BODY = click.option(
 @click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
 @click.option("--animate", is_flag=True, help="Draw the positions as an animation (give --at all).")
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: fields/ beside the result]")
+@paper
 def fields(
     result_path: Path,
     cycle: float,
@@ -134,6 +135,7 @@ def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
     help="Stresses are averaged over balls of this diameter.",
 )
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: strength/ beside the result]")
+@paper
 def strength(
     result_path: Path,
     cycles: tuple[float, ...],

@@ -10,7 +10,7 @@ import click
 
 from wirewear.base.errors import ResultError, StudyError, counted
 from wirewear.base.writing import usable_folder
-from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output
+from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output, paper
 from wirewear.faces.interior import BODY, asked_bodies
 from wirewear.study import FIDELITIES
 
@@ -70,6 +70,7 @@ def lives(
 @click.option("--variant", help="Of a study.")
 @click.option("--json", "as_json", is_flag=True, help="Print the lives as JSON.")
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: life/ beside the result]")
+@paper
 def life(
     path: Path,
     body: str,

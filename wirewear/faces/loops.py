@@ -8,7 +8,7 @@ import click
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, default_output, most_memory
+from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, default_output, most_memory, paper
 from wirewear.study import FIDELITIES
 
 
@@ -32,6 +32,7 @@ def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: 
 @click.option("--lines-after-names", type=click.IntRange(0, 100), help="Such as one of units.  [default: guessed]")
 @click.option("--json", "as_json", is_flag=True, help="Print the figures as JSON; a picture only with --output.")
 @click.option("--output", metavar="PNG", type=OutputFile(), help="Picture.")
+@paper
 def loops_command(
     path: Path,
     cycle: int | None,

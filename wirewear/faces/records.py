@@ -11,7 +11,7 @@ import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, Given, OutputFolder, busy, cli, most_memory, of_block, stage
+from wirewear.faces.group import Finite, Given, OutputFolder, busy, cli, most_memory, of_block, paper, stage
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
@@ -251,6 +251,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 @click.argument("record_path", metavar="RECORD", type=Given())
 @click.option("--output", metavar="DIR", required=True, type=OutputFolder())
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
+@paper
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
     from wirewear.base.locks import occupied

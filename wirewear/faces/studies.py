@@ -11,7 +11,7 @@ import click
 
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory
+from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
@@ -63,6 +63,7 @@ def materials_command() -> None:
     show_default=True,
     help="Of runs and pictures; finished runs there are used again.",
 )
+@paper
 def effects_command(
     name: str | None, as_json: bool, plot: bool, study_path: Path | None, size: str, fidelity: str, output: Path
 ) -> None:
@@ -111,6 +112,7 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Picture folder.  [default: beside it]")
 @click.option("--format", "ending", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
 @click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
+@paper
 def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
     """Draw the pictures of a result: a file, or the folder of a run."""
     from wirewear.kinds import kind_of

@@ -179,6 +179,7 @@ def converge(
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Mesh folder.  [default: runs/<study>/mesh]")
 @group.most_memory
+@group.paper
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
     from wirewear.base.writing import usable_folder

@@ -8,6 +8,7 @@ from pathlib import Path
 from tempfile import TemporaryFile
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -129,7 +130,7 @@ def _widen(axes: Axes) -> None:
 
 PANELS_IN_A_ROW = 3
 
-WIDEST, THINNEST = 1.8, 1.1  #: Line widths of the first and the last loop [points].
+WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
 
 
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
@@ -194,7 +195,8 @@ def _draw_loop(axes: Axes, loop: Loop, **line: object) -> None:
 
 def _widths(count: int) -> list[float]:
     """One line width for each of `count` cycles, the last the thinnest."""
-    return [float(width) for width in np.linspace(WIDEST, THINNEST, count)] if count > 1 else [THINNEST]
+    shares = np.linspace(WIDEST, THINNEST, count) if count > 1 else [THINNEST]
+    return [float(share * mpl.rcParams["lines.linewidth"]) for share in shares]
 
 
 def _name_axes(axes: Axes, unit: str = "N") -> None:

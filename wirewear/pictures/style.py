@@ -1,8 +1,9 @@
 """The one design language of all pictures: sizes, fonts, colours, marks. Nothing here touches global plotting state."""
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from contextvars import ContextVar
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -36,8 +37,8 @@ PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
 SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["cividis_r"](np.linspace(0, 1, 256)))
 
 
-#: Text width of a page [inch]; every picture is this wide.
-WIDTH_in = 7.5
+#: Text width of a page, both columns of a journal [inch]; every picture is this wide, but those of one panel for a journal.
+WIDTH_in, COLUMN_in = 7.5, 3.54
 DOTS_PER_INCH = 170
 SHOWN_DOTS_PER_INCH = 110
 
@@ -72,13 +73,45 @@ _SETTINGS: Any = {
     "legend.frameon": False,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    "savefig.dpi": DOTS_PER_INCH,
 }
+
+#: For a journal of two columns: its letters and thin lines, no grid; photographs' resolution and embedded fonts.
+_PAPER: Any = _SETTINGS | {
+    "font.family": "sans-serif",
+    "font.sans-serif": ["Arial", "Helvetica", "Liberation Sans", "DejaVu Sans"],
+    "font.size": 8,
+    "axes.titlesize": 8,
+    "axes.titleweight": "normal",
+    "axes.labelsize": 8,
+    "axes.linewidth": 0.5,
+    "axes.grid": False,
+    "xtick.labelsize": 7,
+    "ytick.labelsize": 7,
+    "lines.linewidth": 1.0,
+    "legend.fontsize": 7,
+    "legend.title_fontsize": 7,
+    "pdf.fonttype": 42,
+    "savefig.dpi": 600,
+}
+
+_used: ContextVar[Mapping[str, Any]] = ContextVar("used", default=_SETTINGS)
+
+
+@contextmanager
+def on_paper() -> Iterator[None]:
+    """Within it, pictures are made for a journal of two columns: one panel for one, several for both."""
+    before = _used.set(_PAPER)
+    try:
+        yield
+    finally:
+        _used.reset(before)
 
 
 @contextmanager
 def styled() -> Iterator[None]:
     """Within it, figures are made in the house style; afterwards matplotlib's settings are what they were."""
-    with mpl.rc_context(_SETTINGS):
+    with mpl.rc_context(_used.get()):  # type: ignore[arg-type]
         yield
 
 
@@ -106,8 +139,10 @@ def save(draw: Callable[[], Figure], path: Path) -> Path:
     require_picture_name(path)
     with styled():
         figure = draw()
-    with writing(ResultError, f"cannot write the picture {path}"), in_one_step(path) as partial, styled():
-        figure.savefig(partial, format=path.suffix[1:] or "png", dpi=DOTS_PER_INCH)
+        if _used.get() is _PAPER and sum(axes.get_label() != "<colorbar>" for axes in figure.axes) == 1:
+            figure.set_size_inches(COLUMN_in, 0.8 * COLUMN_in)
+        with writing(ResultError, f"cannot write the picture {path}"), in_one_step(path) as partial:
+            figure.savefig(partial, format=path.suffix[1:] or "png")
     return path
 
 
@@ -121,7 +156,7 @@ def svg(draw: Callable[[], Figure]) -> bytes:
     """A figure in the house style as SVG: texts are texts, and equal figures are equal files."""
     image = BytesIO()
     with styled(), mpl.rc_context({"svg.hashsalt": "wirewear"}):
-        draw().savefig(image, format="svg", dpi=DOTS_PER_INCH, metadata={"Date": None})
+        draw().savefig(image, format="svg", metadata={"Date": None})
     return image.getvalue()
 
 
