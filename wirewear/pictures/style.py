@@ -37,7 +37,7 @@ PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
 SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["cividis_r"](np.linspace(0, 1, 256)))
 
 
-#: Text width of a page, both columns of a journal [inch]; every picture is this wide, but those of one panel for a journal.
+#: Text width of a page, both columns of a journal [inch]: every picture's; and one column, of a single panel on paper.
 WIDTH_in, COLUMN_in = 7.5, 3.54
 DOTS_PER_INCH = 170
 SHOWN_DOTS_PER_INCH = 110
