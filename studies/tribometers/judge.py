@@ -2,7 +2,7 @@
 
     python -m studies.tribometers.judge TABLE.csv [--json]
 
-Columns of the table are in docs/loops.md.
+`--help` names the columns of the table; docs/loops.md explains the method.
 """
 
 import math
@@ -21,7 +21,7 @@ from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.planar.contact_stiffness import line_contact_stiffness
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 
-from .rows import TribometerRow, read_rows, row_of
+from .rows import CONSTANTS, CONTACTS, OPTIONAL, REQUIRED, SPECIMEN_CONSTANTS, TribometerRow, read_rows, row_of
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.
 TOLERANCE = 0.10
@@ -183,7 +183,14 @@ def verdicts_table(rows: Sequence[Tribometer]) -> Table:
     return table
 
 
-@click.command(cls=StudyScript)
+COLUMNS = (
+    f"Columns: {', '.join(('source', *REQUIRED))}; optional are {', '.join(OPTIONAL)}. A contact is one of "
+    f"{', '.join(CONTACTS)}. Materials are a name of `wirewear materials` or two, as in En31/En24; others have "
+    f"{', '.join(CONSTANTS)}, and where the flat differs {', '.join(SPECIMEN_CONSTANTS)}."
+)
+
+
+@click.command(cls=StudyScript, epilog=COLUMNS)
 @click.argument("path", metavar="TABLE.csv", type=click.Path(path_type=Path))
 @click.option("--json", "as_json", is_flag=True, help="Print the rows as JSON.")
 def main(path: Path, as_json: bool) -> None:

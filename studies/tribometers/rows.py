@@ -24,7 +24,7 @@ NUMBERS = (
     "slip_amplitude_um", "measured_stiffness_N_per_um",
 )  # fmt: skip
 OPTIONAL = ("cycles", "contact_length_mm", "theoretical_stiffness_N_per_um")
-_REQUIRED = ("contact", "materials", *NUMBERS)
+REQUIRED = ("contact", "materials", *NUMBERS)
 
 _OTHER_SIGNS = {";": "semicolons", "\t": "tabs"}  #: What other programs than this one expect between fields.
 
@@ -68,8 +68,8 @@ def read_rows(path: Path) -> tuple[TribometerRow, ...]:
     text = read_delimited(path)
     names, rows = text.names, [(line, cells) for line, cells in text.rows() if any(cells)]
     if not names:
-        raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(_REQUIRED)}.")
-    if missing := [name for name in _REQUIRED if name not in names]:
+        raise RecordError(f"{path} is empty; its first line should name the columns {', '.join(REQUIRED)}.")
+    if missing := [name for name in REQUIRED if name not in names]:
         if sign := next((sign for sign in _OTHER_SIGNS if len(names) == 1 and sign in names[0]), None):
             raise RecordError(
                 f"{path}, line 1: fields stand apart by {_OTHER_SIGNS[sign]}, where a table of tribometers has "
