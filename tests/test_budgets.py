@@ -11,10 +11,10 @@ from tests.synthetic_results import result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.base import budget
-from wirewear.planar import planar_study_from_tables, run_planar_study
-from wirewear.planar.pictures import write_planar_meshes
-from wirewear.simulation import write_meshes
-from wirewear.simulation.plan import RunPlan, require_affordable
+from wirewear.simulation import simulate, write_meshes
+from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.workbench import write_line_meshes
+from wirewear.study import study_from_tables
 
 STUDIES = Path(__file__).parent.parent / "studies"
 STUDY = load_study(STUDIES / "steel_wires" / "study.toml").variant("rigid")
@@ -46,7 +46,7 @@ def meshed(tmp_path: Path, element_um: float) -> None:
 @pytest.mark.parametrize("fidelity", ["quick", "standard", "fine"])
 def test_every_level_of_fidelity_fits_on_a_small_machine(memory: Callable[[float], None], fidelity: str) -> None:
     memory(4 * GB)
-    require_affordable(plan(fidelity))
+    plan(fidelity).require_affordable()
 
 
 @pytest.mark.parametrize(("element_um", "size"), [(0.1, "15 TB"), (0.6, "43 GB")])
@@ -60,7 +60,7 @@ def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_fits(
     assert f"nodes in a contact and {size} of memory, of which 16 GB are free: give contact_mesh_um = " in sentence
     fits = float(sentence.partition("contact_mesh_um = ")[2].split()[0])
     assert element_um < fits < 5.0
-    require_affordable(plan(contact_mesh_um=1.01 * fits))
+    plan(contact_mesh_um=1.01 * fits).require_affordable()
     assert not (tmp_path / "out" / "result.h5").exists()
     with pytest.raises(StudyError, match="of memory, of which 16 GB are free"):
         write_meshes(plan(contact_mesh_um=element_um).study, "standard", tmp_path)
@@ -74,7 +74,7 @@ def test_jumps_without_end_are_refused() -> None:
         }
     )
     with pytest.raises(StudyError) as refused:
-        require_affordable(RunPlan.of(endless, "quick"))
+        RunPlan.of(endless, "quick").require_affordable()
     assert "asks for 100\u2009000\u2009000\u2009000 cycle jumps" in str(refused.value)
 
 
@@ -84,19 +84,19 @@ def test_an_export_that_no_memory_holds_is_refused() -> None:
         record_of_result(made, repeats=1000, samples=100_000)
 
 
-LINE = planar_study_from_tables(deepcopy(TABLES) | {"mesh": {"contact_mesh_um": 0.2}}, "study.toml")
+LINE = study_from_tables(deepcopy(TABLES) | {"mesh": {"contact_mesh_um": 0.2}}, "study.toml")
 
 
 def run_line(output: Path) -> object:
-    return run_planar_study(LINE, output=output)
+    return run_study(LINE, output=output)
 
 
 def run_line_in_memory(_: Path) -> object:
-    return run_planar_study(LINE)
+    return simulate(LINE)
 
 
 def mesh_line(output: Path) -> object:
-    return write_planar_meshes(LINE, "standard", output)
+    return write_line_meshes(LINE, "standard", output)
 
 
 @pytest.mark.parametrize("begin", [run_line, run_line_in_memory, mesh_line])

@@ -19,15 +19,14 @@ from tests.test_programme import LONG, block
 from wirewear import StudyError
 from wirewear.diagnosis.model.nominal import limits_of, require_foreseen
 from wirewear.interior.bodies import body_states
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
-from wirewear.planar.model import bodies, plan, planar_problem
-from wirewear.planar.pictures import planar_states
+from wirewear.interior.lines import line_states
 from wirewear.records import read_record, record_of_result, write_record
 from wirewear.records.values import believed_study
 from wirewear.results import read_result
 from wirewear.results.hdf5 import write_result
-from wirewear.simulation.runs import simulate
-from wirewear.study import study_from_tables
+from wirewear.simulation import simulate
+from wirewear.simulation.line_model import bodies, line_problem, plan
+from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification import QUICK
 from wirewear.verification.line_contact import bulk_rows
 
@@ -75,14 +74,15 @@ def test_a_wire_across_the_motion_contracts_along_it_and_both_wires_stretch_abou
 STRESS_MPa, ELEMENT_um = 200.0, 8.0
 
 
-def stretched(body: str, stress: dict[str, float]) -> PlanarStudy:
+def stretched(body: str, stress: dict[str, float]) -> LineStudy:
     tables: dict[str, Any] = deepcopy(TABLES) | {"wear": {}, "mesh": {"contact_mesh_um": ELEMENT_um}}
     held = {"height_mm": 30.0, "half_width_mm": 15.0}
     tables["pad"] |= {"radius_mm": 20.0} | held
     tables["specimen"] |= held
     tables["conditions"] |= {"normal_load_N_per_mm": 200.0, "displacement_amplitude_um": 5.0}
     tables[body]["bulk"] = stress
-    return planar_study_from_tables(tables, "study.toml")
+    found: LineStudy = study_from_tables(tables, "study.toml")
+    return found
 
 
 def stuck(before: solvers.ContactState, after: solvers.ContactState, x: Array) -> tuple[float, float]:
@@ -99,7 +99,7 @@ def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, 
     """By a σ / 4 µ p0 against the motion of the body that is pulled at its end (Int. J. Mech. Sci. 29 (1987) 355)."""
     study = stretched(body, {key: STRESS_MPa})
     planned, friction = plan(study, "quick"), study.contact.friction
-    problem = planar_problem(study, *bodies(study, planned))
+    problem = line_problem(study, *bodies(study, planned))
     fresh = replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk)
     state, trace = solvers.run_cycle(
         problem, solvers.first_quarter(problem, solvers.press(problem, fresh)[0], study.drive, 32), study.drive, 32, 0.0
@@ -139,14 +139,14 @@ def test_a_run_keeps_the_bulk_stress_of_each_position_and_its_fields_have_it(of:
     else:
         own = "specimen"
         tension = {"axial_stress_MPa": 400.0, "axial_stress_amplitude_MPa": 150.0, "phase_deg": 90.0}
-        result = run_planar_study(stretched(own, tension), fidelity="quick")
+        result = simulate(stretched(own, tension), fidelity="quick")
     write_result(tmp_path / "result.h5", result)
     forces = read_result(tmp_path / "result.h5").forces(1, own)
     assert forces.bulk_stress_MPa is not None
     axial = 400.0 + 150.0 * np.sin(2.0 * np.pi * forces.phase)
     np.testing.assert_allclose(forces.bulk_stress_MPa, axial[:, None] * [1.0, 0.0, 0.0], atol=1e-9)
     if of == "line":
-        state = planar_states(result, own, 1, ["mid-back"], worn=False)[0]
+        state = line_states(result, own, 1, ["mid-back"], worn=False)[0]
         far = int(np.abs(state.places_mm[:, 0]).argmax())
         np.testing.assert_allclose(state.stress[far, :3], 550.0 * np.array([1.0, 0.3, 0.0]), atol=25.0)
 
@@ -154,7 +154,7 @@ def test_a_run_keeps_the_bulk_stress_of_each_position_and_its_fields_have_it(of:
 @pytest.mark.parametrize("phase_deg", [0.0, 90.0])
 def test_the_area_of_a_loop_is_friction_work_and_that_of_what_pulls_the_body(phase_deg: float) -> None:
     stress = {"axial_stress_amplitude_MPa": STRESS_MPa, "phase_deg": phase_deg}
-    result = run_planar_study(stretched("specimen", stress), fidelity="quick")
+    result = simulate(stretched("specimen", stress), fidelity="quick")
     area, bulk = (float(result.evolution[name][0]) for name in ("dissipated_energy_mJ", "bulk_work_mJ"))
     assert bulk < -0.2 * area
     assert area - bulk == pytest.approx(float(result.loops[0].friction_work_mJ[-1]), rel=2e-3)
@@ -178,7 +178,7 @@ def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
     assert [own.study.drive.bulk[1].amplitude[0] for own in wires.schedule.stretches[:2]] == [150.0, 250.0]
     assert {own.study.drive.bulk[1].mean[0] for own in wires.schedule.stretches} == {400.0}
     tables = deepcopy(TABLES) | {"programme": [{"cycles": 9}, {"cycles": 9, "bulk": {"specimen": {"phase_deg": 90}}}]}
-    lines = planar_study_from_tables(tables, "study.toml").schedule.stretches
+    lines = study_from_tables(tables, "study.toml").schedule.stretches
     assert [len(own.study.drive.bulk) for own in lines[:2]] == [0, 2]
 
 
@@ -197,7 +197,7 @@ def test_a_bulk_stress_that_cannot_be_is_told_with_its_place(text: str, told: st
 
 def test_a_state_on_another_mesh_is_as_stretched_as_before() -> None:
     study = stretched("specimen", {"axial_stress_MPa": STRESS_MPa})
-    problem = planar_problem(study, *bodies(study, plan(study, "quick")))
+    problem = line_problem(study, *bodies(study, plan(study, "quick")))
     state = solvers.press(problem, replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk))[0]
     assert state.bulk.any()
     np.testing.assert_array_equal(solvers.remeshed(problem, state, problem)[0].bulk, state.bulk)

@@ -15,8 +15,9 @@ from tests.studies import MINIMAL
 from tests.test_planar_study import TABLES
 from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
 from wirewear import parse_study
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
+from wirewear.simulation import simulate
+from wirewear.study import study_from_tables
 
 MESH_mm = 0.010
 
@@ -180,7 +181,7 @@ def run_of_oxygenation(*effects: dict[str, Any], frequency_Hz: float = 20.0) -> 
     tables = deepcopy(TABLES) | {"effects": list(effects)}
     tables["conditions"] |= {"frequency_Hz": frequency_Hz, "cycles": 5000}
     tables["log"] = {"loop_cycles": [1, 5000]}
-    return run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
 
 
 def test_oxygen_gets_as_far_as_the_root_of_its_supply_over_the_power_density() -> None:

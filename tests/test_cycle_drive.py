@@ -17,7 +17,8 @@ from tests.studies import coarse
 from tests.wear_jumps import RATES, LINE_LOAD_N_per_mm, line_contact
 from wirewear import StudyError
 from wirewear.kinds import load_any_study
-from wirewear.planar import PlanarStudy, run_planar_study
+from wirewear.simulation import simulate
+from wirewear.study import LineStudy
 
 STROKE_mm, INCREMENTS = 0.03, 128
 OUT_OF_PHASE = solvers.LoadCycle(0.5, 0.5 * pi)
@@ -231,7 +232,7 @@ def test_a_titanium_contact_that_opens_in_every_cycle_takes_the_published_energy
     own line of tests at 0.11 Hz gives for that energy, by which the study wears.
     """
     study = load_any_study(Path(__file__).parents[1] / "studies/cylinder_on_flat/opening.toml").variant("opening")
-    assert isinstance(study, PlanarStudy)
-    result = run_planar_study(study, fidelity="quick")
+    assert isinstance(study, LineStudy)
+    result = simulate(study, fidelity="quick")
     assert 8.0 * float(result.evolution["accumulated_energy_J"][-1]) == pytest.approx(563.0, rel=0.03)
     assert 8.0 * float(result.worn_volume_mm3[-1]) == pytest.approx(5.349e-4 * 563.0, rel=0.03)

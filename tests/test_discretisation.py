@@ -209,7 +209,7 @@ class FakeRunner:
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
-    study = convergence.refined_study(parse_study(WORN, "s.toml"), "quick")
+    study = convergence.point_contact(("moving", "fixed")).refined(parse_study(WORN, "s.toml"), "quick")
     plans = {name: discretise(study.variant(name), "quick") for name in study.variant_names}
     base = plans.pop(convergence.BASE)
     assert tuple(plans) == RUNS
@@ -230,8 +230,10 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
 
 
 def rows_of(runner: FakeRunner, output: Path) -> list[convergence.Converged]:
-    study, subject = parse_study(WORN, "s.toml"), replace(convergence.point_contact(("moving", "fixed")), run=runner)
-    return convergence.converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
+    study, subject = parse_study(WORN, "s.toml"), convergence.point_contact(("moving", "fixed"))
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(convergence, "run_study", runner)
+        return convergence.converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)
 
 
 def converged(runner: FakeRunner, output: Path) -> list[tuple[float, float, float]]:

@@ -20,12 +20,12 @@ from studies.blind.commands import exam
 from tools.reference import pages
 from wirewear.effects import all_effects
 from wirewear.faces import cli
-from wirewear.planar.tables import PlanarStudy
 from wirewear.records.contact_tables import LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
 from wirewear.study.keys import table_of
+from wirewear.study.lines import LineTables
 from wirewear.study.tables import StudyTables
 from wirewear.sweeps.signature import SweepTables, Vary
 
@@ -99,7 +99,7 @@ def keys(model: type[BaseModel], place: str = "") -> Iterator[tuple[str, str]]:
             yield from keys(table, f"{place}{name}.")
 
 
-@pytest.mark.parametrize("model", [StudyTables, PlanarStudy, *IN_FILES])
+@pytest.mark.parametrize("model", [StudyTables, LineTables, *IN_FILES])
 def test_every_key_has_a_meaning_and_stands_in_the_reference(model: type[BaseModel]) -> None:
     found = dict(keys(model))
     assert len(found) > 4

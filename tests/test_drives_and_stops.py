@@ -23,10 +23,10 @@ from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.effects.drive import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records.exporting import record_of_result
 from wirewear.simulation.ending import FIGURES, Ending
 from wirewear.simulation.runs import run_study, simulate
+from wirewear.study import study_from_tables
 from wirewear.study.programme import held_keys
 from wirewear.study.tables import Stop
 
@@ -75,7 +75,7 @@ def test_line_contacts_hold_too() -> None:
     tables = deepcopy(TABLES)
     tables["conditions"] |= {"cycles": 200, "held_energy_mJ_per_mm": 0.3}
     tables["log"] = {"loop_cycles": [1, 200]}
-    evolution = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick").evolution
+    evolution = simulate(study_from_tables(tables, "study.toml"), fidelity="quick").evolution
     assert evolution["dissipated_energy_mJ"] == pytest.approx(0.3, rel=3e-3)
 
 

@@ -10,10 +10,10 @@ from solvers import press
 from tests.studies import COARSE, WEARING, coarse, result_with
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.results import read_loops
-from wirewear.simulation import contact_problem, discretise
+from wirewear.simulation import contact_problem, discretise, simulate
 from wirewear.simulation.problem import fresh_state, problem_at
+from wirewear.study import study_from_tables
 
 LIMIT_N = 0.62 * 2.0
 
@@ -216,7 +216,7 @@ increments_per_cycle = 24
 
 
 def planar(tables: str) -> RunResult:
-    return run_planar_study(planar_study_from_tables(tomllib.loads(PLANAR + tables), "planar.toml"), fidelity="quick")
+    return simulate(study_from_tables(tomllib.loads(PLANAR + tables), "planar.toml"), fidelity="quick")
 
 
 @pytest.mark.slow

@@ -14,10 +14,11 @@ from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
 from wirewear.faces import cli
 from wirewear.loops.sensor import enclosed_area
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.scar import flagged, health, limit_of
+from wirewear.simulation import simulate
+from wirewear.study import study_from_tables
 from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
@@ -47,7 +48,7 @@ outer_mesh_um = 20.0
 
 
 def line(cycles: int, friction: float = 0.6) -> RunResult:
-    study = planar_study_from_tables(
+    study = study_from_tables(
         {
             "format": 1,
             "name": "few cycles",
@@ -65,7 +66,7 @@ def line(cycles: int, friction: float = 0.6) -> RunResult:
         },
         "line.toml",
     )
-    return run_planar_study(study, fidelity="quick")
+    return simulate(study, fidelity="quick")
 
 
 def run(study: str, folder: Path) -> RunResult:

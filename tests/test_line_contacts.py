@@ -20,12 +20,12 @@ from tests.test_planar_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.faces.study_script import wide_console
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
-from wirewear.planar.model import PlanarPlan, plan
-from wirewear.planar.run import LINES
 from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
-from wirewear.simulation.convergence import converge, convergence_table
+from wirewear.simulation import simulate
+from wirewear.simulation.convergence import LINES, converge, convergence_table
+from wirewear.simulation.line_model import LinePlan, plan
+from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification.line_contact import (
     FRICTION,
     MATERIAL,
@@ -52,11 +52,12 @@ RIG = {
 MODULUS = reference.contact_modulus(reference.Elastic(2e5, 0.3), reference.Elastic(2e5, 0.3))
 
 
-def study_of(**changes: Any) -> PlanarStudy:
-    return planar_study_from_tables(deepcopy(TABLES) | changes, "study.toml")
+def study_of(**changes: Any) -> LineStudy:
+    found: LineStudy = study_from_tables(deepcopy(TABLES) | changes, "study.toml")
+    return found
 
 
-def spacings(planned: PlanarPlan) -> tuple[float, float, float]:
+def spacings(planned: LinePlan) -> tuple[float, float, float]:
     return planned.pad.along.fine_mm, planned.pad.far_mm, planned.specimen.along.fine_mm
 
 
@@ -90,8 +91,9 @@ def tables(pad: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
     return changed
 
 
-def study(pad: dict[str, Any] | None = None, **changes: Any) -> PlanarStudy:
-    return planar_study_from_tables(tables(pad, **changes), "study.toml")
+def study(pad: dict[str, Any] | None = None, **changes: Any) -> LineStudy:
+    found: LineStudy = study_from_tables(tables(pad, **changes), "study.toml")
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +104,7 @@ def worn_flat() -> RunResult:
         holder=RIG,
         mesh={"contact_mesh_um": 25.0, "increments_per_cycle": 24},
     )
-    return run_planar_study(chosen, fidelity="quick")
+    return simulate(chosen, fidelity="quick")
 
 
 def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None:
@@ -130,11 +132,7 @@ def test_a_flat_with_a_vanishing_face_is_a_cylinder_and_a_wide_one_bears_its_loa
 @pytest.mark.parametrize(
     ("pad", "changes", "complaint"),
     [
-        (
-            {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
-            {},
-            "does not say which face the pad has: give radius_mm, or",
-        ),
+        ({"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}, {}, "does not say which face it has: give radius_mm, or"),
         (FLAT | {"radius_mm": 6.0}, {}, "does not say which face"),
         (FLAT, {"kind": "cylinder-on-flat"}, "give radius_mm, the radius of the cylinder"),
         (FLAT, {"holder": {"rotational_stiffness_N_per_rad": 1e6}}, "pivot_height_mm, the height of its pivot"),
@@ -148,7 +146,7 @@ def test_a_mistake_is_told_in_one_sentence(pad: dict[str, Any], changes: dict[st
     changed = tables(pad)
     changed |= changes
     with pytest.raises(StudyError, match=complaint):
-        planar_study_from_tables(changed, "study.toml")
+        study_from_tables(changed, "study.toml")
 
 
 @pytest.mark.slow

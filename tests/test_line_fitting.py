@@ -20,13 +20,14 @@ from wirewear.effects import Effect, effect_named
 from wirewear.faces import cli
 from wirewear.fitting import FittedTest, fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
-from wirewear.planar.tables import of_whole_contact, per_mm
 from wirewear.records import LineRecord, check_record, read_record, record_of_result
 from wirewear.records.contact_tables import LineStated
 from wirewear.records.importing import import_record
 from wirewear.records.importing.profilometry import levelled
 from wirewear.reference import hertz_line
+from wirewear.simulation import simulate as run_alone
+from wirewear.study import LineStudy, study_from_tables
+from wirewear.study.lines import of_whole_contact, per_mm
 
 CYCLES = 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
@@ -61,7 +62,7 @@ def record_of(face: str, play_um: float = 0.0) -> LineRecord:
         "log": {"loop_cycles": [1, 30, 300, CYCLES]},
         "mesh": {"contact_mesh_um": 9.0, "jump_tolerance": 0.05, "increments_per_cycle": 80},
     }
-    result = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    result = run_alone(study_from_tables(tables, "study.toml"), fidelity="quick")
     options: dict[str, Any] = {"sensor": NOISE, "depth_noise_um": 0.005, "repeats": 2, "seed": 1, "samples": 256}
     record = record_of_result(result, LENGTH_mm, **options)
     return replace(record, tables=record.tables.model_copy(update={"stated": LineStated()}))
@@ -90,7 +91,7 @@ def test_friction_rig_and_wear_of_both_bodies_are_found(face: str) -> None:
     volume, energy = fit.found["worn_volume_specimen_mm3"].value, fit.found["accumulated_energy_J"].value
     coefficient = fit.parameters["specimen_energy_wear_coefficient_mm3_per_J"].value
     assert volume / energy == pytest.approx(coefficient, rel=0.01)
-    assert isinstance(fit.study, PlanarStudy)
+    assert isinstance(fit.study, LineStudy)
     assert fit.study.holder.tangential_stiffness_N_per_mm2 == pytest.approx(2000.0, rel=0.06)
     assert fit.study.log.loop_cycles == (1, 30, 300, CYCLES)
 

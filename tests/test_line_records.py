@@ -15,11 +15,12 @@ from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.remarks import Remark
 from wirewear.records.values import believed_study
 from wirewear.results import RunResult, read_result, write_result
+from wirewear.simulation import simulate
+from wirewear.study import study_from_tables
 from wirewear.views.comparison import compare, write_comparison
 
 pytestmark = pytest.mark.seconds
@@ -34,7 +35,7 @@ def result() -> RunResult:
     tables["conditions"] |= {"cycles": 200}
     tables["log"] = {"loop_cycles": [1, 200]}
     tables["mesh"] = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
-    return run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +104,7 @@ def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_m
     assert record.tables.stated.tangential_stiffness_N_per_mm == pytest.approx(8.0 * 250.0)
     believed = believed_study(record.tables)
     assert believed.holder.tangential_stiffness_N_per_mm2 == pytest.approx(250.0)
-    assert believed.wear.model_dump() == planar_study_from_tables(TABLES, "").wear.model_dump()
+    assert believed.wear.model_dump() == study_from_tables(TABLES, "").wear.model_dump()
 
 
 def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: RunResult) -> None:

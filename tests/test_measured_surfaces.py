@@ -21,16 +21,15 @@ from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.kinds import any_study, load_any_study
 from wirewear.loops import Sensor, SensorNoise, analyse_loop
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
-from wirewear.planar.model import bodies_stiffness_N_per_mm2
 from wirewear.records import LineRecord, check_record
 from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
 from wirewear.results.flat import profiles_table, scars_table
-from wirewear.simulation import run_study
+from wirewear.simulation import run_study, simulate
+from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import measured
-from wirewear.study import Study, load_study, study_from_tables
+from wirewear.study import LineStudy, Study, load_study, study_from_tables
 from wirewear.study.reading import read_study
 from wirewear.study.surfaces import StatedSurface, kept
 
@@ -101,7 +100,7 @@ def test_a_line_contact_goes_on_from_its_own_exported_profiles_as_without_a_brea
         text = LINE.format(pad="radius_mm = 6.0").replace("cycles = 2000", f"cycles = {cycles}")
         path = tmp_path / "line.toml"
         path.write_text(text.replace("[2000]", f"[1000, {cycles}]") + surfaces, encoding="utf-8")
-        return run_planar_study(planar_study_from_tables(read_study(path), str(path)), fidelity="quick")
+        return simulate(study_from_tables(read_study(path), str(path)), fidelity="quick")
 
     whole = ran(2000)
     for body in whole.bodies:
@@ -207,7 +206,7 @@ def test_a_profile_of_heights_is_levelled_against_the_pads_face(tmp_path: Path) 
     path = tmp_path / "line.toml"
     path.write_text(LINE.format(pad="radius_mm = 6.0") + '[pad.surface]\nfile = "pad.csv"\n', encoding="utf-8")
     read = load_any_study(path)
-    assert isinstance(read, PlanarStudy)
+    assert isinstance(read, LineStudy)
     surface = read.pad.surface
     assert surface is not None
     places, _, depth = surface.map
@@ -262,7 +261,7 @@ def low() -> RunResult:
     tables["specimen"] |= {"height_mm": 4.0}
     tables["conditions"] |= {"cycles": 2}
     tables["log"] = {"loop_cycles": [1, 2]}
-    return run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
 
 
 @pytest.fixture(scope="module")
@@ -325,7 +324,7 @@ def test_a_record_of_a_small_pad_has_no_gap_whether_or_not_it_says_how_the_pad_i
     tables["conditions"] |= {"displacement_amplitude_um": 20.0, "cycles": 5000}
     tables["holder"] = {"tangential_stiffness_N_per_mm2": 20000.0}
     tables["log"] = {"loop_cycles": [10, 100, 1000, 5000]}
-    run = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    run = simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
     sensor = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.2))
     read = record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
     described = stating(read, tangential_stiffness_N_per_mm=20000.0 * LENGTH_mm)

@@ -11,12 +11,11 @@ from geometry import Cylinder, RoundedFlat, TabledProfile
 from solvers import press, unloaded_state
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
-from wirewear.simulation import run_study
+from wirewear.simulation import run_study, simulate
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.plan import RunPlan
-from wirewear.study import Study, study_from_tables
+from wirewear.study import LineStudy, Study, study_from_tables
 from wirewear.study.reading import read_study
 
 R_mm, MODULUS = 6.0, 115_000.0
@@ -56,25 +55,26 @@ increments_per_cycle = 24
 """
 
 
-def by_file(folder: Path, x_mm: Any, fall_mm: Any, name: str = "study") -> PlanarStudy:
+def by_file(folder: Path, x_mm: Any, fall_mm: Any, name: str = "study") -> LineStudy:
     """A study beside which lies the profile of its pad, as a profilometer writes it."""
     folder.mkdir(exist_ok=True)
     rows = "\n".join(f"{1e3 * x:.6f},{5.0 - 1e3 * fall:.9f}" for x, fall in zip(x_mm, fall_mm, strict=True))
     (folder / f"{name}.csv").write_text(f"x_um,height_um\n{rows}\n", encoding="utf-8")
     path = folder / f"{name}.toml"
     path.write_text(LINE.format(pad=f'profile_file = "{name}.csv"'), encoding="utf-8")
-    return planar_study_from_tables(read_study(path), str(path))
+    found: LineStudy = study_from_tables(read_study(path), str(path))
+    return found
 
 
-def ran(study: PlanarStudy) -> RunResult:
-    return run_planar_study(study, fidelity="quick")
+def ran(study: LineStudy) -> RunResult:
+    return simulate(study, fidelity="quick")
 
 
 @pytest.fixture(scope="module")
 def cylinder(tmp_path_factory: pytest.TempPathFactory) -> RunResult:
     path = tmp_path_factory.mktemp("cylinder") / "study.toml"
     path.write_text(LINE.format(pad=f"radius_mm = {R_mm}"), encoding="utf-8")
-    return ran(planar_study_from_tables(read_study(path), str(path)))
+    return ran(study_from_tables(read_study(path), str(path)))
 
 
 def same(first: RunResult, second: RunResult, tolerance: float) -> None:
@@ -145,7 +145,7 @@ def test_the_even_face_of_an_uneven_one_lies_above_it_and_ends_where_its_shorter
         ("x_um,height_um\n0,1\n1,1\n2,1\n", "", "does not describe a face: a profile that falls nowhere"),
         ("x_um,height_um\n0,3\n2,2\n1,1\n", "", "with x increasing"),
         ("x_um,height_um\n0,3\n1,2\n2,1\n", "profile_points_mm = [[0, 0], [1, 1], [2, 2]]", "give one of the two"),
-        ("x_um,height_um\n0,3\n1,2\n2,1\n", "radius_mm = 3", "does not say which face the pad has: give radius_mm, or"),
+        ("x_um,height_um\n0,3\n1,2\n2,1\n", "radius_mm = 3", "does not say which face it has: give radius_mm, or"),
         (None, "", r"cannot be taken: .*pad\.csv"),
         (None, "face_half_width_mm = 5\nradius_mm = 4", "no face cut off a radius of 4"),
     ],
@@ -159,7 +159,7 @@ def test_a_face_that_cannot_be_is_told_in_one_sentence(
     path = tmp_path / "study.toml"
     path.write_text(LINE.format(pad=named + pad), encoding="utf-8")
     with pytest.raises(StudyError, match=complaint.replace("$", r"\W*$")) as told:
-        planar_study_from_tables(read_study(path), str(path))
+        study_from_tables(read_study(path), str(path))
     assert "\n" not in str(told.value)
 
 
@@ -173,7 +173,8 @@ def pad(**keys: Any) -> dict[str, Any]:
 
 
 def study(contact: dict[str, Any], **tables: Any) -> Study:
-    return study_from_tables(deepcopy(POINTS) | contact | tables, "s.toml")
+    found: Study = study_from_tables(deepcopy(POINTS) | contact | tables, "s.toml")
+    return found
 
 
 POINTS: dict[str, Any] = {

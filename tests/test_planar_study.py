@@ -1,5 +1,6 @@
 """Planar studies: what their files may hold, what a run leaves, and how scars grow."""
 
+from contextlib import nullcontext
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -9,10 +10,10 @@ import pytest
 
 from wirewear import reference
 from wirewear.base.errors import RunError, StudyError
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult, read_result
-from wirewear.simulation import Moment, NoObserver
+from wirewear.simulation import Moment, NoObserver, run_study, simulate
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
+from wirewear.study import LineStudy, study_from_tables
 
 STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
 TABLES: dict[str, Any] = {
@@ -29,16 +30,17 @@ TABLES: dict[str, Any] = {
 }
 
 
-def study(**changes: dict[str, Any]) -> PlanarStudy:
+def study(**changes: dict[str, Any]) -> LineStudy:
     tables = deepcopy(TABLES)
     for table, values in changes.items():
         tables[table] = tables.get(table, {}) | values
-    return planar_study_from_tables(tables, "study.toml")
+    found: LineStudy = study_from_tables(tables, "study.toml")
+    return found
 
 
 @pytest.fixture(scope="module")
 def worn() -> RunResult:
-    return run_planar_study(study(), fidelity="quick")
+    return simulate(study(), fidelity="quick")
 
 
 @pytest.mark.parametrize(
@@ -106,11 +108,11 @@ class Killer(NoObserver):
 @pytest.mark.slow
 def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
     short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
-    unbroken = run_planar_study(short, fidelity="quick")
+    unbroken = simulate(short, fidelity="quick")
     with pytest.raises(KeyboardInterrupt):
-        run_planar_study(short, fidelity="quick", output=tmp_path, observer=Killer(1))
+        run_study(short, fidelity="quick", output=tmp_path, observer_of=lambda _: nullcontext(Killer(1)))
     assert read_result(tmp_path / "result.h5").status == "running"
-    resumed = run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    (resumed,) = run_study(short, fidelity="quick", output=tmp_path, resume=True)
     assert resumed.status == "complete"
     assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
     assert resumed.quality == unbroken.quality
@@ -121,7 +123,7 @@ def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_
     for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
         np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
     complete = (tmp_path / "result.h5").read_bytes()
-    run_planar_study(short, fidelity="quick", output=tmp_path, resume=True)
+    run_study(short, fidelity="quick", output=tmp_path, resume=True)
     assert (tmp_path / "result.h5").read_bytes() == complete
     with pytest.raises(RunError, match="another study"):
-        run_planar_study(study(), fidelity="quick", output=tmp_path, resume=True)
+        run_study(study(), fidelity="quick", output=tmp_path, resume=True)

@@ -43,7 +43,8 @@ CROSSED = bodies(cylinder(0.0), cylinder(90.0))
 
 
 def study(contact: dict[str, Any], **tables: Any) -> Study:
-    return study_from_tables(deepcopy(TEST) | deepcopy(contact) | tables, "s.toml")
+    found: Study = study_from_tables(deepcopy(TEST) | deepcopy(contact) | tables, "s.toml")
+    return found
 
 
 def refusal(contact: dict[str, Any], **tables: Any) -> str:

@@ -14,11 +14,11 @@ from wirewear import StudyError
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.nominal import require_foreseen
 from wirewear.fitting.fit import fit_record
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.values import believed_study
-from wirewear.simulation.runs import simulate
+from wirewear.simulation import simulate
+from wirewear.study import study_from_tables
 
 LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
 
@@ -91,7 +91,7 @@ def test_line_contacts_go_through_blocks_too() -> None:
         {"cycles": 300},
         {"cycles": 300, "conditions": {"displacement_amplitude_um": 8.0}, "contact": {"friction": 0.3}},
     ]
-    result = run_planar_study(planar_study_from_tables(tables, "study.toml"), fidelity="quick")
+    result = simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
     assert result.evolution["displacement_amplitude_um"] == pytest.approx([12.0, 12.0, 8.0])
     assert result.evolution["max_tangential_force_N"][-1] < 0.55 * result.evolution["max_tangential_force_N"][0]
 

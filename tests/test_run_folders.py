@@ -13,7 +13,7 @@ from tests.test_simulate import COARSE, VARIANTS, Recorder, coarse
 from tools.house import imports_among, modules_of
 from wirewear import RunError, RunResult, Study, run_study, write_result
 from wirewear.base import identity
-from wirewear.base.identity import CONDENSATION_CODE, PLANAR_CODE, RUN_CODE, Identity, code_hash, digest
+from wirewear.base.identity import CONDENSATION_CODE, RUN_CODE, Identity, code_hash, digest
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.results import RESULT_FILE_NAME, read_results
 from wirewear.simulation.folder import RunFolder
@@ -38,7 +38,7 @@ def simulated(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """Labels of the runs that were simulated; each leaves figures made up instead."""
     labels = []
 
-    def run_cycles(plan: RunPlan, _record: object, folder: RunFolder, _observer: object, *, resume: bool) -> RunResult:
+    def run_cycles(plan: RunPlan, folder: RunFolder, _observer: object, *, resume: bool) -> RunResult:
         labels.append(plan.label)
         folder.begin()
         made = synthetic_results.result(variant=plan.study.variant_name)
@@ -121,7 +121,6 @@ def closure(graph: dict[str, set[str]], start: str) -> Iterator[str]:
     ("start", "code", "left_out"),
     [
         ("wirewear.simulation.runs", RUN_CODE, ("wirewear.base",)),
-        ("wirewear.planar.run", PLANAR_CODE, ("wirewear.base", "wirewear.pictures")),
         ("solvers.condensation", CONDENSATION_CODE, ("solvers",)),
     ],
 )

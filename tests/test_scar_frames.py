@@ -19,13 +19,12 @@ from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.faces import cli
-from wirewear.planar import planar_study_from_tables, run_planar_study
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.reading import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
-from wirewear.study import load_study
+from wirewear.study import load_study, study_from_tables
 from wirewear.views.comparison import compare
 from wirewear.views.registration import register, scar_pairs
 
@@ -212,8 +211,8 @@ normal_spring_stiffness_N_per_mm = 1.0"""
 
 @pytest.mark.slow
 def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
-    study = planar_study_from_tables(TABLES, "study.toml")
-    run = run_planar_study(study, fidelity="quick")
+    study = study_from_tables(TABLES, "study.toml")
+    run = simulate(study, fidelity="quick")
     write_result(tmp_path / "run" / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
     call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]

@@ -16,7 +16,7 @@ from tests.wear_jumps import LINE_LOAD_N_per_mm, line_contact
 from wirewear import run_study
 from wirewear.base.errors import StudyError
 from wirewear.pictures.scar_maps import scars_from_above
-from wirewear.planar import run_planar_study
+from wirewear.simulation import simulate
 from wirewear.simulation.problem import wear_rates
 from wirewear.views.run_page import sentence
 
@@ -40,9 +40,7 @@ def test_a_coat_in_gross_slip_lasts_as_long_as_the_segment_of_the_cylinder_that_
     energy_mm3_per_J, friction, load, ends = 8e-4, 0.6, 30.0, [1, 1000, 10_000, 20_000]
     coat = {"thickness_um": 1e3 * thickness_mm, "wear_factor": share}
     wear = {"pad_energy_mm3_per_J": energy_mm3_per_J, "specimen_energy_mm3_per_J": 0.0}
-    result = run_planar_study(
-        line_study(pad={"layers": [coat]}, wear=wear, log={"loop_cycles": ends}), fidelity="quick"
-    )
+    result = simulate(line_study(pad={"layers": [coat]}, wear=wear, log={"loop_cycles": ends}), fidelity="quick")
     area_mm2 = 4.0 / 3.0 * thickness_mm * sqrt(2.0 * radius_mm * thickness_mm)
     slip_mm = 1e-3 * float(result.evolution["slip_amplitude_um"][-2])
     per_cycle = 1e-3 * share * energy_mm3_per_J * 4.0 * friction * load * slip_mm

@@ -21,8 +21,9 @@ from studies.tribometers.rows import NUMBERS, read_rows
 from wirewear import reference
 from wirewear.base.errors import RecordError
 from wirewear.loops import analyse_loop
-from wirewear.planar import PlanarStudy, run_planar_study
-from wirewear.planar.contact_stiffness import ASSUMED, line_contact_stiffness
+from wirewear.simulation import simulate
+from wirewear.simulation.contact_stiffness import ASSUMED, line_contact_stiffness
+from wirewear.study import LineStudy
 from wirewear.study.materials import material_named
 
 PUBLISHED = Path(__file__).resolve().parent.parent / "studies" / "tribometers" / "tribometers.csv"
@@ -187,10 +188,9 @@ def rig(case: int, scenario: int, *, contact: str = "flat", centre_um: float = 0
     )
 
 
-def coarse(contact: str, name: str, **mesh: float) -> PlanarStudy:
+def coarse(contact: str, name: str, **mesh: float) -> LineStudy:
     """A shipped rig at another resolution."""
-    study = shipped(contact, "quick").variant(name)
-    return study.model_copy(update={"mesh": study.mesh.model_copy(update=mesh)}).named(name)
+    return shipped(contact, "quick").variant(name).changed({"mesh": mesh})
 
 
 def test_slip_at_edges_and_where_a_pad_lifts_is_judged_by_the_rigs() -> None:
@@ -211,7 +211,7 @@ def test_slip_at_edges_and_where_a_pad_lifts_is_judged_by_the_rigs() -> None:
 def test_a_rotational_spring_is_found_with_which_the_loop_is_as_stiff() -> None:
     """Within 3 % of the article's spring for the same contact, and the same loop."""
     mesh: dict[str, Any] = {"contact_mesh_um": 30.0}
-    one = rig_of(run_planar_study(coarse("cylinder", "translating_2", **mesh), fidelity="quick"), "cylinder")
+    one = rig_of(simulate(coarse("cylinder", "translating_2", **mesh), fidelity="quick"), "cylinder")
     two = equally_stiff(one, coarse("cylinder", "rotating_2", **mesh), "quick")
     assert two.measured_stiffness_N_per_mm2 == pytest.approx(one.measured_stiffness_N_per_mm2, rel=2e-3)
     assert two.stiffness == pytest.approx(1.06e6, rel=0.03)
@@ -227,7 +227,7 @@ def test_a_rotational_spring_is_found_with_which_the_loop_is_as_stiff() -> None:
 @pytest.mark.slow
 def test_a_tilting_flat_presses_on_its_edge_and_is_as_stiff_as_the_article_says() -> None:
     one, two = (
-        rig_of(run_planar_study(coarse("flat", name, contact_mesh_um=40.0), fidelity="quick"), "flat")
+        rig_of(simulate(coarse("flat", name, contact_mesh_um=40.0), fidelity="quick"), "flat")
         for name in ("translating_1", "rotating_1")
     )
     found, change = cases([(one, two)]), Change.between(one, two)

@@ -96,7 +96,7 @@ def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_compute
     def forbidden(*_: object) -> None:
         raise AssertionError("a body was condensed")
 
-    for place in ("wirewear.simulation.problem.condensed_body", "wirewear.planar.model.condense"):
+    for place in ("wirewear.simulation.problem.condensed_body", "wirewear.simulation.line_model.condense"):
         monkeypatch.setattr(place, forbidden)
     ended = invoked(f"{line} --output {output}")
     assert ended.exit_code == 2, ended.output

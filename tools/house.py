@@ -110,7 +110,7 @@ def rooms_among(modules: Mapping[str, Path]) -> Graph:
 #: Names of kinds, and classes and questions that tell one kind of contact from another.
 _NAMES = {"crossed-wires", "line-contact"}
 _KINDS = {
-    "ExperimentRecord", "LineRecord", "LineStates", "PlanarStudy", "Study",
+    "ExperimentRecord", "LineRecord", "LineStates", "LineStudy", "Study",
     "is_line_record",
 }  # fmt: skip
 

@@ -13,13 +13,13 @@ from studies.blind.commands import exam
 from wirewear.base.errors import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import Parameter, all_effects
 from wirewear.faces import cli
-from wirewear.planar.tables import PlanarStudy
 from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
 from wirewear.study.keys import quantity_of, table_of
+from wirewear.study.lines import LineTables
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.tables import StudyTables
 from wirewear.sweeps.signature import SweepTables, Vary
@@ -91,7 +91,7 @@ def _study_page() -> Iterator[str]:
         ("Crossed wires", StudyTables),
         ("A ball on a flat", BallOnFlatTables),
         ("Contacts at a point", PointTables),
-        ("Line contacts", PlanarStudy),
+        ("Line contacts", LineTables),
     ):
         yield from ("", f"## {title}")
         yield from _tables(tables, "")

@@ -13,9 +13,9 @@ import numpy as np
 from studies.atlas.entry import Entry, Simulated
 from wirewear import RunResult, StudyError, read_record
 from wirewear.base.writing import json_text
-from wirewear.kinds import any_study, kind_of
+from wirewear.kinds import any_study
 from wirewear.loops import LoopError, Measured, analyse_loop
-from wirewear.simulation import ProgressBar
+from wirewear.simulation import ProgressBar, run_study
 from wirewear.study.consistency import merged
 from wirewear.study.reading import read_study
 
@@ -59,9 +59,7 @@ def _run(tables: dict[str, Any], fidelity: str, output: Path) -> RunResult:
     # Tests that differ in what is compared alone share a run.
     own = sha256(json_text([tables, fidelity]).encode()).hexdigest()[:12]
     run: RunResult
-    (run,) = kind_of(study).run(
-        study, fidelity=fidelity, output=output / own, resume=True, observer_of=ProgressBar, jobs=1
-    )
+    (run,) = run_study(study, fidelity=fidelity, output=output / own, resume=True, observer_of=ProgressBar, jobs=1)
     return run
 
 

@@ -33,11 +33,11 @@ from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.base.reading import with_checksum
 from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
-from wirewear.planar import PlanarStudy, run_planar_study
 from wirewear.results import read_results as read_runs
 from wirewear.simulation import Moment, NoObserver, discretise
 from wirewear.simulation.folder import read_checkpoint
 from wirewear.simulation.problem import _load
+from wirewear.study import LineStudy
 from wirewear.sweeps.running import JOURNAL, Journal
 from wirewear.sweeps.sweep import SweepRow
 
@@ -105,8 +105,8 @@ def made_runs(base: Path) -> None:
     with suppress(KeyboardInterrupt):
         run_study(wires, fidelity="quick", output=base / "stopped", observer_of=lambda _: nullcontext(Stopping()))
     flat = load_any_study(_written(base / "flat.toml", FLAT))
-    if isinstance(flat, PlanarStudy):
-        line = run_planar_study(flat, fidelity="quick", output=base / "planar")
+    if isinstance(flat, LineStudy):
+        (line,) = run_study(flat, fidelity="quick", output=base / "planar")
         write_record(base / "line_record", record_of_result(line, 5.0, samples=100, repeats=2, seed=1))
     write_record(base / "record", record_of_result(result, samples=100, repeats=2, seed=1))
 

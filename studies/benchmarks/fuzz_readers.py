@@ -16,7 +16,7 @@ from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
 from wirewear.results import read_results as read_runs
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
-from wirewear.simulation.plan import RunPlan, require_affordable
+from wirewear.simulation.plan import RunPlan
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.running import Journal
 from wirewear.sweeps.sweep import SweepRow
@@ -57,7 +57,7 @@ def studied(folder: Path) -> object:
     study = parse_study((folder / "study.toml").read_text(encoding="utf-8", errors="surrogateescape"), "study.toml")
     plans = [RunPlan.of(one, "quick") for one in [study.variant(name) for name in study.variant_names] or [study]]
     for plan in plans:
-        require_affordable(plan)
+        plan.require_affordable()
     return plans
 
 

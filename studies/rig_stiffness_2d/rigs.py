@@ -4,7 +4,7 @@ Everything is per mm of thickness. A rig is a variant of cylinder.toml or flat.t
 spring along the motion (scenario 1), `rotating_1` by one against rotation about a pivot (scenario 2).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from wirewear import ResultError, RunError
 from wirewear.loops import analyse_loop
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study, run_planar_variants
-from wirewear.planar.tables import PlanarHolder
 from wirewear.results import RunResult
+from wirewear.simulation import run_study, simulate
+from wirewear.study import LineStudy, study_from_tables
 from wirewear.study.reading import read_study
 
 Array = NDArray[np.float64]
@@ -108,17 +108,12 @@ class Change:
         )
 
 
-def shipped(contact: str, fidelity: str = "standard") -> PlanarStudy:
+def shipped(contact: str, fidelity: str = "standard") -> LineStudy:
     """The study of a contact at a resolution."""
     file = Path(__file__).parent / f"{contact}.toml"
-    study = planar_study_from_tables(read_study(file), file.name)
     size_um, increments = LEVELS[fidelity]
-    mesh = study.mesh.model_copy(update={"contact_mesh_um": size_um, "increments_per_cycle": increments})
-
-    def at_it(one: PlanarStudy) -> PlanarStudy:
-        return one.model_copy(update={"mesh": mesh}).named(one.variant_name)
-
-    return at_it(study).with_variants(tuple((name, at_it(study.variant(name))) for name in study.variant_names))
+    study: LineStudy = study_from_tables(read_study(file), file.name)
+    return study.with_values({"mesh.contact_mesh_um": size_um, "mesh.increments_per_cycle": increments})
 
 
 def simulated(fidelity: str, folder: Path, jobs: int = 1) -> list[tuple[Rig, Rig]]:
@@ -128,7 +123,7 @@ def simulated(fidelity: str, folder: Path, jobs: int = 1) -> list[tuple[Rig, Rig
     pairs = []
     for contact in CONTACTS:
         study = shipped(contact, fidelity)
-        results = run_planar_variants(study, fidelity=fidelity, output=folder / contact, resume=True, jobs=jobs)
+        results = run_study(study, fidelity=fidelity, output=folder / contact, resume=True, jobs=jobs)
         rigs = [rig_of(result, contact) for result in results]
         pairs += list(zip(rigs[0::2], rigs[1::2], strict=True))
     return pairs
@@ -170,7 +165,7 @@ def rig_of(result: RunResult, contact: str) -> Rig:
     )
 
 
-def equally_stiff(one: Rig, study: PlanarStudy, fidelity: str) -> Rig:
+def equally_stiff(one: Rig, study: LineStudy, fidelity: str) -> Rig:
     """A rotating rig with the K_t,m of a translating one, by the secant rule on both compliances.
 
     study: of a rotating variant.  In series 1/K_t,m = 1/K_c + H²/(K_θ + K_r): in the springs' compliances it is nearly
@@ -182,9 +177,8 @@ def equally_stiff(one: Rig, study: PlanarStudy, fidelity: str) -> Rig:
     stiffness = max(one.stiffness * pivot**2, least)
     tried: list[tuple[float, float]] = []
     for _ in range(_MOST_TRIALS):
-        holder = PlanarHolder(rotational_stiffness_N_per_rad=stiffness, pivot_height_mm=pivot)
-        trial = study.model_copy(update={"holder": holder}).named(f"rotating_{one.case}")
-        result = run_planar_study(trial, fidelity=fidelity)
+        trial = study.changed({"holder": {"rotational_stiffness_N_per_rad": stiffness}})
+        result = simulate(replace(trial, variant_name=f"rotating_{one.case}"), fidelity=fidelity)
         two = rig_of(result, one.contact)
         found = two.measured_stiffness_N_per_mm2
         if abs(found / wanted - 1.0) <= EQUAL:

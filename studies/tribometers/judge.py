@@ -18,8 +18,8 @@ from rich.text import Text
 
 from wirewear.base.writing import json_text
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
-from wirewear.planar.contact_stiffness import line_contact_stiffness
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
+from wirewear.simulation.contact_stiffness import line_contact_stiffness
 
 from .rows import CONSTANTS, CONTACTS, OPTIONAL, REQUIRED, SPECIMEN_CONSTANTS, TribometerRow, read_rows, row_of
 

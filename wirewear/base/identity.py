@@ -23,13 +23,12 @@ CONDENSATION_CODE = (
     "solvers/strain.py",
 )  # fmt: skip
 
-#: What a run of crossed wires comes from.
+#: What a run comes from.
 RUN_CODE = (
     "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
     "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
 )  # fmt: skip
 
-PLANAR_CODE = (*RUN_CODE, "wirewear/planar")  #: What a planar run comes from.
 ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
 
 

@@ -23,7 +23,7 @@ from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
-from wirewear.simulation import NoObserver
+from wirewear.simulation import NoObserver, run_study
 from wirewear.study.programme import held_keys
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
@@ -78,7 +78,7 @@ def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[A
     )
     quiet = observer_of or (lambda _: nullcontext(NoObserver()))
     with temporary_folder("wirewear-confirm-") as folder:
-        (result,) = kind.run(study, fidelity="quick", output=folder, observer_of=quiet)
+        (result,) = run_study(study, fidelity="quick", output=folder, observer_of=quiet)
     ends = [result.scar(last, body) for body in result.bodies] if kind.foresees_scars else []
     profiles = {own.body: (own.axial_um, own.depth_um[:, 0]) for own in ends}
     whole = result.of_length(length_mm) if length_mm else result

@@ -50,8 +50,7 @@ from wirewear.views.diagnosis_wording import (
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
-    from wirewear.planar.tables import PlanarStudy
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy, Study
 
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
@@ -81,11 +80,11 @@ class Nominal:
 class Beginning:
     """A nominal model that is yet to be run: its study, and how that is done."""
 
-    study: Study | PlanarStudy
+    study: AnyStudy[Any]
     run: Callable[[ObserverOf | None], Nominal]
 
 
-def beginning_of(record: AnyRecord, model: Study | PlanarStudy | None) -> Beginning:
+def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
     """The nominal model of a record, or `model` if it is of the same test.
 
     Raises:
@@ -147,7 +146,7 @@ _SEED = 20200715
 def diagnose(
     record: AnyRecord,
     *,
-    model: Study | PlanarStudy | None = None,
+    model: AnyStudy[Any] | None = None,
     further: Sequence[AnyRecord] = (),
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
@@ -189,14 +188,14 @@ class _Begun:
     record: AnyRecord
     checked: tuple[Remark, ...]
     observed: Observations
-    study: Study | PlanarStudy
+    study: AnyStudy[Any]
     states: WearStates
     setup: Setup
 
 
 def _begun(
     record: AnyRecord,
-    model: Study | PlanarStudy | None,
+    model: AnyStudy[Any] | None,
     observer_of: ObserverOf | None,
     stage: Callable[[str], AbstractContextManager[object]],
 ) -> _Begun:
@@ -215,7 +214,7 @@ def _begun(
 
 def concluded(
     record: AnyRecord,
-    study: Study | PlanarStudy,
+    study: AnyStudy[Any],
     states: WearStates,
     observed: Observations,
     left_out: Sequence[str] = (),
@@ -230,7 +229,7 @@ def concluded(
 
 def judged(
     record: AnyRecord,
-    study: Study | PlanarStudy,
+    study: AnyStudy[Any],
     states: WearStates,
     observed: Observations,
     found: Search,

@@ -38,13 +38,14 @@ def lives(
     from wirewear.interior.life import WEAR_STATES, averaging_radius_mm, life_of
     from wirewear.interior.strength import StrengthAsked
     from wirewear.kinds import kind_of
+    from wirewear.study import study_from_tables
     from wirewear.study.life import LifeTable, material_of_body
     from wirewear.study.messages import validated
 
     kind = kind_of(result)
     where = f"[life] of {result.label!r}"
     asked = validated(LifeTable, (result.study.get("life") or {}) | dict(values or {}), where, StudyError)
-    study = kind.study_from_tables(result.study, result.label)
+    study = study_from_tables(result.study, result.label)
     stretches = [(own.start, own.end, own.block) for own in study.schedule.stretches]
     found = []
     for body in bodies or result.bodies:
@@ -128,7 +129,7 @@ def _run_or_read(path: Path, fidelity: str, variant: str | None) -> tuple[RunRes
     """A result, or that of a study which is run first, and the folder beside which its life is written."""
     from wirewear.faces.looking import one_run
     from wirewear.kinds import kind_of, load_any_study
-    from wirewear.simulation import ProgressBar
+    from wirewear.simulation import ProgressBar, run_study
 
     if path.suffix != ".toml":
         if variant is not None:
@@ -140,6 +141,6 @@ def _run_or_read(path: Path, fidelity: str, variant: str | None) -> tuple[RunRes
     elif study.variant_names:
         raise StudyError(f"{path} has the variants {', '.join(study.variant_names)}: choose one with --variant.")
     folder, kind = default_output(path), kind_of(study)
-    results = kind.run(study, fidelity=fidelity, output=folder, resume=False, observer_of=ProgressBar, jobs=1)
+    results = run_study(study, fidelity=fidelity, output=folder, resume=False, observer_of=ProgressBar, jobs=1)
     kind.write_beside(results, folder)
     return results[0], folder

@@ -16,18 +16,17 @@ from wirewear.base import notebook
 from wirewear.base.errors import StudyError, counted
 from wirewear.base.reading import parsed_toml
 from wirewear.faces.looking import Run
-from wirewear.kinds import any_study, kind_of, load_any_study
+from wirewear.kinds import any_study, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
-from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar
-from wirewear.study.study import alone
+from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar, run_study, simulate
+from wirewear.study.any_study import alone
 
 if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
     from wirewear.fitting import FittedTest
-    from wirewear.planar.tables import PlanarStudy
     from wirewear.results import RunResult
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy
     from wirewear.views.comparison import RecordComparison
 
 
@@ -90,7 +89,7 @@ class Record(ExperimentRecord[Any, Any]):
     def diagnose(
         self,
         *,
-        model: Study | PlanarStudy | None = None,
+        model: AnyStudy[Any] | None = None,
         further: Sequence[AnyRecord] = (),
         without: Sequence[str] = (),
         progress: bool = True,
@@ -210,7 +209,7 @@ def load(source: str | Path) -> Any:
 
 
 def run(
-    study: Study | PlanarStudy,
+    study: AnyStudy[Any],
     *,
     fidelity: str = "standard",
     output: str | Path | None = None,
@@ -226,22 +225,21 @@ def run(
     converge, or left the fine patch.
     """
     study = alone(study, 'run one, as in run(study.variant("{first}")), or all with run_variants(study)')
-    kind: Any = kind_of(study)
     label = study.variant_name or study.name
     if output is None:
         if resume:
             raise StudyError("resume = True goes on with a run in a folder: name it as output.")
         with watched(label, shown=progress) as observer:
-            return Run.of(kind.simulated(study, fidelity=fidelity, observer=observer))
+            return Run.of(simulate(study, fidelity=fidelity, observer=observer))
     with watched(label, shown=progress) as observer:
-        results = kind.run(
+        results = run_study(
             study, fidelity=fidelity, output=Path(output), resume=resume, observer_of=lambda _: _lent(observer)
         )
     return Run.of(results[0])
 
 
 def run_variants(
-    study: Study | PlanarStudy, *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
+    study: AnyStudy[Any], *, fidelity: str = "standard", output: str | Path | None = None, progress: bool = True
 ) -> dict[str, Run]:
     """Simulate all variants of a study, by their names; with `output`, each in a folder of its own.
     Raises StudyError if the study has no variants, and whatever `run` raises.

@@ -15,8 +15,7 @@ from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output,
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
-    from wirewear.planar import PlanarStudy
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
@@ -172,7 +171,7 @@ def run(
 
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.results.summary import summary
-    from wirewear.simulation import ProgressBar
+    from wirewear.simulation import ProgressBar, run_study
     from wirewear.views.run_page import runs_json, sentence, write_page
 
     folder = output or default_output(study_path)
@@ -195,7 +194,7 @@ def run(
     if record_path is not None:
         study = study.logging(_cycles_of(record_path, study.conditions.cycles))
     kind = kind_of(study)
-    results = kind.run(
+    results = run_study(
         study,
         fidelity=fidelity,
         output=folder,
@@ -247,7 +246,7 @@ def _status_of(path: Path) -> str | None:
     return None
 
 
-def _tell_unused(study: Study | PlanarStudy) -> None:
+def _tell_unused(study: AnyStudy[Any]) -> None:
     """Say which of a study's own values no variant takes over: editing them changes nothing."""
     for table, key, value in study.unused_values():
         click.echo(

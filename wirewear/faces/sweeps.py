@@ -87,7 +87,7 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     """Run a study whose inputs scatter, print its intervals and write them."""
     from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import wide_console
-    from wirewear.study.study import alone
+    from wirewear.study.any_study import alone
     from wirewear.sweeps.uncertainty import RUNS, run_uncertain, sentence, table, write_uncertainty
 
     study = alone(study) if variant is None else study.variant(variant)

@@ -25,6 +25,7 @@ from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.values import believed_tables, stated_friction
 from wirewear.results import read_loops
+from wirewear.study import study_from_tables
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
@@ -63,12 +64,12 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     """Run the fitted study, and set its loops beside those of the record.
     Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
-    from wirewear.simulation import NoObserver
+    from wirewear.simulation import NoObserver, run_study
 
     tests = loops_of_tests(fitted.record)
     quiet = observer_of or (lambda _: nullcontext(NoObserver()))
-    kind, length_mm = kind_of(fitted.record), fitted.record.tables.length_mm
-    (result,) = kind.run(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
+    length_mm = fitted.record.tables.length_mm
+    (result,) = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
     whole = result if length_mm is None else result.of_length(length_mm)
     loops = {loop.cycle: true_loop(loop) for loop in read_loops(whole)}
     simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
@@ -166,7 +167,7 @@ def fitted_study(record: AnyRecord, parameters: dict[str, FittedParameter], cycl
     effects += [{"name": "free_play", "gap_um": float(f"{play.value:.4g}")}] if play is not None else []
     last = record.tables.conditions.cycles
     data = fitted_tables(record, stated, effects, [cycle for cycle in cycles if 1 <= cycle <= last])
-    return kind.study_from_tables(data, f"the fit of {record.name!r}")
+    return study_from_tables(data, f"the fit of {record.name!r}")
 
 
 def stated_by(parameters: dict[str, FittedParameter], rigid_N_per_mm: float) -> dict[str, Any]:

@@ -13,7 +13,7 @@ from wirewear.base.errors import SensorError, StudyError
 from wirewear.loops import Measured, Sensor
 from wirewear.simulation import contact_problem, discretise, require_affordable_wires
 from wirewear.study import Study
-from wirewear.study.study import alone
+from wirewear.study.any_study import alone
 
 #: Where the near displacement is taken: the moving wire at the contact, against ground or against the fixed wire at
 #: the contact; or the moving wire's holder against the fixed wire's.

@@ -23,6 +23,7 @@ from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
 from wirewear.records.normal_force import median_load_N
 from wirewear.records.values import believed_tables
+from wirewear.study import study_from_tables
 
 #: By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run: growing
 #: contacts give back up to 0.7 of 0.9 µm of approach.
@@ -106,7 +107,7 @@ def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str
     rigid_rig = dict.fromkeys(("tangential_stiffness_N_per_mm", "rotational_stiffness_N_mm_per_rad"), "rigid")
     data = fitted_tables(record, {"friction": friction, **rigid_rig, **some_wear}, [], [1])
     data["conditions"]["cycles"] = _FIRST_CYCLES
-    study = kind.study_from_tables(data, f"the contact of {record.name!r}")
+    study = study_from_tables(data, f"the contact of {record.name!r}")
     states, _ = kind.states(study, tables, None)
     found = figures_of_model(states, kind.setup(study, tables), np.array([np.log(friction), 0.0]), np.ones(1))
     measured = float(found[0, list(FITTED).index("measured_stiffness_N_per_um")])

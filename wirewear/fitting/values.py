@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,9 +13,8 @@ from wirewear.base import notebook
 from wirewear.base.errors import UNIT_SYMBOLS
 
 if TYPE_CHECKING:
-    from wirewear.planar.tables import PlanarStudy
     from wirewear.records import AnyRecord
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
 _OPEN = float(students_t.ppf(0.975, 1))
@@ -68,7 +67,7 @@ class FittedTest:
     """
 
     record: AnyRecord
-    study: Study | PlanarStudy
+    study: AnyStudy[Any]
     parameters: dict[str, FittedParameter]
     found: dict[str, FittedParameter]
     notes: tuple[str, ...] = field(default=())

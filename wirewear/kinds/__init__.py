@@ -16,8 +16,6 @@ from wirewear.kinds.wires import CrossedWires
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from wirewear.planar import PlanarStudy
-    from wirewear.study import Study
 
 __all__ = ["KINDS", "Kind", "any_study", "kind_of", "load_any_study"]
 
@@ -38,7 +36,7 @@ def kind_of(told: OfAKind) -> Kind:
     return KINDS[told.contact_kind]
 
 
-def load_any_study(path: str | Path) -> Study | PlanarStudy:
+def load_any_study(path: str | Path) -> Any:
     """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
     Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of its kind.
     """
@@ -47,16 +45,15 @@ def load_any_study(path: str | Path) -> Study | PlanarStudy:
     return any_study(read_study(path), str(path))
 
 
-def any_study(tables: Mapping[str, Any], where: str) -> Study | PlanarStudy:
-    """A study of whatever kind its tables say; `where` names their origin in messages.
+def any_study(tables: Mapping[str, Any], where: str) -> Any:
+    """A study of whatever kind its tables say, with its surfaces levelled; `where` names their origin in messages.
     Raises StudyError, in one sentence, if the tables are no valid study of their kind.
     """
+    from wirewear.study import study_from_tables
     from wirewear.study.surfaces import surfaces_in
 
-    named = next((kind for kind in KINDS.values() if tables.get("kind") in kind.names), next(iter(KINDS.values())))
     if any(surfaces_in(tables)):
         from wirewear.kinds.surfaces import with_levelled
 
-        tables = with_levelled(tables, where, named.study_from_tables)
-    study: Study | PlanarStudy = named.study_from_tables(tables, where)
-    return study
+        tables = with_levelled(tables, where)
+    return study_from_tables(tables, where)

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from wirewear.interior.strength import Strength, StrengthAsked
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.simulation import Observer
     from wirewear.study.template import Template
 
 
@@ -44,15 +43,6 @@ class Kind(Protocol):
     @property
     def template(self) -> Template:
         """What a new study begins with."""
-
-    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> Any:
-        """A study from nested tables; StudyError in one sentence that names `where`."""
-
-    def run(self, study: Any, **asked: Any) -> list[Any]:
-        """Results of a study's variants, each with what belongs into its folder; arguments as of `run_study`."""
-
-    def simulated(self, study: Any, *, fidelity: str, observer: Observer) -> Any:
-        """The result of a study without variants, of which no file is left."""
 
     def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
         """Write and draw the meshes of both bodies."""

@@ -14,13 +14,12 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.wear_states import WearStates
     from wirewear.interior.state import InnerState
     from wirewear.interior.strength import Strength, StrengthAsked
-    from wirewear.planar import PlanarStudy
     from wirewear.records import LineRecord
     from wirewear.records.contact_tables import LineRecordTables
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.results import RunResult
-    from wirewear.simulation import Observer
+    from wirewear.study import LineStudy
     from wirewear.study.template import Template
 
 
@@ -37,62 +36,44 @@ class LineContacts:
 
     @property
     def template(self) -> Template:
-        from wirewear.planar.tables import LINE_CONTACT
+        from wirewear.study.lines import LINE_CONTACT
 
         return LINE_CONTACT
 
-    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> PlanarStudy:
-        """A study of one millimetre."""
-        from wirewear.planar import planar_study_from_tables
-
-        return planar_study_from_tables(tables, where)
-
-    def run(self, study: PlanarStudy, **asked: Any) -> list[RunResult]:
-        """Results of one millimetre."""
-        from wirewear.planar import run_planar_variants
-
-        return run_planar_variants(study, **asked)
-
-    def simulated(self, study: PlanarStudy, *, fidelity: str, observer: Observer) -> RunResult:
-        """Of one millimetre."""
-        from wirewear.planar import run_planar_study
-
-        return run_planar_study(study, fidelity=fidelity, observer=observer)
-
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """Tables and pictures of each run, and a picture of several side by side."""
+        from wirewear.pictures.lines import line_drawings, line_variants
         from wirewear.pictures.style import save
-        from wirewear.planar.pictures import planar_drawings, planar_variants
         from wirewear.results.flat import write_flat_tables
 
         for result in results:
             own = folder if result.path is None else result.path.parent
             write_flat_tables(result, own, "csv")
-            for name, draw in planar_drawings([result]).items():
+            for name, draw in line_drawings([result]).items():
                 save(draw, own / f"{name}.png")
         if len(results) > 1:
-            save(lambda: planar_variants(results), folder / "variants.png")
+            save(lambda: line_variants(results), folder / "variants.png")
 
-    def write_meshes(self, study: PlanarStudy, fidelity: str, folder: Path) -> list[Path]:
+    def write_meshes(self, study: LineStudy, fidelity: str, folder: Path) -> list[Path]:
         """Pad and specimen, and what holds them."""
-        from wirewear.planar.pictures import write_planar_meshes
+        from wirewear.simulation import write_line_meshes
 
-        return write_planar_meshes(study, fidelity, folder)
+        return write_line_meshes(study, fidelity, folder)
 
     @property
     def refined(self) -> Any:
-        from wirewear.planar.run import LINES
+        from wirewear.simulation import LINES
 
         return LINES
 
-    def checked_model(self, record: LineRecord, study: PlanarStudy) -> PlanarStudy:
+    def checked_model(self, record: LineRecord, study: LineStudy) -> LineStudy:
         """One of the same face, load and amplitude."""
         from wirewear.diagnosis.model.nominal import checked_line_model
 
         return checked_line_model(record, study)
 
     def states(
-        self, study: PlanarStudy, tables: LineRecordTables, observer_of: ObserverOf | None
+        self, study: LineStudy, tables: LineRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Those of the whole contact, of the nominal run."""
         from wirewear.diagnosis.model.line_states import LineStates
@@ -101,22 +82,21 @@ class LineContacts:
         result = nominal_line_run(study, observer_of)
         return LineStates.of_line(result, study.pad.profile, tables.length_mm), limits_of(result, study)
 
-    def setup(self, study: PlanarStudy, tables: LineRecordTables) -> Setup:
+    def setup(self, study: LineStudy, tables: LineRecordTables) -> Setup:
         """Of the whole contact."""
         from wirewear.diagnosis.model.candidates import nominal_line_setup
 
         return nominal_line_setup(study, tables.length_mm, tables.conditions.drive)
 
     def with_effects(
-        self, study: PlanarStudy, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
-    ) -> PlanarStudy:
+        self, study: LineStudy, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
+    ) -> LineStudy:
         """Effects of one millimetre; loops have the increments of the plan."""
-        from wirewear.planar.tables import per_mm
+        from wirewear.study.lines import per_mm
 
         del increments
-        asked = study.conditions.model_copy(update={"displacement_amplitude_um": amplitude_um})
         every = (*study.effects, *per_mm(effects, length_mm))
-        return study.model_copy(update={"effects": every, "conditions": asked})
+        return study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
@@ -136,31 +116,31 @@ class LineContacts:
 
     def write_fields(self, result: RunResult, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
         """With a picture of the section at each position."""
-        from wirewear.planar.pictures import write_planar_fields
+        from wirewear.interior.lines import write_line_fields
 
         del shown
-        return write_planar_fields(result, folder, **asked | {"cycle": round(asked["cycle"])})
+        return write_line_fields(result, folder, **asked | {"cycle": round(asked["cycle"])})
 
     def assessable(self, result: RunResult, body: str, cycle: float, asked: StrengthAsked) -> int:
         """Where contact forces are recorded, of a body that is large enough."""
-        from wirewear.planar.pictures import planar_assessable
+        from wirewear.interior.lines import line_assessable
 
-        return planar_assessable(result, body, round(cycle), asked)
+        return line_assessable(result, body, round(cycle), asked)
 
     def inner_states(self, result: RunResult, body: str, cycle: int) -> Sequence[InnerState[Any]]:
         """Where its nodes stand in the worn surface."""
-        from wirewear.planar.pictures import planar_states
+        from wirewear.interior.lines import line_states
 
-        return planar_states(result, body, cycle)
+        return line_states(result, body, cycle)
 
     def strength(self, result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
         """At all positions of the cycle, averaged over discs."""
-        from wirewear.planar.pictures import planar_strength
+        from wirewear.interior.lines import line_strength
 
-        return planar_strength(result, body, cycle, asked)
+        return line_strength(result, body, cycle, asked)
 
     def drawings(self, results: Sequence[RunResult]) -> Mapping[str, Callable[[], Figure]]:
         """Profiles and loops of each run, and several side by side."""
-        from wirewear.planar.pictures import planar_drawings
+        from wirewear.pictures.lines import line_drawings
 
-        return planar_drawings(results)
+        return line_drawings(results)

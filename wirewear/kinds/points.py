@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.records.tables import PointRecordTables
     from wirewear.results import RunResult
-    from wirewear.simulation import Observer
     from wirewear.study import Study
     from wirewear.study.template import Template
 
@@ -35,24 +34,6 @@ class AtAPoint:
     scatters: ClassVar[bool] = True
     foresees_scars: ClassVar[bool] = False
     bodies: ClassVar[tuple[str, str]]
-
-    def study_from_tables(self, tables: Mapping[str, Any], where: str) -> Study:
-        """A study of that kind."""
-        from wirewear.study import study_from_tables
-
-        return study_from_tables(tables, where)
-
-    def run(self, study: Study, **asked: Any) -> list[RunResult]:
-        """Results of whole bodies."""
-        from wirewear.simulation import run_study
-
-        return run_study(study, **asked)
-
-    def simulated(self, study: Study, *, fidelity: str, observer: Observer) -> RunResult:
-        """Of whole bodies."""
-        from wirewear.simulation import simulate
-
-        return simulate(study, fidelity=fidelity, observer=observer)
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
         """The scars of each run over the cycles for ParaView."""

@@ -1,6 +1,6 @@
 """Surfaces that a study names as heights: levelled against the bodies' unworn shapes, as the importer levels scars."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from copy import deepcopy
 from functools import reduce
 from pathlib import Path
@@ -12,11 +12,10 @@ from geometry import Flat
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.guessing import known_columns
-from wirewear.planar import PlanarStudy
 from wirewear.records.importing.height_maps import MapScale, height_map, is_map
 from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.importing.profilometry import MapOfBody, levelled, scar_of_heights, scar_of_map
-from wirewear.study import Study
+from wirewear.study import LineStudy, study_from_tables
 from wirewear.study.messages import validated
 from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
 
@@ -27,10 +26,8 @@ Map = tuple[Array, Array, Array]
 _LEVEL = kept(np.zeros(2), np.zeros(2), np.zeros((2, 2)))
 
 
-def with_levelled(
-    tables: Mapping[str, Any], where: str, read: Callable[[Mapping[str, Any], str], Study | PlanarStudy]
-) -> Mapping[str, Any]:
-    """A study's tables with depths in place of files of heights; `read` makes a study of tables.
+def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+    """A study's tables with depths in place of files of heights.
     Raises StudyError if a file cannot be read, or its surface is not that of the body.
     """
     unworn, whole = deepcopy(dict(tables)), deepcopy(dict(tables))
@@ -38,13 +35,13 @@ def with_levelled(
     heights = {place: file for place, file in files.items() if _has_heights(file)}
     for *place, key in heights:
         reduce(dict.__getitem__, place, unworn).pop(key)
-    study = read(unworn, where)
+    study = study_from_tables(unworn, where)
     for (*place, key), file in heights.items():
         holder = reduce(dict.__getitem__, place, whole)
         told = {name: value for name, value in holder[key].items() if name != "file"}
         stated = validated(StatedSurface, told | _LEVEL, where, StudyError)
         try:
-            of = _of_line if isinstance(study, PlanarStudy) else _of_body
+            of = _of_line if isinstance(study, LineStudy) else _of_body
             x, y, depth = of(study, place[-1], file, stated)
         except WirewearError as problem:
             raise StudyError(f"the surface of {place[-1]} in {where} cannot be taken: {problem}") from None

@@ -7,19 +7,20 @@ from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
-from wirewear.planar.model import bodies_stiffness_N_per_mm2
-from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS, Extent, Pad, PlanarStudy, Specimen, planar_study_from_tables
 from wirewear.records import tables
 from wirewear.records.of_test import Metadata, OfRecord
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.results.scar import BODIES
-from wirewear.study import keys
+from wirewear.simulation import bodies_stiffness_N_per_mm2
+from wirewear.study import LineStudy, keys, study_from_tables
 from wirewear.study.bodies import Body
 from wirewear.study.bulk import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
+from wirewear.study.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
+from wirewear.study.tables import PLANAR_KINDS
 
 #: Keys of a study of one millimetre by those of a record, and whether the record's are of the whole length.
 OF_WHOLE = {
@@ -40,8 +41,8 @@ OF_WHOLE = {
 class RecordContact(keys.Table):
     """What touches: loads and forces of the record are those of the whole contact."""
 
-    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*KINDS))] = Field(
-        description="kind of contact", examples=[KINDS[0]]
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
+        description="kind of contact", examples=[PLANAR_KINDS[0]]
     )
     length_mm: Extent = Field(description="length of the line contact", examples=[10.0])
 
@@ -121,7 +122,7 @@ class LineFiles(keys.Table):
 class LineTest(OfRecord):
     """What is said of a line contact's test beside its data."""
 
-    contact_kind, body_names = KINDS[0], BODIES
+    contact_kind, body_names = PLANAR_KINDS[0], BODIES
     worn, needs_loops = PROFILES, False
 
     contact: RecordContact = Field(description="what touches")
@@ -169,7 +170,7 @@ class LineTest(OfRecord):
         del label
         round_pad = study["pad"].get("radius_mm") is not None
         return {
-            "contact": {"kind": CYLINDER_ON_FLAT if round_pad else KINDS[0], "length_mm": length_mm},
+            "contact": {"kind": CYLINDER_ON_FLAT if round_pad else PLANAR_KINDS[0], "length_mm": length_mm},
             "pad": tables.known_of(RecordPad, {**study["pad"], "material": None}),
             "specimen": tables.known_of(RecordBody, {**study["specimen"], "material": None}),
         }
@@ -185,9 +186,10 @@ class LineTest(OfRecord):
         return found
 
     @classmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> PlanarStudy:
+    def study_of(cls, data: Mapping[str, Any], where: str) -> LineStudy:
         """A study of one millimetre."""
-        return planar_study_from_tables(data, where)
+        study: LineStudy = study_from_tables(data, where)
+        return study
 
     @property
     def of_study(self) -> dict[str, float | None]:
@@ -242,7 +244,7 @@ class LineTest(OfRecord):
     def _without_bodies(self, data: Mapping[str, Any]) -> float:
         """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen."""
         whole = float(self.stated.tangential_stiffness_N_per_mm)
-        study = planar_study_from_tables(data, f"the bodies of the record {self.name!r}")
+        study = study_from_tables(data, f"the bodies of the record {self.name!r}")
         of_bodies = self.length_mm * bodies_stiffness_N_per_mm2(study)
         if whole >= of_bodies:
             raise RecordError(

@@ -299,7 +299,8 @@ class PointRecordTables(OfRecord, PointTest):
     @classmethod
     def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
         """A study of whole bodies."""
-        return study_from_tables(data, where)
+        study: Study = study_from_tables(data, where)
+        return study
 
     @property
     def of_study(self) -> dict[str, float | None]:

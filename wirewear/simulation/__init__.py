@@ -1,11 +1,13 @@
-"""A simulated test of a contact at a point: `run_study` does it all; the rest is for those who go beneath a run.
+"""A simulated test of any contact: `run_study` does it all; the rest is for those who go beneath a run.
 
 A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jumps; `runs` says what is kept of it,
-`folder` where. `workbench` has the parts for scripts that press and move bodies themselves.
+`folder` where. `workbench` has the parts for scripts that press and move bodies themselves. What a line contact has of
+its own stands in `line_model` and `line_runs`.
 """
 
 from wirewear.simulation.contact_forces import mean_pressures
 from wirewear.simulation.convergence import (
+    LINES,
     Converged,
     converge,
     convergence_table,
@@ -14,14 +16,17 @@ from wirewear.simulation.convergence import (
     write_convergence,
 )
 from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
+from wirewear.simulation.line_model import plan as line_plan
 from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
 from wirewear.simulation.plan import require_affordable_wires
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, run_study, simulate
-from wirewear.simulation.workbench import write_meshes
+from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [
-    "Converged", "Moment", "NoObserver", "Observer", "ObserverOf", "ProgressBar", "contact_problem", "converge",
-    "convergence_table", "discretise", "last_of", "mean_pressures", "point_contact", "require_affordable_wires",
-    "run_study", "simulate", "write_convergence", "write_meshes",
+    "LINES", "Converged", "Moment", "NoObserver", "Observer", "ObserverOf", "ProgressBar", "bodies_stiffness_N_per_mm2",
+    "contact_problem", "converge", "convergence_table", "discretise", "last_of", "line_plan", "mean_pressures",
+    "point_contact", "require_affordable_wires", "run_study", "simulate", "write_convergence", "write_line_meshes",
+    "write_meshes",
 ]  # fmt: skip

@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import ceil, isnan, nan
 from pathlib import Path
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -17,20 +17,18 @@ from rich.table import Table
 from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, writing
-from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import discretise
+from wirewear.simulation.line_model import plan as line_plan
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
-from wirewear.study import Study
-from wirewear.study.study import alone
+from wirewear.study import AnyStudy, LineStudy, Study
+from wirewear.study.any_study import alone
 
 # Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0
 _ROUND_OFF = 1e-9  # Changes below this share of the value are round-off.
 
-Kind = TypeVar("Kind")
-Kind_contra = TypeVar("Kind_contra", contravariant=True)
 BASE = "base"
 
 CSV_FILE_NAME = "convergence.csv"
@@ -173,86 +171,90 @@ class Converged:
         return sum(limit.error for limit in self.limits.values())
 
 
-class Runner(Protocol[Kind_contra]):
-    """Simulates a study's variants; see `run_study`."""
-
-    def __call__(
-        self,
-        study: Kind_contra,
-        *,
-        fidelity: str,
-        output: Path,
-        resume: bool,
-        observer_of: ObserverFor | None,
-        jobs: int,
-        engine: Engine | None,
-    ) -> list[RunResult]:
-        """The variants' results."""
+Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 
 
 @dataclass(frozen=True)
-class RefinedSubject(Generic[Kind]):
+class RefinedSubject:
     """A kind of contact whose studies are refined.
 
-    figures: what is watched.  resolutions: those that a study has.  refined: a study at a level of fidelity with itself
-    and its refinements as variants.  run: simulates them.
+    figures: what is watched.  finer: of a study at a level of fidelity, what makes each resolution that it has finer by
+    a factor.
     """
 
     figures: Sequence[Figure]
-    resolutions: Callable[[Kind], Sequence[Resolution]]
-    refined: Callable[[Kind, str], Kind]
-    run: Runner[Kind]
+    finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
+
+    def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:
+        """The study with itself and its refinements as variants.
+        Raises StudyError if the study has variants of its own; choose one of them.
+        """
+        settings: dict[str, Changes] = {BASE: {}} | {
+            run: changes(factor)
+            for resolution, changes in self.finer(alone(study), fidelity).items()
+            for run, factor in zip(resolution.runs, resolution.factors, strict=True)
+        }
+        variants = tuple((name, study.changed(changes).tables) for name, changes in settings.items())
+        return replace(study, variants=variants, variant_name="")
 
 
-def resolutions_of(study: Study) -> tuple[Resolution, ...]:
-    """Those that a study has: without wear the mesh alone, and with jumps of a given size no tolerance of jumps."""
-    if study.wear is None:
-        return (MESH,)
-    return (MESH, POSITIONS) if study.wear.explicit_jump_cycles is not None else (MESH, POSITIONS, JUMPS)
-
-
-def each_refined(
-    resolutions: Sequence[Resolution], finer: Callable[[Resolution, float], dict[str, float]]
-) -> dict[str, dict[str, float]]:
-    """What each run of a study of convergence is given, by its name: nothing, or what makes a resolution finer."""
-    return {BASE: {}} | {
-        run: finer(resolution, factor)
-        for resolution in resolutions
-        for run, factor in zip(resolution.runs, resolution.factors, strict=True)
-    }
-
-
-def refined_study(study: Study, fidelity: str) -> Study:
-    """The study with itself and its refinements as variants.
-    Raises StudyError if the study has variants of its own; choose one of them.
-    """
-    study = alone(study)
+def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
+    """Without wear the mesh alone, and with jumps of a given size no tolerance of jumps."""
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
     given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
     sizes = {name: size for name, size in given.items() if size is not None}
 
-    def finer(resolution: Resolution, factor: float) -> dict[str, float]:
-        smaller = {name: size / factor for name, size in sizes.items()}
-        known: dict[Resolution, dict[str, float]] = {
-            MESH: {"mesh_refinement": factor * chosen.mesh_refinement, **smaller},
-            POSITIONS: {"increments_per_wear_cycle": 4 * ceil(factor * plan.increments_per_wear_cycle / 4)},
-            JUMPS: {"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)},
-        }
-        return known[resolution]
+    def of(own: Changes) -> Changes:
+        return {"fidelity": {fidelity: own}}
 
-    settings = each_refined(resolutions_of(study), finer)
-    variants = ((name, study.changed({"fidelity": {fidelity: chosen}})) for name, chosen in settings.items())
-    return replace(study, variants=tuple((name, refined.tables) for name, refined in variants), variant_name="")
+    finer: dict[Resolution, Callable[[float], Changes]] = {
+        MESH: lambda factor: of(
+            {"mesh_refinement": factor * chosen.mesh_refinement} | {name: size / factor for name, size in sizes.items()}
+        )
+    }
+    if study.wear is not None:
+        increments = plan.increments_per_wear_cycle
+        finer[POSITIONS] = lambda factor: of({"increments_per_wear_cycle": 4 * ceil(factor * increments / 4)})
+        if study.wear.explicit_jump_cycles is None:
+            finer[JUMPS] = lambda factor: of({"jump_tolerance": finer_tolerance(plan.jump_tolerance, factor)})
+    return finer
 
 
-def point_contact(bodies: tuple[str, str]) -> RefinedSubject[Study]:
+def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
+    """Without wear there are no jumps."""
+    tolerance, mesh = line_plan(study, fidelity).jump_tolerance, study.mesh
+    finer: dict[Resolution, Callable[[float], Changes]] = {
+        MESH: lambda factor: {"mesh": {"mesh_refinement": factor * mesh.mesh_refinement}},
+        POSITIONS: lambda factor: {"mesh": {"increments_refinement": factor * mesh.increments_refinement}},
+    }
+    if max(study.energy_coefficients()) > 0.0:
+        finer[JUMPS] = lambda factor: {"mesh": {"jump_tolerance": finer_tolerance(tolerance, factor)}}
+    return finer
+
+
+def point_contact(bodies: tuple[str, str]) -> RefinedSubject:
     """A contact at a point between bodies of these names."""
-    return RefinedSubject(figures_of(bodies), resolutions_of, refined_study, run_study)
+    return RefinedSubject(figures_of(bodies), finer_point)
+
+
+LINES = RefinedSubject(
+    (
+        Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
+        Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ")),
+        Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
+        Figure("depth of the pad", "µm", last_of("max_depth_pad_um")),
+        Figure("depth of the specimen", "µm", last_of("max_depth_specimen_um")),
+        Figure("worn area of both bodies", "µm²", lambda result: 1e6 * float(result.worn_volume_mm3[-1])),
+        Figure("half-width of the contact", "µm", last_of("contact_half_width_um")),
+        *PRESSURES,
+    ),
+    finer_line,
+)
 
 
 def converge(
-    study: Kind,
-    subject: RefinedSubject[Kind],
+    study: AnyStudy[Any],
+    subject: RefinedSubject,
     *,
     fidelity: str,
     output: Path,
@@ -261,9 +263,9 @@ def converge(
     engine: Engine | None = None,
 ) -> list[Converged]:
     """Run the study and its refinements, each in a folder of OUTPUT, and extrapolate; runs that are complete stay.
-    Raises StudyError if the study has variants of its own, and whatever the subject's `run` raises.
+    Raises StudyError if the study has variants of its own, and whatever `run_study` raises.
     """
-    results = subject.run(
+    results = run_study(
         subject.refined(study, fidelity),
         fidelity=fidelity,
         output=output,
@@ -272,7 +274,9 @@ def converge(
         jobs=jobs,
         engine=engine,
     )
-    return _extrapolated(subject.figures, subject.resolutions(study), {result.variant: result for result in results})
+    return _extrapolated(
+        subject.figures, tuple(subject.finer(study, fidelity)), {result.variant: result for result in results}
+    )
 
 
 def _extrapolated(

@@ -4,6 +4,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from math import ceil, log
+from typing import ClassVar
 
 import numpy as np
 
@@ -12,12 +13,14 @@ from solvers import ContactProblem, ContactState
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError, counted
 from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
 from wirewear.simulation.folder import MeshHistory, Report
 from wirewear.simulation.held import held_of
 from wirewear.simulation.problem import (
+    condense_bodies,
     contact_problem,
     fresh_state,
     holder_of,
@@ -177,6 +180,18 @@ class PointMeshes:
         return self.expected.scar_half_width_mm(volume_mm3) >= self.stages[stage].to_half_width_mm
 
 
+#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
+PICTURES = (
+    "report.html",
+    *(
+        f"pictures/{name}.{ending}"
+        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+        for ending in ("png", "svg", "pdf")
+    ),
+    "pictures/loop_and_scar*.gif",
+)
+
+
 @dataclass(frozen=True)
 class RunPlan:
     """A study without variants, or one of its variants, at a fidelity."""
@@ -185,6 +200,8 @@ class RunPlan:
     fidelity: str
     discretisation: Discretisation
     meshes: PointMeshes
+
+    derived: ClassVar[tuple[str, ...]] = (*TIME_SERIES_FILES, *PICTURES)
 
     @classmethod
     def of(cls, study: Study, fidelity: str) -> "RunPlan":
@@ -267,31 +284,35 @@ class RunPlan:
         }
         return identity_of(asked, RUN_CODE, plan)
 
+    @property
+    def needed_memory(self) -> float:
+        """Bytes that a run takes at least."""
+        sizes = [(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages]
+        # Of every logged cycle: four fields on both patches.
+        logged = len(self.logged_cycles) * max(8.0 * 4 * sum(pair) / 3.0 for pair in sizes)
+        return max(_of_pair(*pair) for pair in sizes) + logged
+
+    def require_affordable(self) -> None:
+        """See that a run can come to its end on this machine.
+        Raises StudyError, with what would fit, if it takes more memory than there is, or more cycle jumps than can be
+        waited for.
+        """
+        _require_an_end(self.study)
+        needed, free = self.needed_memory, free_memory()
+        if needed > free:
+            most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
+            raise _too_much(self.study, self.fidelity, most, needed, free, lambda: _what_fits(self, free))
+
+    def prepare(self, stage: Report) -> None:
+        """Condense the bodies, which variants mostly share: done once, all processes load them."""
+        for meshes in self.meshes.stages:
+            condense_bodies(self.study, meshes, stage)
+
 
 MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
 BYTES_PER_NODE = 230e3  #: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
 
 _COARSER = 1.1
-
-
-def needed_memory(plan: RunPlan) -> float:
-    """Bytes that a run takes at least."""
-    sizes = [(unknowns(stage.moving), unknowns(stage.fixed)) for stage in plan.meshes.stages]
-    # Of every logged cycle: four fields on both patches.
-    logged = len(plan.logged_cycles) * max(8.0 * 4 * sum(pair) / 3.0 for pair in sizes)
-    return max(_of_pair(*pair) for pair in sizes) + logged
-
-
-def require_affordable(plan: RunPlan) -> None:
-    """See that a run can come to its end on this machine.
-    Raises StudyError, with what would fit, if it takes more memory than there is, or more cycle jumps than can be
-    waited for.
-    """
-    _require_an_end(plan.study)
-    needed, free = needed_memory(plan), free_memory()
-    if needed > free:
-        most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in plan.meshes.stages)
-        raise _too_much(plan.study, plan.fidelity, most, needed, free, lambda: _what_fits(plan, free))
 
 
 def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:
@@ -315,12 +336,6 @@ def _too_much(
         f"{size_text(needed)} of memory, of which {size_text(free)} are free: {remedy()}, or allow more by "
         "--most-memory."
     )
-
-
-def affordable_jobs(plans: list[RunPlan], jobs: int) -> int:
-    """How many of the runs may be made side by side, at most `jobs`."""
-    largest = max((needed_memory(plan) for plan in plans), default=1.0)
-    return max(1, min(jobs, int(min(free_memory() / largest, 1e6))))
 
 
 def _of_pair(moving: int, fixed: int) -> float:

@@ -9,30 +9,21 @@ from typing import Any
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
+from wirewear.base.budget import free_memory
 from wirewear.base.engine import Engine, LocalProcesses
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
-from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
+from wirewear.simulation.line_runs import LineRun, LineRunRecord
 from wirewear.simulation.observers import NoObserver, Observer
-from wirewear.simulation.plan import RunPlan, affordable_jobs, require_affordable
-from wirewear.simulation.problem import condense_bodies
+from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
 from wirewear.simulation.tally import bends
 from wirewear.simulation.together import Task, run_together
-from wirewear.study import Study
+from wirewear.study import AnyStudy, LineStudy, Study
+from wirewear.study.any_study import alone
 
-#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
-PICTURES = (
-    "report.html",
-    *(
-        f"pictures/{name}.{ending}"
-        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
-        for ending in ("png", "svg", "pdf")
-    ),
-    "pictures/loop_and_scar*.gif",
-)
 ObserverOf = Callable[[str], AbstractContextManager[Observer]]
 
 
@@ -108,8 +99,15 @@ class PointRecord(Recorded):
         }
 
 
+#: How a test is planned and recorded, by its study.
+_WAYS: dict[type[AnyStudy[Any]], tuple[Any, Callable[[Any], Recorded]]] = {
+    Study: (RunPlan, PointRecord),
+    LineStudy: (LineRun, LineRunRecord),
+}
+
+
 def run_study(
-    study: Study,
+    study: AnyStudy[Any],
     *,
     fidelity: str = "standard",
     output: str | Path,
@@ -118,7 +116,7 @@ def run_study(
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[RunResult]:
-    """Simulate a study, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
+    """Simulate a study of any kind, or each of its variants, and leave OUTPUT[/<variant>]/result.h5.
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
     and one that is complete is read from its file and left as it is; one that another version of the program made is
@@ -132,88 +130,50 @@ def run_study(
         ResultError: a run is to be resumed, but what it has left is damaged; or a file cannot be written.
         SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
     """
-
-    def engine_for(left: Sequence[RunPlan]) -> Engine:
-        for plan in left:
-            require_affordable(plan)
-        return engine or LocalProcesses(min(affordable_jobs(list(left), jobs), max(len(left), 1)))
-
-    # Variants mostly share their bodies: condensed once here, they are loaded by every process.
-    return run_planned(
-        study,
-        RunPlan.of,
-        PointRecord,
-        fidelity,
-        Path(output),
-        engine_for,
-        (*TIME_SERIES_FILES, *PICTURES),
-        prepare=_condense,
-        resume=resume,
-        observer_of=observer_of,
-    )
-
-
-def run_planned(
-    study: Any,
-    plan_of: Callable[[Any, str], Any],
-    record_of: Callable[[Any], Recorded],
-    fidelity: str,
-    output: Path,
-    engine_for: Callable[[Sequence[Any]], Engine],
-    derived: tuple[str, ...],
-    *,
-    prepare: Callable[[Any, Callable[[str], None]], None] | None = None,
-    resume: bool = False,
-    observer_of: ObserverOf | None = None,
-) -> list[RunResult]:
-    """The results of a study of any kind, or of each of its variants in a folder of its own; raises as `run_study`.
-
-    plan_of: of a study without variants at a fidelity, with study, label, identity and test as `RunPlan` has them.
-    record_of: an empty record of a plan.  engine_for: says what does the runs that are left; StudyError where one
-    cannot be afforded.  derived: patterns of the files that are made of a run's result.  prepare: does what runs side
-    by side would all have to do.
-    """
+    way, output = _WAYS[type(study)][0], Path(output)
     variants = [study.variant(name) for name in study.variant_names] or [study]
-    plans = [plan_of(variant, fidelity) for variant in variants]
+    plans = [way.of(variant, fidelity) for variant in variants]
     tasks = [
         Task(
             plan.label,
-            RunFolder(output / plan.study.variant_name if study.variant_names else output, plan.identity, derived),
-            partial(run_cycles, plan, record_of),
-            None if prepare is None else partial(prepare, plan),
+            RunFolder(output / plan.study.variant_name if study.variant_names else output, plan.identity, plan.derived),
+            partial(run_cycles, plan),
+            partial(type(plan).prepare, plan),
         )
         for plan in plans
     ]
     plan_in = {task.folder.path: plan for task, plan in zip(tasks, plans, strict=True)}
+
+    def engine_for(left: Sequence[Task]) -> Engine:
+        due = [plan_in[task.folder.path] for task in left]
+        for plan in due:
+            plan.require_affordable()
+        largest = max((plan.needed_memory for plan in due), default=1.0)
+        return engine or LocalProcesses(max(1, min(jobs, len(due), int(min(free_memory() / largest, 1e6)))))
+
     return run_together(
         output,
         study.name,
         tasks,
-        lambda left: engine_for([plan_in[task.folder.path] for task in left]),
+        engine_for,
         variants=bool(study.variant_names),
         resume=resume,
         observer_of=observer_of,
     )
 
 
-def simulate(study: Study, *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
+def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Observer | None = None) -> RunResult:
     """Simulate a study without variants, or one variant, and leave no file.
-    Raises StudyError if it cannot be discretised, or asks for more memory or cycle jumps than can be had; SolverError
-    if the contact did not converge, or left the fine patch.
+    Raises StudyError if it has variants, cannot be discretised, or asks for more memory or cycle jumps than can be had;
+    SolverError if the contact did not converge, or left the fine patch.
     """
-    plan = RunPlan.of(study, fidelity)
-    require_affordable(plan)
+    way, record_of = _WAYS[type(alone(study, 'take one of them, as in study.variant("{first}")'))]
+    plan = way.of(study, fidelity)
+    plan.require_affordable()
     kept = InMemory(plan.identity)
-    return cycle_through(plan.test, PointRecord(plan), kept, observer or NoObserver(), resume=False)
+    return cycle_through(plan.test, record_of(plan), kept, observer or NoObserver(), resume=False)
 
 
-def _condense(plan: RunPlan, stage: Callable[[str], None]) -> None:
-    for meshes in plan.meshes.stages:
-        condense_bodies(plan.study, meshes, stage)
-
-
-def run_cycles(
-    plan: Any, record_of: Callable[[Any], Recorded], folder: RunFolder, observer: Observer, *, resume: bool
-) -> RunResult:
+def run_cycles(plan: Any, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
-    return cycle_through(plan.test, record_of(plan), folder, observer, resume=resume)
+    return cycle_through(plan.test, _WAYS[type(plan.study)][1](plan), folder, observer, resume=resume)

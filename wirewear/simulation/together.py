@@ -136,7 +136,7 @@ class Task:
     label: str
     folder: RunFolder
     simulate: Simulates
-    prepare: Callable[[Callable[[str], None]], None] | None = None
+    prepare: Callable[[Callable[[str], None]], None]
 
 
 def run_together(
@@ -188,8 +188,7 @@ def _run_all(
         watchers = [stack.enter_context(observer_of(task.label)) for task, _ in runs]
         for (task, found), watcher in zip(runs, watchers, strict=True):
             _tell(found, watcher)
-            if task.prepare is not None:
-                task.prepare(watchers[0].stage)
+            task.prepare(watchers[0].stage)
         tasks = [partial(task.simulate, task.folder, resume=resume) for task, _ in runs]
         return run_side_by_side(tasks, watchers, engine)
 

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from geometry import BodyMesh, Elastic, HexMesh, build_body
+from geometry import BodyMesh, Elastic, HexMesh, build_body, build_planar
 from solvers import (
     ContactProblem,
     ContactState,
@@ -20,9 +20,10 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.plan import RunPlan, require_affordable
+from wirewear.simulation.line_model import plan, require_affordable_lines
+from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import contact_problem
-from wirewear.study import Study
+from wirewear.study import LineStudy, Study
 
 __all__ = [
     "BodyMesh", "ContactProblem", "ContactState", "Discretisation", "Elastic", "HexMesh", "IncrementReport", "advance",
@@ -44,12 +45,12 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     from wirewear.pictures import body_meshes, save, surface_fields
     from wirewear.pictures.supports import supports
 
-    plan = RunPlan.of(study, fidelity)
-    require_affordable(plan)
-    first, *others = plan.meshes.stages
+    run = RunPlan.of(study, fidelity)
+    run.require_affordable()
+    first, *others = run.meshes.stages
     last = others[-1] if others else first
     meshed = build_body(last.moving), build_body(last.fixed)
-    names = plan.discretisation.bodies
+    names = run.discretisation.bodies
     fresh = build_body(first.moving) if others else None
     with writing(ResultError, f"cannot write meshes to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
@@ -60,3 +61,23 @@ def write_meshes(study: Study, fidelity: str, folder: Path) -> list[Path]:
     picture = save(lambda: body_meshes(*meshed, angle, spoken, fresh), folder / "mesh.png")
     held = save(lambda: supports(study, *meshed), folder / "boundary_conditions.png")
     return [*(folder / f"{name}.vtu" for name in names), picture, held]
+
+
+def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Path]:
+    """Mesh both bodies; leave pad.vtu, specimen.vtu and boundary_conditions.png in a folder.
+    Raises StudyError if the study cannot be meshed, or asks for more memory than there is; GeometryError if the mesh is
+    distorted; ResultError if the files cannot be written.
+    """
+    from wirewear.pictures import save
+    from wirewear.pictures.lines import line_supports
+
+    meshes = plan(study, fidelity)
+    require_affordable_lines(study.name, meshes)
+    bodies = {"pad": build_planar(meshes.pad), "specimen": build_planar(meshes.specimen)}
+    with writing(ResultError, f"cannot write meshes to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for name, body in bodies.items():
+            with in_one_step(folder / f"{name}.vtu") as partial:
+                body.mesh.write(partial)
+    picture = save(lambda: line_supports(study, *bodies.values()), folder / "boundary_conditions.png")
+    return [*(folder / f"{name}.vtu" for name in bodies), picture]

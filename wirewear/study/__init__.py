@@ -9,11 +9,15 @@ from geometry.late import loaded_late
 from wirewear.study.fidelity import FIDELITIES
 
 if TYPE_CHECKING:
+    from wirewear.study.any_study import AnyStudy
     from wirewear.study.bodies import Body
     from wirewear.study.reading import load_study, parse_study, study_from_tables
-    from wirewear.study.study import Study
+    from wirewear.study.study import LineStudy, Study
     from wirewear.study.tables import FidelitySettings
 
-__all__ = ["FIDELITIES", "Body", "FidelitySettings", "Study", "load_study", "parse_study", "study_from_tables"]
+__all__ = [
+    "FIDELITIES", "AnyStudy", "Body", "FidelitySettings", "LineStudy", "Study", "load_study", "parse_study",
+    "study_from_tables",
+]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -1,20 +1,18 @@
 """Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.study.bodies import Wire
 from wirewear.study.fidelity import FIDELITIES
-from wirewear.study.keys import Inconsistency
+from wirewear.study.keys import NO_PIVOT, Inconsistency
 from wirewear.study.layers import unfit_layers
+from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.programme import CycleBlock, held_keys, logged_ends, placed, too_many
-from wirewear.study.tables import ContactTables, Log, StudyTables
-
-#: Tables by kind of contact, but for those of crossed wires, which tell a file of no kind so.
-_OTHERS: dict[object, type[ContactTables]] = {"ball-on-flat": BallOnFlatTables, "point-contact": PointTables}
+from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, AnyTables, ContactTables, Log, StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -43,7 +41,7 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
 
 def checked_tables(
     data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
-) -> ContactTables:
+) -> AnyTables:
     """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table.
     Raises StudyError, in one sentence, if they are no tables of a study.
     """
@@ -52,8 +50,7 @@ def checked_tables(
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides or {}, keys) else table
 
-    model = next((own for kind, own in _OTHERS.items() if data.get("kind") == kind), StudyTables)
-    tables = validated(model, data, where, StudyError, spelled)
+    tables = validated(_of_kind(data.get("kind"))[0], data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction
@@ -75,20 +72,9 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
     return True
 
 
-def inconsistency(tables: ContactTables) -> Inconsistency | None:
+def inconsistency(tables: AnyTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (
-        lambda own: own.contradiction(),
-        _wear,
-        _layers,
-        _bulk,
-        _holder,
-        _effects,
-        _explicit,
-        _fidelities,
-        _programme,
-        _held,
-    )
+    checks = (type(tables).contradiction, *_of_kind(tables.kind)[1], *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -123,10 +109,10 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
-def _layers(tables: ContactTables) -> Inconsistency | None:
-    stated = [layer for body in tables.bodies_of_test() for layer in body.layers]
+def _layers(tables: AnyTables) -> Inconsistency | None:
+    stated = [layer for layers in tables.layers.values() for layer in layers]
     told = unfit_layers(stated, tables.contact.friction)
-    return None if told is None else Inconsistency(("bodies", "layers"), told)
+    return None if told is None else Inconsistency(("layers",), told)
 
 
 def _bulk(tables: ContactTables) -> Inconsistency | None:
@@ -143,10 +129,7 @@ def _bulk(tables: ContactTables) -> Inconsistency | None:
 def _holder(tables: ContactTables) -> Inconsistency | None:
     holder = tables.holder
     if holder.rotational_stiffness_N_mm_per_rad != "rigid" and holder.pivot_height_mm is None:
-        return Inconsistency(
-            ("holder", "rotational_stiffness_N_mm_per_rad"),
-            "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing",
-        )
+        return Inconsistency(("holder", "rotational_stiffness_N_mm_per_rad"), NO_PIVOT)
     if tables.conditions.approach_um is not None and tables.conditions.load_cycle is not None:
         return Inconsistency(
             ("conditions", "load_cycle"), "says how the load goes, but approach_um holds the bodies at a fixed approach"
@@ -174,6 +157,8 @@ def _effects(tables: ContactTables) -> Inconsistency | None:
 
 def _explicit(tables: ContactTables) -> Inconsistency | None:
     if tables.wear is not None and tables.wear.update == "explicit":
+        if held := held_keys(tables.conditions):
+            return Inconsistency(("conditions", held[0]), 'does not go with update = "explicit" of [wear]')
         if tables.wear.of_law.timed:
             return Inconsistency(
                 ("wear", "law"),
@@ -187,17 +172,15 @@ def _explicit(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
-def _programme(tables: ContactTables) -> Inconsistency | None:
+def _programme(tables: AnyTables) -> Inconsistency | None:
     told = too_many(tables.programme, tables.conditions.cycles)
     return None if told is None else Inconsistency(("programme",), told)
 
 
-def _held(tables: ContactTables) -> Inconsistency | None:
+def _held(tables: AnyTables) -> Inconsistency | None:
     held = held_keys(tables.conditions)
     if len(held) > 1:
         return Inconsistency(("conditions", held[0]), f"and {held[1]} are both given, but a drive holds one of them")
-    if held and tables.wear is not None and tables.wear.update == "explicit":
-        return Inconsistency(("conditions", held[0]), 'does not go with update = "explicit" of [wear]')
     return None
 
 
@@ -211,3 +194,20 @@ def _fidelities(tables: ContactTables) -> Inconsistency | None:
                 f"is {fine:g} µm, but must not exceed outer_mesh_um = {outer:g} µm",
             )
     return None
+
+
+Check = Callable[[Any], Inconsistency | None]
+_OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
+_OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
+
+#: Tables by kind of contact and the checks between them; a file of no kind is told so by those of crossed wires.
+_KINDS: dict[str, tuple[type[AnyTables], tuple[Check, ...]]] = {
+    CROSSED_WIRES: (StudyTables, _OF_A_POINT),
+    "ball-on-flat": (BallOnFlatTables, _OF_A_POINT),
+    "point-contact": (PointTables, _OF_A_POINT),
+    **dict.fromkeys(PLANAR_KINDS, (LineTables, ())),
+}
+
+
+def _of_kind(asked: object) -> tuple[type[AnyTables], tuple[Check, ...]]:
+    return next((own for kind, own in _KINDS.items() if asked == kind), _KINDS[CROSSED_WIRES])

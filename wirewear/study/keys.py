@@ -4,11 +4,14 @@ The keys carry their units; values are kept as given. A key's checks stand in it
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Annotated, Any, Literal, NamedTuple, get_args
+from dataclasses import asdict
+from itertools import pairwise
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
 
+from solvers import FrictionLaw, SolverError, WearLaw, friction_law, wear_law
 from wirewear.base.errors import Quantity, shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.study.materials import material_named
@@ -129,6 +132,65 @@ AngleScatter = Annotated[float, PlainValidator(Quantity("deg", 0.0, 10.0))]
 NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
 CycleList = Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)]
 CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
+
+
+Law = TypeVar("Law", FrictionLaw, WearLaw)
+
+
+def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, float]], Law], example: str) -> Law:
+    """The law that a key's value describes; ValueError when there is none such."""
+    if isinstance(value, kind):
+        return cast("Law", value)
+    table = {"name": value} if isinstance(value, str) else value
+    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+        raise ValueError(f"is {shown(value)}, but must be {example}")
+    parameters = {key: number for key, number in table.items() if key != "name"}
+    for key, number in parameters.items():
+        if isinstance(number, bool) or not isinstance(number, int | float):
+            raise ValueError(f"gives {key} = {shown(number)}, but must give a number")
+    try:
+        return made(table["name"], parameters)
+    except SolverError as problem:
+        raise ValueError(f"is {shown(value)}: {problem}") from None
+
+
+def _described(law: FrictionLaw | WearLaw) -> str | dict[str, Any]:
+    parameters = asdict(law)
+    return {"name": law.name, **parameters} if parameters else law.name
+
+
+_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
+_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
+
+#: A key that takes a friction law.
+FrictionLawKey = Annotated[
+    FrictionLaw,
+    PlainValidator(lambda value: _law_of(value, FrictionLaw, friction_law, _FRICTION)),
+    PlainSerializer(_described),
+]
+
+#: A key that takes a wear law.
+WearLawKey = Annotated[
+    WearLaw, PlainValidator(lambda value: _law_of(value, WearLaw, wear_law, _WEAR)), PlainSerializer(_described)
+]
+
+
+def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
+    points = []
+    for item in value if isinstance(value, list | tuple) else [None]:
+        pair = item if isinstance(item, list | tuple) else []
+        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or not x >= 0 for x in pair):
+            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as [[0, 1.0], [10000, 0.5]]")
+        points.append((float(pair[0]), float(pair[1])))
+    if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
+    return tuple(points)
+
+
+Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)]
+
+#: Said of a rotational stiffness.
+NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing"
 
 
 class Table(BaseModel):

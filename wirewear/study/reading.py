@@ -8,17 +8,30 @@ from typing import Any
 from wirewear.base.errors import StudyError, shown
 from wirewear.base.reading import Held, parsed_toml, read_toml, require_no_other
 from wirewear.study.consistency import checked_tables, merged
-from wirewear.study.study import Study
-from wirewear.study.tables import PLANAR_KINDS
+from wirewear.study.lines import LineTables
+from wirewear.study.study import LineStudy, Study
+from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS
 
 FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 
 def load_study(path: str | Path) -> Study:
-    """Read a study from a TOML file.
-    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study.
+    """Read a study of a contact at a point from a TOML file.
+    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of one.
     """
-    return study_from_tables(read_study(path), str(path))
+    return point_study(read_study(path), str(path))
+
+
+def point_study(data: Mapping[str, Any], where: str) -> Study:
+    """A study of a contact at a point from nested tables.
+    Raises StudyError, in one sentence, if the tables are no valid study of one.
+    """
+    if data.get("kind") in PLANAR_KINDS:
+        raise StudyError(
+            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind "{CROSSED_WIRES}".'
+        )
+    study: Study = study_from_tables(data, where)
+    return study
 
 
 def read_study(path: str | Path) -> dict[str, Any]:
@@ -45,24 +58,20 @@ def parse_study(text: str, where: str) -> Study:
     """Read a study from TOML text; `where` names its origin in messages.
     Raises StudyError, in one sentence, if the text is no valid study.
     """
-    return study_from_tables(parsed_toml(text, where, StudyError), where)
+    return point_study(parsed_toml(text, where, StudyError), where)
 
 
-def study_from_tables(data: Mapping[str, Any], where: str) -> Study:
-    """Build a study from nested tables such as `Study.resolved()` returns.
+def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
+    """Build a study of any kind from nested tables such as `Study.resolved()` returns.
     Raises StudyError, in one sentence, if the tables are no valid study.
     """
-    if data.get("kind") in PLANAR_KINDS:
-        raise StudyError(
-            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind "crossed-wires".'
-        )
     base = {key: value for key, value in data.items() if key != "variants"}
-    tables = checked_tables(base, where)
-    variants = tuple(
+    tables: Any = checked_tables(base, where)
+    variants: tuple[tuple[str, Any], ...] = tuple(
         (name, checked_tables(merged(base, overrides), where, overrides, f"variants.{name}"))
         for name, overrides in variants_in(data, where)
     )
-    return Study(tables, variants)
+    return {LineTables: LineStudy}.get(type(tables), Study)(tables, variants)
 
 
 def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:

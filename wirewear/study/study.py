@@ -1,135 +1,38 @@
-"""A study as a value: what the user states of bodies, rig, contact and wear, with its variants."""
+"""Studies as values, of contacts at a point and along a line: what the user states of bodies, rig and contact."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
-from functools import cached_property, partial
-from typing import Any, Protocol, TypeVar, cast
+from functools import cached_property
+from typing import cast
 
-from solvers import Drive, FrictionLaw, WearLaw
-from wirewear.base import notebook
-from wirewear.base.errors import StudyError, as_sentence, counted, shown
-from wirewear.effects import Effect, effects_of_tables
+from wirewear.study.any_study import AnyStudy
 from wirewear.study.bodies import Body
-from wirewear.study.bulk import bulk_of
-from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.fidelity import FIDELITIES, level_of
-from wirewear.study.keys import Table, values_in_no_variant
-from wirewear.study.layers import LayerTable
-from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
+from wirewear.study.lines import (
+    LineConditions,
+    LineFriction,
+    LineHolder,
+    LineMeshing,
+    LineTables,
+    LineWear,
+    Pad,
+    Specimen,
+)
 from wirewear.study.tables import (
     Conditions,
     Contact,
     ContactTables,
     FidelitySettings,
     HolderTable,
-    Log,
     Mesh,
     StudyTables,
     Wear,
 )
 from wirewear.study.wires import Wires
 
-LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
 
-AnyTable = TypeVar("AnyTable", bound=Table)
-
-
-class HasVariants(Protocol):
-    """A study of any kind."""
-
-    @property
-    def name(self) -> str:
-        """Title of the study."""
-
-    @property
-    def variant_names(self) -> tuple[str, ...]:
-        """Names of its variants, none of a study without."""
-
-
-AnyStudy = TypeVar("AnyStudy", bound=HasVariants)
-
-
-def alone(study: AnyStudy, how: str = "choose one with --variant") -> AnyStudy:
-    """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
-    Raises StudyError if it has variants.
-    """
-    if study.variant_names:
-        how = how.replace("{first}", study.variant_names[0])
-        raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
-    return study
-
-
-def with_values(tables: ContactTables, values: Mapping[str, Any], where: str) -> ContactTables:
-    """The tables with these values, checked as a file's are; None takes a key back to its default.
-
-    A test of another length is recorded at the same cycles as far as it goes, and at its last.
-    Raises StudyError, in one sentence, if there is no such key, or its value cannot be.
-    """
-    data = tables.model_dump(mode="json", exclude_none=True)
-    for key, value in values.items():
-        _put(data, key, value, where)
-    if "conditions.cycles" in values and LOGGED not in values:
-        data["log"]["loop_cycles"] = _as_far(tables, values["conditions.cycles"])
-    return checked_tables(data, where)
-
-
-def value_at(tables: ContactTables, key: str) -> Any:
-    """What stands at a key with dots in it; None where there is none."""
-    here: Any = tables.model_dump(mode="json")
-    for part in key.split("."):
-        here = here.get(part) if isinstance(here, Mapping) else None
-    return here
-
-
-def _as_far(tables: ContactTables, end: object) -> list[int]:
-    """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
-    logged = tables.log.loop_cycles
-    if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
-        return []
-    return [*logged, end]
-
-
-def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
-    *path, last = key.split(".")
-    here = data
-    for part in path:
-        inner = here.setdefault(part, {})
-        if not isinstance(inner, dict):
-            raise StudyError(f"{shown(part)} in the key {shown(key)} for {where} is no table but a value.")
-        here = inner
-    if value is None:
-        here.pop(last, None)
-    else:
-        here[last] = value
-
-
-@dataclass(frozen=True, repr=False)
-class Study:
-    """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
-
-    `variant_name` says which variant of a study this is; it is empty for a study as a whole.
-    """
-
-    tables: ContactTables
-    variants: tuple[tuple[str, ContactTables], ...] = ()
-    variant_name: str = ""
-
-    @property
-    def name(self) -> str:
-        """Title of the study."""
-        return self.tables.name
-
-    @property
-    def kind(self) -> str:
-        """Kind of contact."""
-        return self.tables.kind
-
-    @property
-    def contact_kind(self) -> str:
-        """Kind of contact, as results and records name it."""
-        return self.tables.kind
+class Study(AnyStudy[ContactTables]):
+    """A study of a contact at a point."""
 
     @property
     def wires(self) -> Wires:
@@ -167,133 +70,9 @@ class Study:
         return self.tables.wear
 
     @property
-    def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
-        """Those of friction and of wear, if it wears."""
-        friction = self.contact.friction_law
-        return (friction,) if self.wear is None else (friction, self.wear.of_law)
-
-    @property
-    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings and hard skins on both bodies, by their names."""
-        return {body.name: body.layers for body in self.bodies}
-
-    @property
-    def drive(self) -> Drive:
-        """Displacement, load and bulk stresses in the course of a cycle."""
-        return replace(self.conditions.drive, bulk=bulk_of([(body.bulk, body.material) for body in self.bodies]))
-
-    @property
     def holder(self) -> HolderTable:
         """Stiffness of the rig and of the loading train."""
         return self.tables.holder
-
-    @property
-    def effects(self) -> tuple[Effect[Any], ...]:
-        """Effects that the nominal model lacks."""
-        return self.tables.effects
-
-    @property
-    def driven(self) -> Study:
-        """The study as its drive moves the bodies, which effects may change."""
-        conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
-        if conditions is self.conditions:
-            return self
-        return replace(self, tables=self.tables.model_copy(update={"conditions": conditions, "programme": blocks}))
-
-    @cached_property
-    def schedule(self) -> Schedule[Study]:
-        """The blocks of cycles that the test goes through, each with the study of its conditions."""
-        alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
-        return Schedule(self.tables.programme, self.conditions.cycles, alone, partial(_under, alone))
-
-    @property
-    def worn_per_cycle(self) -> float:
-        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³ for either stroke of one amplitude."""
-        if self.wear is None:
-            return 0.0
-        rate = self.wear.largest_factor * self.wear.volume_per_sliding_mm3_per_N_m(self.contact.friction)
-        return rate * self.conditions.normal_load_N * self.conditions.displacement_amplitude_um
-
-    @cached_property
-    def envelope(self) -> Study:
-        """A study of one block, as large in load, stroke, friction and worn volume as all blocks together: for meshes.
-
-        Itself, where there is no programme.
-        """
-        if not self.tables.programme:
-            return self
-        stretches = self.schedule.stretches
-        worst = max((own.study for own in stretches), key=lambda study: study.worn_per_cycle)
-        every = [own.study.conditions for own in stretches]
-        conditions = {
-            "normal_load_N": max(own.normal_load_N for own in every),
-            "displacement_amplitude_um": max(own.displacement_amplitude_um for own in every),
-        }
-        friction = max(own.study.contact.friction for own in stretches)
-        largest = worst.changed({"conditions": conditions, "contact": {"friction": friction}})
-        cycles = worked_cycles(stretches, largest.worn_per_cycle)
-        return largest.changed({"conditions": {"cycles": cycles}})
-
-    def given(self) -> dict[str, Any]:
-        """What its file gives, as nested tables."""
-        return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
-
-    def logging(self, cycles: tuple[int, ...]) -> Study:
-        """The same study and variants, recording the loops of these cycles."""
-
-        def logged(tables: ContactTables) -> ContactTables:
-            return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
-
-        variants = tuple((name, logged(tables)) for name, tables in self.variants)
-        return replace(self, tables=logged(self.tables), variants=variants)
-
-    def unused_values(self) -> Iterator[tuple[str, str, object]]:
-        """Table, key and value of what the file gives for all variants while each of them has another value."""
-        return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
-
-    def changed(self, changes: Mapping[str, Any]) -> Study:
-        """The same study, without variants, with these values in place of its own; tables nested as in its file.
-
-        The values are taken as they are: whether they go with one another is not asked.
-        """
-        return Study(_changed(self.tables, changes), variant_name=self.variant_name)
-
-    def with_values(self, values: Mapping[str, Any]) -> Study:
-        """The same study, variants and all, with values named by their keys: `{"conditions.normal_load_N": 4}`.
-
-        They are checked as a file's are; None takes a key back to its default.
-        Raises StudyError if there is no such key, its value cannot be, or variants state it differently from one
-        another.
-        """
-        name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
-        where = f"the study {name!r}"
-        for key in values:
-            own = [one for one, tables in self.variants if value_at(tables, key) != value_at(self.tables, key)]
-            if own:
-                raise StudyError(
-                    f"{key} of {where} is stated by its variants {', '.join(own)}: take one of them first, as in "
-                    f'study.variant("{own[0]}").'
-                )
-        variants = tuple((one, with_values(tables, values, f"{where}, variant {one}")) for one, tables in self.variants)
-        return Study(with_values(self.tables, values, where), variants, self.variant_name)
-
-    def with_effects(self, *effects: Effect[Any]) -> Study:
-        """The same study, without variants, with these effects in place of its own.
-        Raises StudyError if an effect is given twice, or does not go with the study.
-        """
-        try:
-            study = self.changed({"effects": effects_of_tables(effects)})
-        except ValueError as problem:
-            raise StudyError(as_sentence(f"effects of the study {self.name!r} {problem}")) from None
-        contradiction = inconsistency(study.tables)
-        if contradiction is not None:
-            raise StudyError(f"{contradiction.keys[-1]} of the study {self.name!r} {contradiction.problem}.")
-        return study
-
-    @property
-    def log(self) -> Log:
-        """Which cycles are recorded."""
-        return self.tables.log
 
     @property
     def mesh(self) -> Mesh:
@@ -307,85 +86,45 @@ class Study:
         settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
         return settings
 
-    @property
-    def stated(self) -> dict[str, float]:
-        """Every number in the study's tables by its key, such as contact.friction."""
-        return dict(_numbers(_plain(self.tables), ()))
+
+class LineStudy(AnyStudy[LineTables]):
+    """A study of a line contact, of one millimetre of its length."""
 
     @property
-    def variant_names(self) -> tuple[str, ...]:
-        """Names of the variants in the file's order; empty for a study without."""
-        return tuple(name for name, _ in self.variants)
+    def pad(self) -> Pad:
+        """The pad, held by the rig."""
+        return self.tables.pad
 
-    def variant(self, name: str) -> Study:
-        """The study that a variant is: complete, and without variants of its own.
-        Raises StudyError if there is no such variant.
-        """
-        for own, tables in self.variants:
-            if own == name:
-                return Study(tables, variant_name=name)
-        known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
-        raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
+    @property
+    def specimen(self) -> Specimen:
+        """The flat, which is driven."""
+        return self.tables.specimen
 
-    def __repr__(self) -> str:
-        own = f", variant {self.variant_name!r}" if self.variant_name else ""
-        variants = f", variants {', '.join(self.variant_names)}" if self.variants else ""
-        c = self.conditions
-        return (
-            f"<Study {self.name!r}{own}: {c.normal_load_N:g} N, ±{c.displacement_amplitude_um:g} µm, "
-            f"{counted(c.cycles)} cycles{variants}>"
-        )
+    @property
+    def conditions(self) -> LineConditions:
+        """Load, stroke, frequency and length of the test."""
+        return self.tables.conditions
 
-    def _repr_html_(self) -> str:
-        rows = dict(_written(_plain(self.tables), ()))
-        if self.variants:
-            rows["variants"] = ", ".join(self.variant_names)
-        return notebook.table(self.name, rows)
+    @property
+    def contact(self) -> LineFriction:
+        """Friction."""
+        return self.tables.contact
 
-    def resolved(self) -> dict[str, Any]:
-        """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""
-        data = _plain(self.tables)
-        if self.variants:
-            data["variants"] = {
-                name: {
-                    key: table for key, table in _plain(tables).items() if isinstance(table, dict) or key == "effects"
-                }
-                for name, tables in self.variants
-            }
-        return data
+    @property
+    def wear(self) -> LineWear:
+        """Wear of both bodies."""
+        return self.tables.wear
 
+    @property
+    def holder(self) -> LineHolder:
+        """Stiffness of the rig and of the loading train."""
+        return self.tables.holder
 
-def _under(alone: Study, values: Mapping[str, Any]) -> Study:
-    """A study without a programme under the conditions of a block."""
-    tables = alone.tables.model_dump(mode="json", exclude_none=True)
-    tables = merged(tables, placed(values, tables))
-    return replace(alone, tables=checked_tables(tables, f"the study {alone.name!r}"))
+    @property
+    def mesh(self) -> LineMeshing:
+        """Resolution."""
+        return self.tables.mesh
 
-
-def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
-    values = {
-        key: _changed(getattr(table, key), value) if isinstance(value, Mapping) else value
-        for key, value in changes.items()
-    }
-    return table.model_copy(update=values)
-
-
-def _plain(tables: ContactTables) -> dict[str, Any]:
-    return tables.model_dump(mode="json", exclude_none=True)
-
-
-def _written(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, str]]:
-    """Every key with its value as it is written; empty tables and lists are left out."""
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _written(value, (*place, key))
-        elif value not in ([], ()):
-            yield ".".join((*place, key)), str(value)
-
-
-def _numbers(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, float]]:
-    for key, value in table.items():
-        if isinstance(value, Mapping):
-            yield from _numbers(value, (*place, key))
-        elif isinstance(value, int | float) and not isinstance(value, bool):
-            yield ".".join((*place, key)), float(value)
+    def energy_coefficients(self) -> tuple[float, float]:
+        """Wear of pad and specimen per dissipated energy, in mm³/J."""
+        return self.tables.energy_coefficients()

@@ -1,30 +1,19 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
-from dataclasses import asdict
-from itertools import pairwise
-from typing import Annotated, Any, Literal, TypeVar, cast
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import BeforeValidator, Field, PlainSerializer, PlainValidator
+from pydantic import Field, PlainValidator
 
-from solvers import (
-    Archard,
-    Coulomb,
-    Drive,
-    EnergyLaw,
-    FrictionLaw,
-    SolverError,
-    Waveform,
-    WearLaw,
-    friction_law,
-    wear_law,
-)
+from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Waveform, WearLaw
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
+from wirewear.study.bulk import bulk_of
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
+from wirewear.study.layers import LayerTable
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
 from wirewear.study.wires import BothWires
@@ -38,47 +27,6 @@ PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
 POINT_KINDS = ("ball-on-flat", "point-contact")
 
 
-Law = TypeVar("Law", FrictionLaw, WearLaw)
-
-
-def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, float]], Law], example: str) -> Law:
-    """The law that a key's value describes; ValueError when there is none such."""
-    if isinstance(value, kind):
-        return cast("Law", value)
-    table = {"name": value} if isinstance(value, str) else value
-    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
-        raise ValueError(f"is {shown(value)}, but must be {example}")
-    parameters = {key: number for key, number in table.items() if key != "name"}
-    for key, number in parameters.items():
-        if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"gives {key} = {shown(number)}, but must give a number")
-    try:
-        return made(table["name"], parameters)
-    except SolverError as problem:
-        raise ValueError(f"is {shown(value)}: {problem}") from None
-
-
-def _described(law: FrictionLaw | WearLaw) -> str | dict[str, Any]:
-    parameters = asdict(law)
-    return {"name": law.name, **parameters} if parameters else law.name
-
-
-_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
-_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
-
-#: A key that takes a friction law.
-FrictionLawKey = Annotated[
-    FrictionLaw,
-    PlainValidator(lambda value: _law_of(value, FrictionLaw, friction_law, _FRICTION)),
-    PlainSerializer(_described),
-]
-
-#: A key that takes a wear law.
-WearLawKey = Annotated[
-    WearLaw, PlainValidator(lambda value: _law_of(value, WearLaw, wear_law, _WEAR)), PlainSerializer(_described)
-]
-
-
 CROSSED_WIRES = "crossed-wires"  #: What the kind of crossed wires is called.
 
 
@@ -89,18 +37,6 @@ def _checked_kind(value: object) -> str:
         others = " or ".join(f'"{kind}"' for kind in (*POINT_KINDS, *PLANAR_KINDS))
         raise ValueError(f'is {shown(value)}, but must be "crossed-wires"; `wirewear run` also takes {others}')
     return CROSSED_WIRES
-
-
-def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
-    points = []
-    for item in value if isinstance(value, list | tuple) else [None]:
-        pair = item if isinstance(item, list | tuple) else []
-        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or not x >= 0 for x in pair):
-            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as [[0, 1.0], [10000, 0.5]]")
-        points.append((float(pair[0]), float(pair[1])))
-    if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
-        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
-    return tuple(points)
 
 
 class HeldByDrive(keys.Table):
@@ -154,7 +90,7 @@ class Contact(keys.Table):
     """The friction law, and how the contact conditions are imposed."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
-    friction_law: FrictionLawKey = Field(
+    friction_law: keys.FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
@@ -168,7 +104,7 @@ class Contact(keys.Table):
 class Wear(keys.Table):
     """The wear law: worn volume = coefficient × friction energy, or, by Archard's law, coefficient × load × sliding."""
 
-    law: WearLawKey | None = Field(
+    law: keys.WearLawKey | None = Field(
         None, description='"energy", "archard", or a table of another law\'s name and parameters; by the coefficient'
     )
 
@@ -182,7 +118,7 @@ class Wear(keys.Table):
     variation: Annotated[Variation, PlainValidator(keys.one_of("none", "cycles", "energy_J"))] = Field(
         "none", description='what the coefficient varies with: "none", "cycles" or "energy_J", the accumulated energy'
     )
-    variation_points: Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)] = Field(
+    variation_points: keys.Points = Field(
         (), description="pairs [cycles or energy_J, factor on the coefficient], joined by straight lines"
     )
     update: Annotated[WearUpdate, PlainValidator(keys.one_of("implicit", "explicit"))] = Field(
@@ -324,21 +260,69 @@ class StatesItsKind(keys.NamedTable):
     kind: str = Field(description="kind of contact")
 
 
-class ContactTables(StatesItsKind, ABC):
-    """What studies of all contacts at a point state besides the bodies, without variants."""
+class AnyTables(StatesItsKind, ABC):
+    """What studies of all contacts state besides the bodies, without variants; what is `Any` is of their kind."""
 
-    conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
+    load_key: ClassVar[str] = "normal_load_N"
+
+    conditions: Any = Field(description="load, stroke, frequency and length of the test")
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
-    contact: Contact = Field(description="friction")
-    wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
-    holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
+    contact: Any = Field(description="friction")
+    wear: Any = Field(None, description="wear law; without this table nothing wears")
+    holder: Any = Field(None, description="stiffness of the rig and of the loading train")
     stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
-    scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     life: LifeTable | None = Field(
         None, description="criterion and data by which cycles are counted until a crack begins"
     )
+    mesh: Any = Field(None, description="extent of the fine mesh")
+
+    @property
+    def contact_kind(self) -> str:
+        """Kind of contact, as results and records name it."""
+        return self.kind
+
+    @property
+    @abstractmethod
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Coatings and hard skins on both bodies, by their names."""
+
+    @property
+    @abstractmethod
+    def drive(self) -> Drive:
+        """Displacement, load and bulk stresses in the course of a cycle."""
+
+    @property
+    def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
+        """Those of friction and of wear, if it wears."""
+        friction: FrictionLaw = self.contact.friction_law
+        return (friction,) if self.wear is None else (friction, self.wear.of_law)
+
+    @property
+    @abstractmethod
+    def worn_by_sliding(self) -> float:
+        """What both bodies lose in gross slip per load and sliding distance, 10⁻⁹ of mm³ per N mm."""
+
+    @property
+    def worn_per_cycle(self) -> float:
+        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³, for either stroke of one amplitude."""
+        load: float = getattr(self.conditions, self.load_key)
+        return self.worn_by_sliding * load * float(self.conditions.displacement_amplitude_um)
+
+    @abstractmethod
+    def contradiction(self) -> keys.Inconsistency | None:
+        """What does not go together in the tables of the bodies, if anything."""
+
+
+class ContactTables(AnyTables):
+    """What studies of all contacts at a point state besides the bodies."""
+
+    conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
+    contact: Contact = Field(description="friction")
+    wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
+    holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
+    scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
 
@@ -346,9 +330,23 @@ class ContactTables(StatesItsKind, ABC):
     def bodies_of_test(self) -> tuple[Body, Body]:
         """The driven body, which lies below, and the held one above it."""
 
-    @abstractmethod
-    def contradiction(self) -> keys.Inconsistency | None:
-        """What does not go together in the tables of the bodies, if anything."""
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Of the driven body and of the held one."""
+        return {body.name: body.layers for body in self.bodies_of_test()}
+
+    @property
+    def drive(self) -> Drive:
+        """With the stresses that both bodies carry."""
+        return replace(
+            self.conditions.drive, bulk=bulk_of([(body.bulk, body.material) for body in self.bodies_of_test()])
+        )
+
+    @property
+    def worn_by_sliding(self) -> float:
+        """By the largest factor of the wear's variation."""
+        wear = self.wear
+        return 0.0 if wear is None else wear.largest_factor * wear.volume_per_sliding_mm3_per_N_m(self.contact.friction)
 
     def too_far(self) -> keys.Inconsistency | None:
         """A stroke longer than a body is thick."""

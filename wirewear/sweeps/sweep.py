@@ -24,9 +24,9 @@ from wirewear.interior.life import life_of
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.study import Study, load_study
+from wirewear.study.any_study import alone
 from wirewear.study.life import material_of_body
 from wirewear.study.messages import validated
-from wirewear.study.study import alone
 from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.

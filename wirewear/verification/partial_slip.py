@@ -18,9 +18,9 @@ import solvers
 from geometry.arrays import Array
 from solvers.pairing import pair
 from wirewear import reference
-from wirewear.planar import PlanarStudy, planar_study_from_tables, run_planar_study
 from wirewear.results import RunResult
-from wirewear.simulation import last_of
+from wirewear.simulation import last_of, simulate
+from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,
@@ -78,10 +78,10 @@ def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
 
 
 def _worn(cycles: int, mesh: dict[str, float]) -> RunResult:
-    return run_planar_study(_study(cycles, {"jump_tolerance": _JUMP_TOLERANCE} | mesh), fidelity="quick")
+    return simulate(_study(cycles, {"jump_tolerance": _JUMP_TOLERANCE} | mesh), fidelity="quick")
 
 
-def _study(cycles: int, mesh: dict[str, float]) -> PlanarStudy:
+def _study(cycles: int, mesh: dict[str, float]) -> LineStudy:
     """A steel cylinder in gross slip on a rigid rig."""
     steel = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
     tables: dict[str, Any] = {
@@ -96,7 +96,8 @@ def _study(cycles: int, mesh: dict[str, float]) -> PlanarStudy:
         "log": {"loop_cycles": [1, cycles]},
         "mesh": mesh,
     }
-    return planar_study_from_tables(tables, "the reference problem")
+    study: LineStudy = study_from_tables(tables, "the reference problem")
+    return study
 
 
 def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:

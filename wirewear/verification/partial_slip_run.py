@@ -83,7 +83,8 @@ def _study(resolution: float) -> Study:
             "quick": {"contact_mesh_um": element_um, "outer_mesh_um": element_um, "increments_per_cycle": _INCREMENTS}
         },
     }
-    return study_from_tables(tables, "the reference problem")
+    study: Study = study_from_tables(tables, "the reference problem")
+    return study
 
 
 def _exact(resolution: float) -> reference.LimitingShape:
@@ -147,7 +148,7 @@ def study_of(
         "frequency_Hz": 1.0,
         "cycles": cycles,
     }
-    return study_from_tables(
+    study: Study = study_from_tables(
         {
             "format": 1,
             "name": "bodies of a reference problem",
@@ -159,6 +160,7 @@ def study_of(
         },
         "the reference problem",
     )
+    return study
 
 
 def _meshed(study: Study, level: Level) -> tuple[CondensedBody, CondensedBody]:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 from math import floor, inf, log10
+from typing import Any
 
 from wirewear.base import notebook
 from wirewear.base.errors import unit_of, words_of
@@ -21,9 +22,8 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.effects import all_effects, all_measurements, effect_named
-from wirewear.planar.tables import PlanarStudy
 from wirewear.records import AnyRecord
-from wirewear.study import Study
+from wirewear.study import AnyStudy
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
 
 #: What to look at where a gap behaves like something at a seam.
@@ -43,7 +43,7 @@ class Diagnosed:
 
     diagnosis: Diagnosis
     record: AnyRecord
-    study: Study | PlanarStudy
+    study: AnyStudy[Any]
     states: WearStates
     setup: Setup
     observed: Observations

@@ -25,7 +25,7 @@ from wirewear.base.errors import StudyError
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, loading_displacement, partial_slip_point
 from wirewear.reference.half_space import partial_slip_stress
 from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
-from wirewear.study import study_from_tables
+from wirewear.study.reading import point_study
 
 LOADS = np.geomspace(0.1, 10.0, 41)  #: Loads of the map, relative to the test's.
 
@@ -69,7 +69,7 @@ class RunningConditions:
 def fresh_contact(study: Mapping[str, Any]) -> FreshContact | None:
     """The contact of a resolved study; None where it states too little, or nothing rubs."""
     try:
-        stated = study_from_tables(study, "the study")
+        stated = point_study(study, "the study")
     except StudyError:
         return None
     friction, rig = stated.contact.friction, stated.holder.tangential_stiffness_N_per_mm

@@ -17,8 +17,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
 
 if TYPE_CHECKING:
-    from wirewear.planar.tables import PlanarStudy
-    from wirewear.study import Study
+    from wirewear.study import LineStudy, Study
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.
@@ -125,9 +124,9 @@ class Candidate:
         return starts
 
 
-def nominal_line_setup(study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
+def nominal_line_setup(study: LineStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study of a line contact states, of the whole contact, its own effects among them."""
-    from wirewear.planar.tables import of_whole_contact
+    from wirewear.study.lines import of_whole_contact
 
     setup = Setup.of_line(study, length_mm, drive)
     return replace(setup, effects=of_whole_contact(study.effects, length_mm))

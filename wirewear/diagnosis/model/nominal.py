@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from solvers import Archard, EnergyLaw
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
-from wirewear.base.identity import PLANAR_CODE, RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
 from wirewear.results.scar import called
@@ -20,11 +20,10 @@ from wirewear.study.bodies import Gap
 from wirewear.study.programme import held_by, held_keys
 
 if TYPE_CHECKING:
-    from wirewear.planar.tables import PlanarStudy
     from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
     from wirewear.results import RunResult
     from wirewear.simulation import Observer
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy, LineStudy, Study
 
 Result = TypeVar("Result")
 
@@ -142,7 +141,7 @@ def checked_model(record: ExperimentRecord, study: Study) -> Study:
     return study
 
 
-def _require_the_same(record: AnyRecord, study: Study | PlanarStudy, pairs: Mapping[str, tuple[float, float]]) -> None:
+def _require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
     """Refuse a model of another test, or one that wears as the fast model does not foresee.
 
     pairs: numbers of model and record by their keys.
@@ -182,7 +181,7 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     return of_own_block(replace(result, path=path), study)
 
 
-def of_own_block(result: RunResult, study: Study | PlanarStudy) -> RunResult:
+def of_own_block(result: RunResult, study: AnyStudy[Any]) -> RunResult:
     """The run of a programme with the loops alone of the block whose conditions the study states as its own."""
     if not study.schedule.blocks:
         return result
@@ -191,12 +190,12 @@ def of_own_block(result: RunResult, study: Study | PlanarStudy) -> RunResult:
     return replace(result, loops=tuple(loop for loop in result.loops if blocks[loop.cycle] in own))
 
 
-def _own_blocks(study: Study | PlanarStudy) -> set[int]:
+def _own_blocks(study: AnyStudy[Any]) -> set[int]:
     own = (study.conditions, study.contact)
     return {one.block for one in study.schedule.stretches if (one.study.conditions, one.study.contact) == own}
 
 
-def logged_by(study: Study | PlanarStudy) -> tuple[int, ...]:
+def logged_by(study: AnyStudy[Any]) -> tuple[int, ...]:
     """Cycles at which a nominal run is logged; of a programme those nearest to them in the study's own block."""
     cycles = study.conditions.cycles
     wanted = {*half_decades(cycles), cycles}
@@ -230,7 +229,7 @@ def wearing(study: Study) -> Study:
     return study.changed({"wear": Wear(energy_wear_coefficient_mm3_per_J=coefficient)})
 
 
-def limits_of(nominal: RunResult, study: Study | PlanarStudy) -> tuple[str, ...]:
+def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
     """What a study and its run say against wear states taken from it; nothing of one that came to its end without bulk
     stresses.
     """
@@ -307,14 +306,14 @@ def _identity(study: Study) -> Identity:
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
 
 
-def _timing(study: Study | PlanarStudy, **others: str) -> dict[str, Any]:
+def _timing(study: AnyStudy[Any], **others: str) -> dict[str, Any]:
     """What to state in place of a study's timing: loops without inertia or damping are the same at any frequency,
     unless a law follows the speed.
     """
     return {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0, **others}
 
 
-def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
+def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
     """A study that is to be diagnosed against a line contact's record.
 
     Raises:
@@ -337,44 +336,42 @@ def checked_line_model(record: LineRecord, study: PlanarStudy) -> PlanarStudy:
     return study
 
 
-def nominal_line_run(study: PlanarStudy, observer_of: ObserverOf | None = None) -> RunResult:
+def nominal_line_run(study: LineStudy, observer_of: ObserverOf | None = None) -> RunResult:
     """The quick run of a study, from the cache or made now; it wears faster than stated by a margin.
 
     Raises:
         StudyError: the study cannot be meshed.
         SolverError: the contact did not converge.
     """
-    from wirewear.planar.run import run_planar_variants
     from wirewear.results import read_result
+    from wirewear.simulation import run_study
 
     # Effects of the model enter the fast model; the wear states are those without.
-    study = _faster_line(study.model_copy(update={"effects": ()}))
+    study = _faster_line(study.changed({"effects": ()}))
 
     def made(folder: Path) -> tuple[RunResult, Path]:
-        result = run_planar_variants(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
+        result = run_study(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
         return result, folder / "result.h5"
 
     result, _ = kept_or_made(f"nominal-line-{_identity_of_line(study).name}.h5", read_result, made)
     return of_own_block(result, study)
 
 
-def _faster_line(study: PlanarStudy) -> PlanarStudy:
-    margin = 1.0 if study.programme else WEAR_MARGIN
-    wear = {name: margin * value for name, value in study.wear.coefficients.items()}
-    tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
-    return study.model_copy(
-        update={
-            "wear": study.wear.model_copy(update=wear),
-            "log": study.log.model_copy(update={"loop_cycles": logged_by(study)}),
-            "mesh": study.mesh.model_copy(update={"jump_tolerance": tolerance}),
+def _faster_line(study: LineStudy) -> LineStudy:
+    margin = 1.0 if study.tables.programme else WEAR_MARGIN
+    return study.changed(
+        {
+            "wear": {name: margin * value for name, value in study.wear.coefficients.items()},
+            "log": {"loop_cycles": logged_by(study)},
+            "mesh": {"jump_tolerance": study.mesh.jump_tolerance or JUMP_TOLERANCE},
         }
     )
 
 
-def _identity_of_line(study: PlanarStudy) -> Identity:
-    stated: dict[str, Any] = study.model_dump(mode="json", exclude_none=True)
+def _identity_of_line(study: LineStudy) -> Identity:
+    stated = study.resolved()
     asked = {key: value for key, value in stated.items() if key not in ("name", "effects")}
     # Times are not read.
     asked["conditions"] = stated["conditions"] | _timing(study, motion="sinusoidal")
     plan: dict[str, Any] = {"added": added_code(study.laws)}
-    return identity_of(asked, (*PLANAR_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
+    return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)

@@ -17,8 +17,7 @@ from wirewear.study.bodies import Gap
 from wirewear.study.programme import Schedule, held_by, worked_course
 
 if TYPE_CHECKING:
-    from wirewear.planar.tables import PlanarStudy
-    from wirewear.study import Study
+    from wirewear.study import AnyStudy, LineStudy, Study
 
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
@@ -145,7 +144,7 @@ class Setup:
         )
 
     @classmethod
-    def of_line(cls, study: PlanarStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
+    def of_line(cls, study: LineStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
         """The circumstances that a study of one millimetre of a line contact states of the whole contact."""
         conditions, holder, friction = study.conditions, study.holder, study.contact.friction
         arm = holder.pivot_height_mm or 0.0
@@ -276,7 +275,7 @@ def _driven(
 
 
 def _worked(
-    study: Study | PlanarStudy, friction_N: Callable[[Any], float], compliance_um_per_N: float
+    study: AnyStudy[Any], friction_N: Callable[[Any], float], compliance_um_per_N: float
 ) -> tuple[tuple[float, float], ...]:
     """Of a test by blocks, cycles with how many of the study's own conditions wear as much as all so far.
 

@@ -8,7 +8,6 @@ from typing import Any
 
 from wirewear.base.errors import RecordError, as_sentence
 from wirewear.base.reading import toml_text
-from wirewear.planar.tables import CYLINDER_ON_FLAT, KINDS
 from wirewear.records.contact_tables import BallTest, LineTest, RecordContact
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
 from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
@@ -17,8 +16,10 @@ from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.importing.sources import name_pattern
 from wirewear.results.scar import WIRES
 from wirewear.study.faces import FACE_KEYS, PadFace
+from wirewear.study.lines import CYLINDER_ON_FLAT
 from wirewear.study.messages import validated
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
+from wirewear.study.tables import PLANAR_KINDS
 from wirewear.study.wires import Wires
 
 #: What only options tell where no file holds loops.
@@ -37,13 +38,13 @@ def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Map
     length = known.get("length_mm")
     if length is None:
         raise RecordError("no file tells the length of the line contact: give it by --length, in millimetres.")
-    validated(RecordContact, {"kind": KINDS[0], "length_mm": length}, "the options", RecordError)
+    validated(RecordContact, {"kind": PLANAR_KINDS[0], "length_mm": length}, "the options", RecordError)
     face = {key: known[key] for key in FACE_KEYS if known.get(key) is not None}
     if validated(PadFace, face, "the options", RecordError).missing_face() is not None:
         raise RecordError(
             "no file tells the pad's face: give --radius, or --face-half-width and --edge-radius, in millimetres."
         )
-    kind = CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else KINDS[0]
+    kind = CYLINDER_ON_FLAT if face.keys() == {"radius_mm"} else PLANAR_KINDS[0]
     tables = {"contact": {"kind": kind, "length_mm": length}, "pad": face | dict(pad), "specimen": dict(specimen)}
     return Touching(tables, LineTest.body_names, length_mm=length)
 

@@ -8,13 +8,13 @@ from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, RecordError, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
-from wirewear.planar.tables import LineLoad
 from wirewear.records.contact_tables import BallTest, LineNoise, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.registry import readers
 from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
 from wirewear.study.keys import NormalLoad, Table, checked_text
+from wirewear.study.lines import LineLoad
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 

@@ -165,7 +165,8 @@ def believed_study(nominal: Nominal, nuisances: Nuisances, numerics: Numerics) -
         "log": {"loop_cycles": sorted(logged_at)},
         "fidelity": {FIDELITY: {key: value for key, value in fidelity.items() if value is not None}},
     }
-    return study_from_tables(data, "the test of a blind record")
+    study: Study = study_from_tables(data, "the test of a blind record")
+    return study
 
 
 def run(study: Study, name: str) -> RunResult:

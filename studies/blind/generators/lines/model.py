@@ -23,10 +23,11 @@ from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.effects import Effect, Seam, effect_named
-from wirewear.planar.tables import PlanarStudy, per_mm
 from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
 from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
+from wirewear.study import LineStudy
+from wirewear.study.lines import per_mm
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)
@@ -51,32 +52,30 @@ def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
     """The run of a test with effects of the whole contact in it.
     Raises RunError if it cannot be meshed, or the contact did not converge.
     """
-    from wirewear.planar.run import run_planar_study
+    from wirewear.simulation import simulate
 
     try:
-        return run_planar_study(_study(nominal, effects), fidelity="quick")
+        return simulate(_study(nominal, effects), fidelity="quick")
     except WirewearError as error:
         raise RunError(f"a line contact cannot be made: {error}") from error
 
 
-def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> PlanarStudy:
-    from wirewear.planar.model import plan
+def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
+    from wirewear.simulation.line_model import plan
 
     tables = line_record_tables(nominal, "blind", {})
     tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}
-    study: PlanarStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
-    study = study.model_copy(update={"effects": per_mm(effects, nominal.length_mm)})
+    study: LineStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
+    study = study.changed({"effects": per_mm(effects, nominal.length_mm)})
     quick = plan(study, "quick").pad.along
-    mesh = study.mesh.model_copy(
-        update={
-            "contact_mesh_um": 1e3 * quick.fine_mm / REFINED,
-            "scar_half_width_um": 1e3 * WIDER * quick.half_extent_mm,
-            "jump_tolerance": JUMP_TOLERANCE,
-        }
-    )
-    return study.model_copy(update={"mesh": mesh})
+    mesh = {
+        "contact_mesh_um": 1e3 * quick.fine_mm / REFINED,
+        "scar_half_width_um": 1e3 * WIDER * quick.half_extent_mm,
+        "jump_tolerance": JUMP_TOLERANCE,
+    }
+    return study.changed({"mesh": mesh})
 
 
 def _length(nominal: LineNominal) -> int:

@@ -21,13 +21,14 @@ from solvers import ContactProblem, DriveTiming, Holder, PlacedBody, WearRates, 
 from wirewear import reference
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError, counted
-from wirewear.planar.tables import PlanarHolder, PlanarStudy
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import measured
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
 from wirewear.study.layers import layers_of
+from wirewear.study.lines import LineHolder
+from wirewear.study.study import LineStudy
 from wirewear.study.surfaces import StatedSurface
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
@@ -99,7 +100,7 @@ def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> floa
 
 
 @dataclass(frozen=True)
-class PlanarPlan:
+class LinePlan:
     """Meshes of both bodies and the steps of a run; lengths in mm.
 
     pressure_length_mm: over which mean pressures are.  hertz: the fresh contact.
@@ -128,7 +129,7 @@ class PlanarPlan:
         }
 
 
-def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
+def plan(study: LineStudy, fidelity: str) -> LinePlan:
     """Meshes and steps of a line contact.
 
     The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
@@ -173,7 +174,7 @@ def plan(study: PlanarStudy, fidelity: str) -> PlanarPlan:
         _require_room(name, "half_width_mm", needed, room, remedy)
     length = study.log.pressure_length_um
     far, increments = mesh.far_mesh_mm / finer, mesh.increments_per_cycle or level.increments_per_cycle
-    return PlanarPlan(
+    return LinePlan(
         pad=study.pad.held(PlanarGeometry(stated, pad_half, study.pad.height_mm, along(0.0), far)),
         specimen=study.specimen.held(
             PlanarGeometry(Flat(), specimen_half, study.specimen.height_mm, along(stroke), far)
@@ -195,14 +196,14 @@ def placed_body(
     return place(measured(body, surface, 0.0, upper=upper), upper=upper, axis_angle_rad=0.0)
 
 
-def bodies(study: PlanarStudy, meshes: PlanarPlan) -> tuple[PlacedBody, PlacedBody]:
+def bodies(study: LineStudy, meshes: LinePlan) -> tuple[PlacedBody, PlacedBody]:
     """Pad and specimen, meshed, condensed and placed."""
     pad, specimen = study.pad, study.specimen
     upper = placed_body(meshes.pad, pad.elastic, upper=True, surface=pad.surface)
     return upper, placed_body(meshes.specimen, specimen.elastic, upper=False, surface=specimen.surface)
 
 
-def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
+def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
     """Stiffness of pad and specimen along the motion between where they are held, per length of the contact.
 
     Both are sheared evenly over the width of the fresh contact.
@@ -217,7 +218,7 @@ def bodies_stiffness_N_per_mm2(study: PlanarStudy) -> float:
     return 1.0 / compliance
 
 
-def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
+def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The pad on its rig above the specimen."""
     rates, conditions = study.energy_coefficients(), study.conditions
     return ContactProblem(
@@ -237,7 +238,7 @@ def planar_problem(study: PlanarStudy, pad: PlacedBody, specimen: PlacedBody) ->
     )
 
 
-def holder_of(rig: PlanarHolder, load_N_per_mm: float) -> Holder:
+def holder_of(rig: LineHolder, load_N_per_mm: float) -> Holder:
     """The rig per mm of thickness."""
 
     def compliance(stiffness: float | str) -> float:
@@ -252,14 +253,14 @@ def holder_of(rig: PlanarHolder, load_N_per_mm: float) -> Holder:
     )
 
 
-def _largest_tilt(rig: PlanarHolder, stroke_mm: float) -> float:
+def _largest_tilt(rig: LineHolder, stroke_mm: float) -> float:
     """Tilt of a pad that rotates with the whole stroke."""
     if rig.rotational_stiffness_N_per_rad == "rigid" or rig.pivot_height_mm is None:
         return 0.0
     return stroke_mm / rig.pivot_height_mm
 
 
-def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: float) -> float:
+def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: float) -> float:
     """Half-width of the final scar in gross slip on a rigid rig, with a margin."""
     conditions = study.conditions
     energy_mJ = (
@@ -282,7 +283,7 @@ def _predicted(study: PlanarStudy, face: Face, contact_mm: float, pad_half_mm: f
     return _MARGIN * max(2.0 * contact_mm, scar + contact_mm + 0.5 * stroke)
 
 
-def _lacking(study: PlanarStudy) -> float:
+def _lacking(study: LineStudy) -> float:
     """Area in mm² that both bodies lack as they were measured before the test."""
     surfaces = (study.pad.surface, study.specimen.surface)
     return sum(surface.area_mm2 for surface in surfaces if surface is not None)
@@ -299,12 +300,17 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
         )
 
 
-def require_affordable_meshes(name: str, plan: PlanarPlan) -> None:
+def needed_memory(meshes: LinePlan) -> float:
+    """Bytes that the compliances of both bodies take."""
+    return _MATRICES * 8.0 * (2.0 * max(least_nodes(meshes.pad), least_nodes(meshes.specimen))) ** 2
+
+
+def require_affordable_lines(name: str, meshes: LinePlan) -> None:
     """See that the compliances of both bodies can be held. Raises StudyError if they take more memory than there is."""
-    nodes = max(least_nodes(plan.pad), least_nodes(plan.specimen))
-    needed, free = _MATRICES * 8.0 * (2.0 * nodes) ** 2, free_memory()
+    needed, free = needed_memory(meshes), free_memory()
     if needed > free:
-        fits_um = 1e3 * plan.pad.along.fine_mm * (needed / free) ** 0.5
+        fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5
+        nodes = max(least_nodes(meshes.pad), least_nodes(meshes.specimen))
         raise StudyError(
             f"the study {name!r} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of "
             f"which {size_text(free)} are free: give contact_mesh_um = {fits_um:.2g} or more, or allow more by "

@@ -1,0 +1,208 @@
+"""Stresses inside the bodies of a line contact: solved anew from a result, written, drawn and judged."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+
+from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh, build_planar
+from geometry.arrays import IntArray
+from solvers.interior import Interior
+from solvers.line_surface_stress import LineSurfaceStress
+from solvers.strain import IntegrationPoints, integration_points
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, writing
+from wirewear.interior.bodies import Tracked, plane_section, stressed_grid, untracked
+from wirewear.interior.pictures import STRESS_COLOURS
+from wirewear.interior.state import InnerState
+from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
+from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+from wirewear.results import BODIES, RunResult
+from wirewear.simulation import line_plan
+from wirewear.study import LineStudy, study_from_tables
+
+if TYPE_CHECKING:
+    import pyvista
+
+
+@dataclass(frozen=True, eq=False)
+class LineBody:
+    """Pad or specimen with its nodes in the worn surface, or where they were when fresh, and its factors."""
+
+    meshed: PlanarMesh
+    material: Elastic
+    interior: Interior
+    points: IntegrationPoints
+
+    @property
+    def mesh(self) -> QuadMesh:
+        return self.meshed.mesh
+
+    @property
+    def patch(self) -> ContactPatch:
+        return self.meshed.patch
+
+    @cached_property
+    def surface(self) -> LineSurfaceStress:
+        return LineSurfaceStress.of(self.meshed, self.material)
+
+
+def line_states(
+    result: RunResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
+) -> tuple[InnerState[LineBody], ...]:
+    """A body at positions of a recorded cycle, all recorded ones by default.
+
+    worn: the nodes stand in the worn surface; else where they were when fresh.
+    Raises ResultError if no contact forces of that body are recorded at that cycle, or there is no such position;
+    GeometryError if wear distorts the mesh too much.
+    """
+    forces = result.forces(cycle, body)
+    chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
+    depth = b""
+    if worn:
+        depth = np.maximum(1e-3 * result.scar(forces.cycle, body).depth_um, 0.0).tobytes()
+    found = _meshed(_tables(result), result.fidelity, body, depth)
+    nodes = found.patch.nodes.ravel()[forces.nodes]
+    displacements = found.interior.displacements(nodes, forces.force_N[chosen])
+    upper = result.is_upper(body)
+    return tuple(InnerState(found, forces, k, moved, upper) for k, moved in zip(chosen, displacements, strict=True))
+
+
+def run_geometry(result: RunResult, body: str) -> PlanarGeometry:
+    """What the mesh of a body was built from in a run."""
+    return _geometry(_study(_tables(result)), result.fidelity, body)
+
+
+@lru_cache(maxsize=2)
+def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> LineBody:
+    """A body meshed as in the run, worn by a depth (n,) in mm or, of no length, fresh, with its factors."""
+    study = _study(tables)
+    meshed = build_planar(_geometry(study, fidelity, body))
+    if depth:
+        meshed = meshed.worn(np.frombuffer(depth))
+    material = (study.pad if body == "pad" else study.specimen).elastic
+    held: IntArray = meshed.mesh.surface_nodes("grip")
+    interior = Interior(meshed.mesh, material, held if meshed.bedding is None else held[:0], meshed.bedding)
+    return LineBody(meshed, material, interior, integration_points(meshed.mesh))
+
+
+def _tables(result: RunResult) -> str:
+    return json.dumps(result.study, sort_keys=True, default=str)
+
+
+def _study(tables: str) -> LineStudy:
+    study: LineStudy = study_from_tables(json.loads(tables), "the result")
+    return study
+
+
+def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry:
+    meshes = line_plan(study, fidelity)
+    return meshes.pad if body == "pad" else meshes.specimen
+
+
+_LEVELS = 11
+
+
+def state_grid(state: InnerState[LineBody]) -> pyvista.UnstructuredGrid:
+    """A body's quadrilaterals at y = 0, in µm, with the fields of `interior.grids.stressed_grid`."""
+    import pyvista
+
+    return stressed_grid(state, pyvista.CellType.QUAD)
+
+
+def write_line_fields(
+    result: RunResult,
+    folder: Path,
+    *,
+    cycle: int,
+    at: Sequence[str | int] | None,
+    worn: bool = True,
+    tracked: Tracked = untracked,
+) -> list[Path]:
+    """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
+
+    Where the bodies are apart, nothing is drawn. `tracked` shows how far the positions are.
+    Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
+    mesh too much.
+    """
+    recorded = result.forces(cycle, BODIES[0])
+    written = []
+    for one in tracked(range(len(recorded.phase)) if at is None else at, "solving and writing"):
+        k = recorded.position(one)
+        states = {body: line_states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
+        grids = {body: state_grid(state) for body, state in states.items()}
+        with writing(ResultError, f"cannot write fields to {folder}"):
+            folder.mkdir(parents=True, exist_ok=True)
+            for body, grid in grids.items():
+                written.append(folder / f"{body}_{recorded.cycle:07d}_{k:03d}.vtu")
+                with in_one_step(written[-1]) as partial:
+                    grid.save(partial)
+        if any(grid.cell_data["von_mises_MPa"].any() for grid in grids.values()):
+            written.append(_drawn(states["pad"], grids, folder / f"section_{recorded.cycle:07d}_{k:03d}.png"))
+    return written
+
+
+def _drawn(pad: InnerState[LineBody], grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
+    forces = pad.forces
+    # The recorded forces reach as far as the contact ever does.
+    reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes]).max())
+    title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[pad.position]:.1f} µm"
+    return save(lambda: _section(list(grids.values()), 2.5 * reach, title), path)
+
+
+def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: str) -> Figure:
+    """Both bodies whole, and near the contact."""
+    largest = max(float(grid.cell_data["von_mises_MPa"].max()) for grid in grids)
+    levels = np.linspace(0.0, largest, _LEVELS)
+    figure = new_figure(3.2)
+    panels = figure.subplots(1, 2)
+    everything = np.vstack([grid.points for grid in grids])
+    whole = 0.52 * float(np.ptp(everything[:, [0, 2]], axis=0).max())
+    for axes, half, name in zip(panels, (whole, half_um), ("both bodies", "near the contact"), strict=True):
+        for grid in grids:
+            cut = plane_section(grid)
+            values = np.clip(cut.values, 0.0, 0.9999 * largest)
+            axes.tricontourf(cut.places, values, levels=levels, cmap=STRESS_COLOURS)
+            axes.tricontour(cut.places, cut.values, levels=levels[1:], colors=INK, linewidths=0.3)
+        centre = 0.5 * (everything[:, 2].max() + everything[:, 2].min()) if half == whole else 0.0
+        axes.set(
+            aspect="equal",
+            xlim=(-half, half),
+            ylim=(centre - half, centre + half),
+            xlabel="x, along the motion [µm]",
+            title=name,
+        )
+        axes.grid(visible=False)
+    panels[0].set_ylabel("z [µm]")
+    panel_letters(list(panels))
+    colours = ScalarMappable(Normalize(0.0, largest), STRESS_COLOURS)
+    figure.colorbar(colours, ax=panels, label="von Mises stress [MPa]", pad=0.01)
+    figure.suptitle(title, fontsize=9)
+    return figure
+
+
+def line_strength(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
+    """Stresses of the pad or specimen over a recorded cycle, at all its recorded positions, at nodes near the contact.
+
+    Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
+    averaging length, GeometryError when wear distorts the mesh too much.
+    """
+    return strength_over(line_states(result, body, line_assessable(result, body, cycle, asked)), asked, state_grid)
+
+
+def line_assessable(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> int:
+    """The cycle itself, seen without any computation to allow what is asked of a body.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces, geometry = result.forces(cycle, body), run_geometry(result, body)
+    require_room(body, min(2.0 * geometry.half_width_mm, geometry.height_mm), asked.averaging_length_um)
+    return forces.cycle

@@ -1,0 +1,143 @@
+"""Pictures of line contacts: worn profiles, pressure, loops, growth of scars, holders."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
+from itertools import cycle as endless
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from geometry import PlanarMesh
+from wirewear.pictures import style
+from wirewear.pictures.gallery import loops_by_run
+from wirewear.pictures.smooth import chosen_cycles
+from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
+from wirewear.results import BODIES, RunResult, Scar, read_loops
+from wirewear.study import LineStudy
+
+
+def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:
+    """Both bodies with what holds and moves them, per mm of thickness."""
+    conditions, holder = study.conditions, study.holder
+    tangential, rotational = holder.tangential_stiffness_N_per_mm2, holder.rotational_stiffness_N_per_rad
+    supports = Supports(
+        load=f"{conditions.normal_load_N_per_mm:g} N/mm",
+        stroke=f"±{conditions.displacement_amplitude_um:g} µm",
+        tangential="" if tangential == "rigid" else f"{tangential:g} N/mm²",
+        rotational="" if rotational == "rigid" else f"{rotational:g} N/rad",
+        pivot_height=None if rotational == "rigid" else holder.pivot_height_mm,
+    )
+    view = ("pad on specimen, plane strain", _held(pad, upper=True), _held(specimen, upper=False))
+    return draw_boundary_conditions([view], supports, along_motion=[True])
+
+
+def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
+    points = body.mesh.points * np.array([1.0, -1.0 if upper else 1.0])
+    edges = points[body.mesh.boundary_facets()]
+    return HeldBody(edges, points[body.mesh.surfaces["grip"]], body.bedding is not None)
+
+
+def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
+    """What can be drawn of these results, by file name: each run by itself, and several side by side."""
+    logged = [result for result in results if result.loops]
+    found: dict[str, Callable[[], Figure]] = {}
+    for result in logged:
+        suffix = f"_{result.variant}" if len(results) > 1 else ""
+        found |= {
+            f"profiles{suffix}": partial(line_profiles, result),
+            f"loops{suffix}": partial(loops_by_run, [replace(result, loops=read_loops(result))], "N/mm"),
+        }
+    return found | ({"variants": partial(line_variants, logged)} if len(logged) > 1 else {})
+
+
+def line_variants(results: Sequence[RunResult]) -> Figure:
+    """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
+    figure = style.new_figure(5.2)
+    panels = figure.subplots(2, 2)
+    for colour, dashes, result in zip(endless(style.VARIANT_COLOURS), endless(style.VARIANT_DASHES), results):
+        last = max(loop.cycle for loop in result.loops)
+        look = {"color": colour, "linestyle": dashes}
+        for axes, body in zip(panels[0], BODIES, strict=True):
+            scar = result.scar(last, body)
+            axes.plot(scar.axial_um, scar.depth_um[:, 0], **look)
+        pad = result.scar(last, "pad")
+        panels[1][0].plot(pad.axial_um, pad.pressure_MPa[:, 0], **look)
+        loop = next(one for one in read_loops(result) if one.cycle == last)
+        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
+        panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {style.cycle_name(last)} cycles", **look)
+    reach = max(_reach(result) for result in results)
+    deepest = max(axes.get_ylim()[1] for axes in panels[0])
+    for axes, title in zip(
+        panels.ravel(),
+        ("worn depth, pad", "worn depth, specimen", "pressure at mid-stroke", "friction loop"),
+        strict=True,
+    ):
+        axes.set_title(title)
+    for axes in (*panels[0], panels[1][0]):
+        axes.set(xlim=(-reach, reach), xlabel="x (µm)")
+    for axes in panels[0]:
+        axes.set(ylim=(deepest, 0.0), ylabel="depth (µm)")
+    panels[1][0].set_ylim(bottom=0.0)
+    panels[1][0].set_ylabel("pressure (MPa)")
+    panels[1][1].set(xlabel="displacement (µm)", ylabel="tangential force (N/mm)")
+    figure.legend(*panels[1][1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
+    style.panel_letters(list(panels.ravel()))
+    return figure
+
+
+def line_profiles(result: RunResult) -> Figure:
+    """Depth of both bodies and pressure at mid-stroke over x, from the first logged cycle to the last."""
+    cycles = chosen_cycles([loop.cycle for loop in result.loops])
+    figure = style.new_figure(5.2)
+    panels = figure.subplots(2, 2)
+    reach = _reach(result)
+    for axes, body in zip(panels[0], BODIES, strict=True):
+        for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
+            scar = result.scar(cycle, body)
+            axes.plot(scar.axial_um, -scar.depth_um[:, 0], color=colour, label=style.cycle_name(cycle))
+        axes.set(title=f"worn depth, {body}", xlabel="x (µm)", ylabel="depth (µm)")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
+        axes.set_xlim(-reach, reach)
+    lowest = min(axes.get_ylim()[0] for axes in panels[0])
+    for axes in panels[0]:
+        axes.set_ylim(lowest, -0.05 * lowest)
+    for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
+        scar = result.scar(cycle, "pad")
+        panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=style.cycle_name(cycle))
+    panels[1][0].set(title="pressure at mid-stroke", xlabel="x (µm)", ylabel="pressure (MPa)", xlim=(-reach, reach))
+    panels[1][0].set_ylim(bottom=0.0)
+    _growth(panels[1][1], result)
+    handles, labels = panels[1][0].get_legend_handles_labels()
+    figure.legend(handles, labels, title="cycles", loc="outside right upper")
+    style.panel_letters(list(panels.ravel()))
+    return figure
+
+
+def _growth(axes: Axes, result: RunResult) -> None:
+    cycles = result.evolution["cycle"]
+    for colour, dashes, body in zip(style.VARIANT_COLOURS, style.VARIANT_DASHES, BODIES, strict=False):
+        depth = result.evolution[f"max_depth_{body}_um"]
+        worn = depth > 0.0
+        if worn.any():
+            axes.plot(cycles[worn], depth[worn], color=colour, linestyle=dashes, marker="o", markersize=3, label=body)
+    axes.set(title="largest depth", ylabel="depth (µm)")
+    style.cycle_axis(axes)
+    if axes.lines:
+        axes.set_yscale("log")
+        axes.legend()
+    else:
+        axes.text(0.5, 0.5, "nothing is worn", transform=axes.transAxes, ha="center", va="center")
+
+
+def _reach(result: RunResult) -> float:
+    """Half-width of the picture: all that is worn or under pressure, with a margin."""
+
+    def of_one(scar: Scar) -> float:
+        shown = (scar.pressure_MPa > 0.0) | (scar.depth_um > 0.01 * max(scar.max_depth_um, 1e-12))
+        return float(np.abs(scar.axial_um[shown[:, 0]]).max())
+
+    return 1.15 * max(map(of_one, result.scars))

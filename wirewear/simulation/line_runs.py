@@ -1,0 +1,146 @@
+"""Runs of line contacts: the cycles and solvers are those of contacts at a point, in plane strain."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+
+from solvers import ContactProblem, CycleTrace, unloaded_state
+from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.effects import problem_with
+from wirewear.results import ContactForces, Loop, Scar
+from wirewear.simulation.contact_forces import forces_on
+from wirewear.simulation.cycler import FrettingTest, Motion
+from wirewear.simulation.folder import MeshHistory, OneMesh
+from wirewear.simulation.held import held_of
+from wirewear.simulation.line_model import (
+    LinePlan,
+    bodies,
+    holder_of,
+    line_problem,
+    needed_memory,
+    plan,
+    require_affordable_lines,
+)
+from wirewear.simulation.recorded import Recorded, worn_bodies
+from wirewear.study import LineStudy
+
+
+class LineRunRecord(Recorded):
+    """The record of one run of a line contact."""
+
+    contact_kind, bodies, length_mm = "line-contact", ("specimen", "pad"), 1.0
+
+    def __init__(self, plan: "LineRun") -> None:
+        """Empty, before the run."""
+        super().__init__(plan.study, plan.fidelity, plan.planned.pressure_length_mm)
+        self.study, self._asked = plan.study, plan.planned.settings() | {"identity": str(plan.identity)}
+
+    def further_columns(self, loop: Loop, scars: tuple[Scar, Scar]) -> dict[str, float]:
+        """How far the pad tilts, and where scars end."""
+        ends = {
+            f"{side}_edge_{scar.body}_um": edge
+            for scar in scars
+            for side, edge in zip(("left", "right"), scar.edges_um(), strict=True)
+        }
+        return {"largest_tilt_deg": float(np.abs(loop.tilt_deg).max()), **ends}
+
+    def scars(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[Scar, Scar]:
+        """Profiles with the pressure at mid-stroke."""
+        specimen, pad = (
+            Scar(
+                cycle=cycle,
+                body=name,
+                diameter_mm=np.inf,
+                axis_angle_deg=0.0,
+                axial_um=1e3 * body.node_positions[:, 0],
+                transverse_um=np.zeros(1),
+                depth_um=1e3 * depth,
+                energy_density_mJ_per_mm2=energy,
+                pressure_MPa=(force[:, 2] / body.patch.node_areas())[:, None],
+                slip_distance_um=1e3 * np.reshape(slid, depth.shape),
+                length_mm=self.length_mm,
+            )
+            for name, (body, depth, energy, force, slid) in zip(self.bodies, worn_bodies(problem, trace), strict=True)
+        )
+        return specimen, pad
+
+    def forces(self, problem: ContactProblem, trace: CycleTrace, cycle: int) -> tuple[ContactForces, ...]:
+        """On specimen and pad."""
+        return forces_on(problem, trace, cycle, self.study.log.contact_states, self.bodies)
+
+    def tables(self) -> dict[str, Any]:
+        """The study as it is stated."""
+        return self.study.resolved()
+
+    def settings(self, _history: MeshHistory) -> dict[str, Any]:
+        """What it was asked to do."""
+        return self._asked | self.tally.fresh | {"simulated_cycles": self.tally.counters.simulated_cycles}
+
+
+@dataclass(frozen=True)
+class LineRun:
+    """A study without variants, or one of its variants, at a fidelity; as `RunPlan` is one of a contact at a point."""
+
+    study: LineStudy
+    fidelity: str
+    planned: LinePlan
+
+    derived: ClassVar[tuple[str, ...]] = (
+        "report.html", "profiles.png", "loops.png", "variants.png", "profiles.csv", "loops.csv", "evolution.csv",
+    )  # fmt: skip
+
+    @classmethod
+    def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
+        """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
+        return cls(study, fidelity, plan(study.driven.envelope, fidelity))
+
+    @property
+    def label(self) -> str:
+        """What the run is called beside others of its study."""
+        return self.study.variant_name or self.study.name
+
+    @property
+    def identity(self) -> Identity:
+        """Equal for runs that give the same result."""
+        study = self.study
+        asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
+        added = {"added": added_code((*study.effects, *study.laws))}
+        return identity_of(asked, RUN_CODE, self.planned.settings() | added)
+
+    @property
+    def test(self) -> FrettingTest:
+        """The test as the run goes through it."""
+        study, driven, n = self.study, self.study.driven, self.planned.increments_per_cycle
+
+        def motion(own: LineStudy) -> Motion:
+            return Motion(
+                drive=own.drive,
+                increments=n,
+                wear_increments=n,
+                follows_force=own.mesh.increments_per_cycle is None,
+                fresh=unloaded_state,
+                aged=lambda problem, age: problem_with(problem, own.effects, age),
+                under=lambda problem: line_problem(own, problem.upper, problem.lower),
+                held=held_of(own, own.contact.friction, holder_of(own.holder, own.conditions.normal_load_N_per_mm)),
+            )
+
+        stretches = driven.schedule.stretches
+        motions = {own.block: motion(own.study) for own in stretches}
+        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
+        milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
+        mesh = OneMesh(lambda: line_problem(driven, *bodies(driven, self.planned)))
+        return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance, stop=study.tables.stop)
+
+    def require_affordable(self) -> None:
+        """See that the compliances of both bodies can be held; StudyError if they take more memory than there is."""
+        require_affordable_lines(self.study.name, self.planned)
+
+    @property
+    def needed_memory(self) -> float:
+        """Bytes that a run takes at least."""
+        return needed_memory(self.planned)
+
+    def prepare(self, stage: Callable[[str], None]) -> None:
+        """Nothing that runs share."""

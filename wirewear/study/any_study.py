@@ -1,0 +1,337 @@
+"""What studies of all contacts are as values: what the user states, with variants, blocks and changes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property, partial
+from typing import Any, Generic, Self, TypeVar
+
+from solvers import Drive, FrictionLaw, WearLaw
+from wirewear.base import notebook
+from wirewear.base.errors import UNIT_SYMBOLS, StudyError, as_sentence, counted, shown
+from wirewear.effects import Effect, effects_of_tables
+from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
+from wirewear.study.keys import Table, values_in_no_variant
+from wirewear.study.layers import LayerTable
+from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
+from wirewear.study.tables import AnyTables, Log
+
+LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
+
+AnyTable = TypeVar("AnyTable", bound=Table)
+
+
+def with_values(tables: AnyTables, values: Mapping[str, Any], where: str) -> Any:
+    """The tables with these values, checked as a file's are; None takes a key back to its default.
+
+    A test of another length is recorded at the same cycles as far as it goes, and at its last.
+    Raises StudyError, in one sentence, if there is no such key, or its value cannot be.
+    """
+    data = tables.model_dump(mode="json", exclude_none=True)
+    for key, value in values.items():
+        _put(data, key, value, where)
+    if "conditions.cycles" in values and LOGGED not in values:
+        data["log"]["loop_cycles"] = _as_far(tables, values["conditions.cycles"])
+    return checked_tables(data, where)
+
+
+def value_at(tables: AnyTables, key: str) -> Any:
+    """What stands at a key with dots in it; None where there is none."""
+    here: Any = tables.model_dump(mode="json")
+    for part in key.split("."):
+        here = here.get(part) if isinstance(here, Mapping) else None
+    return here
+
+
+def _as_far(tables: AnyTables, end: object) -> list[int]:
+    """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
+    logged = tables.log.loop_cycles
+    if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
+        return []
+    return [*logged, end]
+
+
+def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
+    *path, last = key.split(".")
+    here = data
+    for part in path:
+        inner = here.setdefault(part, {})
+        if not isinstance(inner, dict):
+            raise StudyError(f"{shown(part)} in the key {shown(key)} for {where} is no table but a value.")
+        here = inner
+    if value is None:
+        here.pop(last, None)
+    else:
+        here[last] = value
+
+
+Tables = TypeVar("Tables", bound=AnyTables)
+
+
+@dataclass(frozen=True, repr=False)
+class AnyStudy(Generic[Tables]):
+    """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
+
+    `variant_name` says which variant of a study this is; it is empty for a study as a whole.
+    """
+
+    tables: Tables
+    variants: tuple[tuple[str, Tables], ...] = ()
+    variant_name: str = ""
+
+    @property
+    def name(self) -> str:
+        """Title of the study."""
+        return self.tables.name
+
+    @property
+    def kind(self) -> str:
+        """Kind of contact."""
+        return self.tables.kind
+
+    @property
+    def contact_kind(self) -> str:
+        """Kind of contact, as results and records name it."""
+        return self.tables.contact_kind
+
+    @property
+    def conditions(self) -> Any:
+        """Load, stroke, frequency and length of the test."""
+        return self.tables.conditions
+
+    @property
+    def contact(self) -> Any:
+        """Friction."""
+        return self.tables.contact
+
+    @property
+    def wear(self) -> Any:
+        """Wear law, or None when nothing wears."""
+        return self.tables.wear
+
+    @property
+    def holder(self) -> Any:
+        """Stiffness of the rig and of the loading train."""
+        return self.tables.holder
+
+    @property
+    def mesh(self) -> Any:
+        """Extent of the fine mesh."""
+        return self.tables.mesh
+
+    @property
+    def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
+        """Those of friction and of wear, if it wears."""
+        return self.tables.laws
+
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Coatings and hard skins on both bodies, by their names."""
+        return self.tables.layers
+
+    @property
+    def drive(self) -> Drive:
+        """Displacement, load and bulk stresses in the course of a cycle."""
+        return self.tables.drive
+
+    @property
+    def effects(self) -> tuple[Effect[Any], ...]:
+        """Effects that the nominal model lacks."""
+        return self.tables.effects
+
+    @property
+    def log(self) -> Log:
+        """Which cycles are recorded."""
+        return self.tables.log
+
+    @property
+    def driven(self) -> Self:
+        """The study as its drive moves the bodies, which effects may change."""
+        conditions, blocks = as_driven(self.conditions, self.tables.programme, self.effects)
+        if conditions is self.conditions:
+            return self
+        return replace(self, tables=self.tables.model_copy(update={"conditions": conditions, "programme": blocks}))
+
+    @cached_property
+    def schedule(self) -> Schedule[Self]:
+        """The blocks of cycles that the test goes through, each with the study of its conditions."""
+        alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
+        return Schedule(self.tables.programme, self.conditions.cycles, alone, partial(_under, alone))
+
+    @property
+    def worn_per_cycle(self) -> float:
+        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³ for either stroke of one amplitude."""
+        return self.tables.worn_per_cycle
+
+    @cached_property
+    def envelope(self) -> Self:
+        """A study of one block, as large in load, stroke, friction and worn volume as all blocks together: for meshes.
+
+        Itself, where there is no programme.
+        """
+        if not self.tables.programme:
+            return self
+        stretches = self.schedule.stretches
+        worst = max((own.study for own in stretches), key=lambda study: study.worn_per_cycle)
+        conditions = {
+            key: max(getattr(own.study.conditions, key) for own in stretches)
+            for key in (self.tables.load_key, "displacement_amplitude_um")
+        }
+        friction = max(own.study.contact.friction for own in stretches)
+        largest = worst.changed({"conditions": conditions, "contact": {"friction": friction}})
+        cycles = worked_cycles(stretches, largest.worn_per_cycle)
+        return largest.changed({"conditions": {"cycles": cycles}})
+
+    def given(self) -> dict[str, Any]:
+        """What its file gives, as nested tables."""
+        return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+
+    def logging(self, cycles: tuple[int, ...]) -> Self:
+        """The same study and variants, recording the loops of these cycles."""
+
+        def logged(tables: Tables) -> Tables:
+            return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
+
+        variants = tuple((name, logged(tables)) for name, tables in self.variants)
+        return replace(self, tables=logged(self.tables), variants=variants)
+
+    def unused_values(self) -> Iterator[tuple[str, str, object]]:
+        """Table, key and value of what the file gives for all variants while each of them has another value."""
+        return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
+
+    def changed(self, changes: Mapping[str, Any]) -> Self:
+        """The same study, without variants, with these values in place of its own; tables nested as in its file.
+
+        The values are taken as they are: whether they go with one another is not asked.
+        """
+        return type(self)(_changed(self.tables, changes), variant_name=self.variant_name)
+
+    def with_values(self, values: Mapping[str, Any]) -> Self:
+        """The same study, variants and all, with values named by their keys: `{"conditions.normal_load_N": 4}`.
+
+        They are checked as a file's are; None takes a key back to its default.
+        Raises StudyError if there is no such key, its value cannot be, or variants state it differently from one
+        another.
+        """
+        name = self.name if not self.variant_name else f"{self.name}, variant {self.variant_name}"
+        where = f"the study {name!r}"
+        for key in values:
+            own = [one for one, tables in self.variants if value_at(tables, key) != value_at(self.tables, key)]
+            if own:
+                raise StudyError(
+                    f"{key} of {where} is stated by its variants {', '.join(own)}: take one of them first, as in "
+                    f'study.variant("{own[0]}").'
+                )
+        variants = tuple((one, with_values(tables, values, f"{where}, variant {one}")) for one, tables in self.variants)
+        return type(self)(with_values(self.tables, values, where), variants, self.variant_name)
+
+    def with_effects(self, *effects: Effect[Any]) -> Self:
+        """The same study, without variants, with these effects in place of its own.
+        Raises StudyError if an effect is given twice, or does not go with the study.
+        """
+        try:
+            study = self.changed({"effects": effects_of_tables(effects)})
+        except ValueError as problem:
+            raise StudyError(as_sentence(f"effects of the study {self.name!r} {problem}")) from None
+        contradiction = inconsistency(study.tables)
+        if contradiction is not None:
+            raise StudyError(f"{contradiction.keys[-1]} of the study {self.name!r} {contradiction.problem}.")
+        return study
+
+    @property
+    def stated(self) -> dict[str, float]:
+        """Every number in the study's tables by its key, such as contact.friction."""
+        return dict(_numbers(_plain(self.tables), ()))
+
+    @property
+    def variant_names(self) -> tuple[str, ...]:
+        """Names of the variants in the file's order; empty for a study without."""
+        return tuple(name for name, _ in self.variants)
+
+    def variant(self, name: str) -> Self:
+        """The study that a variant is: complete, and without variants of its own.
+        Raises StudyError if there is no such variant.
+        """
+        for own, tables in self.variants:
+            if own == name:
+                return type(self)(tables, variant_name=name)
+        known = f"its variants are {', '.join(self.variant_names)}" if self.variants else "it has no variants"
+        raise StudyError(f"the study {self.name!r} has no variant {name!r}: {known}.")
+
+    def __repr__(self) -> str:
+        own = f", variant {self.variant_name!r}" if self.variant_name else ""
+        variants = f", variants {', '.join(self.variant_names)}" if self.variants else ""
+        c, key = self.conditions, self.tables.load_key
+        load, unit = getattr(c, key), UNIT_SYMBOLS[key.removeprefix("normal_load_")]
+        return (
+            f"<{type(self).__name__} {self.name!r}{own}: {load:g}{unit}, ±{c.displacement_amplitude_um:g} µm, "
+            f"{counted(c.cycles)} cycles{variants}>"
+        )
+
+    def _repr_html_(self) -> str:
+        rows = dict(_written(_plain(self.tables), ()))
+        if self.variants:
+            rows["variants"] = ", ".join(self.variant_names)
+        return notebook.table(self.name, rows)
+
+    def resolved(self) -> dict[str, Any]:
+        """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""
+        data = _plain(self.tables)
+        if self.variants:
+            data["variants"] = {
+                name: {
+                    key: table for key, table in _plain(tables).items() if isinstance(table, dict) or key == "effects"
+                }
+                for name, tables in self.variants
+            }
+        return data
+
+
+Of = TypeVar("Of", bound=AnyStudy[Any])
+
+
+def alone(study: Of, how: str = "choose one with --variant") -> Of:
+    """The study itself, which has no variants; `how` says how one is chosen, {first} being the first one's name.
+    Raises StudyError if it has variants.
+    """
+    if study.variant_names:
+        how = how.replace("{first}", study.variant_names[0])
+        raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
+    return study
+
+
+def _under(alone: Any, values: Mapping[str, Any]) -> Any:
+    """A study without a programme under the conditions of a block."""
+    tables = alone.tables.model_dump(mode="json", exclude_none=True)
+    tables = merged(tables, placed(values, tables))
+    return replace(alone, tables=checked_tables(tables, f"the study {alone.name!r}"))
+
+
+def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
+    values = {
+        key: _changed(getattr(table, key), value) if isinstance(value, Mapping) else value
+        for key, value in changes.items()
+    }
+    return table.model_copy(update=values)
+
+
+def _plain(tables: AnyTables) -> dict[str, Any]:
+    return tables.model_dump(mode="json", exclude_none=True)
+
+
+def _written(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, str]]:
+    """Every key with its value as it is written; empty tables and lists are left out."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _written(value, (*place, key))
+        elif value not in ([], ()):
+            yield ".".join((*place, key)), str(value)
+
+
+def _numbers(table: Mapping[str, Any], place: tuple[str, ...]) -> Iterator[tuple[str, float]]:
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from _numbers(value, (*place, key))
+        elif isinstance(value, int | float) and not isinstance(value, bool):
+            yield ".".join((*place, key)), float(value)
