@@ -2,7 +2,7 @@
 
     python -m studies.tribometers.judge TABLE.csv [--json]
 
-`--help` names the columns of the table; docs/loops.md explains the method.
+`--help` names the columns of the table; README.md explains the method.
 """
 
 import math
