@@ -3,6 +3,7 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
+from copy import deepcopy
 from math import inf
 from pathlib import Path
 
@@ -10,12 +11,14 @@ import numpy as np
 import pytest
 
 from tests.studies import COARSE, WEARING
+from tests.test_planar_study import TABLES
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
+from wirewear.study import study_from_tables
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.page import _lines, front, indices, write_table
 from wirewear.sweeps.running import JOURNAL
-from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named
+from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named, run_case
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'
@@ -208,3 +211,16 @@ def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them()
     assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
     scattered = np.random.default_rng(0).random((40, 2))
     assert len(_lines(scattered, 0, scattered[:, 0])) == 1
+
+
+def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
+    study = study_from_tables(deepcopy(TABLES) | {"log": {"loop_cycles": [1]}}, "study.toml")
+    rows = [
+        run_case(study, {"contact.friction": friction, "conditions.cycles": 1}, "quick", 1, None)
+        for friction in (0.3, 0.6)
+    ]
+    weak, strong = (row.figures or {} for row in rows)
+    assert tuple(weak) == figures_named(study.body_names)
+    load = study.conditions.normal_load_N_per_mm
+    assert weak["max_tangential_force_N"] == pytest.approx(0.3 * load, rel=1e-3)
+    assert strong["max_tangential_force_N"] == pytest.approx(0.6 * load, rel=1e-3)

@@ -21,12 +21,12 @@ from wirewear.simulation.line_model import plan as line_plan
 from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
 from wirewear.simulation.plan import require_affordable_wires
 from wirewear.simulation.problem import contact_problem
-from wirewear.simulation.runs import ObserverOf, run_study, simulate
+from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
 from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [
     "LINES", "Converged", "Moment", "NoObserver", "Observer", "ObserverOf", "ProgressBar", "bodies_stiffness_N_per_mm2",
     "contact_problem", "converge", "convergence_table", "discretise", "last_of", "line_plan", "mean_pressures",
-    "point_contact", "require_affordable_wires", "run_study", "simulate", "write_convergence", "write_line_meshes",
-    "write_meshes",
+    "needed_memory", "point_contact", "require_affordable_wires", "run_study", "simulate", "write_convergence",
+    "write_line_meshes", "write_meshes",
 ]  # fmt: skip

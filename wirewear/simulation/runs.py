@@ -174,6 +174,11 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     return cycle_through(plan.test, record_of(plan), kept, observer or NoObserver(), resume=False)
 
 
+def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:
+    """Bytes that the run of a study takes at least; StudyError where it cannot be discretised."""
+    return float(_WAYS[type(study)][0].of(study, fidelity).needed_memory)
+
+
 def run_cycles(plan: Any, folder: RunFolder, observer: Observer, *, resume: bool) -> RunResult:
     """Simulate a run, from its last checkpoint on where it is to be resumed and has one; raises as `cycle_through`."""
     return cycle_through(plan.test, _WAYS[type(plan.study)][1](plan), folder, observer, resume=resume)

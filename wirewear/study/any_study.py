@@ -131,6 +131,11 @@ class AnyStudy(Generic[Tables]):
         return self.tables.layers
 
     @property
+    def body_names(self) -> tuple[str, ...]:
+        """Of the driven body and of the held one."""
+        return tuple(self.layers)
+
+    @property
     def drive(self) -> Drive:
         """Displacement, load and bulk stresses in the course of a cycle."""
         return self.tables.drive

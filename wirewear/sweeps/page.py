@@ -187,7 +187,7 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
         for place, key in enumerate(sweep.design.keys)
     }
     ended = [FAILED if rows[number].failed else COMPLETE for number in numbers]
-    names = figures_named([body.name for body in sweep.study.bodies], life=sweep.study.tables.life is not None)
+    names = figures_named(sweep.study.body_names, life=sweep.study.tables.life is not None)
     figures = {name: [(rows[number].figures or {}).get(name) for number in numbers] for name in names}
     columns = {
         "run": pl.Series(numbers, dtype=pl.Int64),
@@ -259,9 +259,8 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
     """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
-    names = figures_named(
-        [body.name for body in result.sweep.study.bodies], life=result.sweep.study.tables.life is not None
-    )
+    study = result.sweep.study
+    names = figures_named(study.body_names, life=study.tables.life is not None)
     for name in (*drawn_among(names), "worn_volume_mm3", "max_mean_pressure_MPa"):
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)

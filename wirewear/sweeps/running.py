@@ -17,7 +17,7 @@ from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyErro
 from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import occupied
 from wirewear.base.writing import prepared_folder, write_text, writing
-from wirewear.simulation import discretise
+from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case
 
 #: CPU time grows by this power of the unknowns where the first runs do not tell; measured, docs/accuracy.md.
@@ -102,7 +102,7 @@ def _power(sizes: np.ndarray, cpu_s: np.ndarray) -> float:
 
 def _size(sweep: Sweep, place: int) -> float:
     try:
-        return float(discretise(sweep.study_of(place), sweep.fidelity).unknowns)
+        return float(needed_memory(sweep.study_of(place), sweep.fidelity) ** 0.5)
     except WirewearError:
         return float("nan")
 

@@ -19,11 +19,11 @@ from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
-from wirewear.interior import body_states
 from wirewear.interior.life import life_of
+from wirewear.kinds import kind_of, load_any_study
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
-from wirewear.study import Study, load_study
+from wirewear.study import AnyStudy
 from wirewear.study.any_study import alone
 from wirewear.study.life import material_of_body
 from wirewear.study.messages import validated
@@ -202,7 +202,9 @@ class SweepRow:
         return dict(vars(self))
 
 
-def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: int, results: Path | None) -> SweepRow:
+def run_case(
+    study: AnyStudy[Any], values: Mapping[str, float], fidelity: str, number: int, results: Path | None
+) -> SweepRow:
     """Simulate the study with these values of its keys; with `results`, the result file is left there in a folder.
 
     What goes wrong with the study or its simulation is in the row.
@@ -223,7 +225,7 @@ def run_case(study: Study, values: Mapping[str, float], fidelity: str, number: i
     return SweepRow(number, figures, failure, time.process_time() - begun, peak)
 
 
-def shortest_life(study: Study, result: RunResult) -> float | None:
+def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
     """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
     table = study.tables.life
     if table is None:
@@ -234,7 +236,7 @@ def shortest_life(study: Study, result: RunResult) -> float | None:
             result,
             body,
             table.of_material(material_of_body(result.study, body)),
-            partial(body_states, result, body),
+            partial(kind_of(result).inner_states, result, body),
             stretches,
         ).cycles
         for body in result.bodies
@@ -262,7 +264,7 @@ class Sweep:
     """
 
     name: str
-    study: Study
+    study: AnyStudy[Any]
     design: Design
     fidelity: str = "quick"
     keep_results: bool = False
@@ -283,7 +285,7 @@ class Sweep:
         added = added_code([*self.study.effects, *self.study.laws])
         return identity_of(asked, CODE, {"added": added})
 
-    def study_of(self, place: int) -> Study:
+    def study_of(self, place: int) -> AnyStudy[Any]:
         """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
         return varied(self.study, self.design.values(place))
 
@@ -295,7 +297,7 @@ def load_sweep(path: str | Path) -> Sweep:
     path = Path(path)
     require_no_other(path, StudyError, Held.SWEEP)
     tables = validated(SweepTables, read_toml(path, StudyError, "sweep file"), str(path), StudyError)
-    study = load_study(path.parent / tables.study)
+    study = load_any_study(path.parent / tables.study)
     if tables.variant is not None:
         study = study.variant(tables.variant)
     else:
@@ -318,7 +320,7 @@ def _require_possible(sweep: Sweep, where: str) -> None:
                 raise StudyError(f"{where}, {factor.key} = {end:g}: {problem}") from None
 
 
-def varied(study: Study, values: Mapping[str, float]) -> Study:
+def varied(study: AnyStudy[Any], values: Mapping[str, float]) -> AnyStudy[Any]:
     """The study with values named by their keys; those of effects as effects.<effect>.<parameter>.
 
     An effect that the study lacks comes in; of one that it has, the named parameters change.
