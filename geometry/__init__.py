@@ -8,17 +8,13 @@ from typing import TYPE_CHECKING
 from geometry.late import loaded_late
 
 if TYPE_CHECKING:
-    from geometry.block import BlockGeometry
-    from geometry.body import BodyGeometry, BodyMesh, build_body
+    from geometry.body import BodyGeometry, BodyMesh, Elastic, build_body
     from geometry.errors import GeometryError
     from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
-    from geometry.material import Elastic
-    from geometry.mesh import HexMesh, QuadMesh
-    from geometry.mesh_motion import mirror_images
+    from geometry.mesh import HexMesh, QuadMesh, mirror_images
     from geometry.patch import ContactPatch
-    from geometry.planar import PlanarGeometry, PlanarMesh, build_planar
     from geometry.profiles import Barrel, Cylinder, Flat, LoweredSurface, Profile, RoundedFlat, TabledProfile, Turned
-    from geometry.wire import WireGeometry
+    from geometry.shapes import BlockGeometry, PlanarGeometry, PlanarMesh, WireGeometry, build_planar
 
 __all__ = [
     "Barrel", "BlockGeometry", "BodyGeometry", "BodyMesh", "ContactPatch", "Cylinder", "EdgeGradedAxis", "Elastic",

@@ -1,4 +1,4 @@
-"""All-hexahedral mesh of one body, refined at its contact patch, built with gmsh.
+"""A body: what it is made of, and its all-hexahedral mesh, refined at its contact patch, built with gmsh.
 
 A quarter of the body (y >= 0, x >= 0) is swept by gmsh from a graded cross-section, bent to its shape where it has one
 along itself, and mirrored twice, so the mesh is symmetric to the last bit.
@@ -15,8 +15,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from geometry.errors import GeometryError
 from geometry.grading import GradedAxis, Layering, graded_layers
-from geometry.mesh import HexMesh
-from geometry.mesh_motion import lowered
+from geometry.mesh import HexMesh, lowered
 from geometry.patch import ContactPatch
 from geometry.profiles import Profile
 
@@ -301,3 +300,25 @@ def _named_surfaces(geometry: BodyGeometry, mesh: HexMesh, patch: ContactPatch) 
         "side": rest[~gripped & ~at_end],
         "ends": rest[~gripped & at_end],
     }
+
+
+@dataclass(frozen=True)
+class Elastic:
+    """An isotropic linear elastic material.
+
+    Raises ValueError unless the modulus is positive and Poisson's ratio lies between 0 and 0.5.
+    """
+
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+
+    def __post_init__(self) -> None:
+        if not self.youngs_modulus_MPa > 0.0:
+            raise ValueError(f"youngs_modulus_MPa must be positive, not {self.youngs_modulus_MPa:g}")
+        if not 0.0 <= self.poissons_ratio <= 0.5:
+            raise ValueError(f"poissons_ratio must lie between 0 and 0.5, not {self.poissons_ratio:g}")
+
+    @property
+    def shear_modulus_MPa(self) -> float:
+        """G = E / 2(1 + ν)."""
+        return self.youngs_modulus_MPa / (2.0 * (1.0 + self.poissons_ratio))

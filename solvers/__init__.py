@@ -1,16 +1,23 @@
 """Elasticity, frictional contact with finite sliding, wear and cycle jumps."""
 
 from solvers.adaptive_loop import closed_adaptive_cycle
-from solvers.bulk import BulkStress
 from solvers.condensation import CondensedBody, condense
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import misaligned
-from solvers.contact_layer import ContactLayer, RoughLayer, ThirdBody
-from solvers.contact_state import ContactState, Guide, Holder, IncrementReport, WearState
-from solvers.drive import Drive, LoadCycle, Waveform, trapezoidal, triangular
+from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, LocalState, WearState
+from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
 from solvers.errors import NotConvergedError, PatchLeftError, SolverError
-from solvers.flattening import flattened
-from solvers.fretting import CycleTrace, anew, bulk_work, closed_cycle, first_quarter, run_cycle, settled
+from solvers.fretting import (
+    CycleTrace,
+    HolderElements,
+    anew,
+    bulk_work,
+    closed_cycle,
+    first_quarter,
+    measured_holder,
+    run_cycle,
+    settled,
+)
 from solvers.friction_law import (
     Coulomb,
     Friction,
@@ -23,13 +30,11 @@ from solvers.friction_law import (
     friction_law,
     friction_laws,
 )
-from solvers.holder_measurement import HolderElements, measured_holder
+from solvers.interior import StuckMotion, move_stuck
 from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
-from solvers.local_state import DriveTiming, LocalState
+from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
 from solvers.placement import PlacedBody, facing, place
-from solvers.stuck import StuckMotion, move_stuck
-from solvers.surface_layer import SurfaceLayer, bare_depth
-from solvers.transfer import remeshed, transferred, transferred_wear
+from solvers.transfer import flattened, remeshed, transferred, transferred_wear
 from solvers.wear import OxygenSupply, WearRates
 from solvers.wear_law import (
     Archard,

@@ -1,12 +1,13 @@
-"""What a contact simulation remembers between increments, and the rig that holds the upper body."""
+"""What a contact simulation remembers between increments, what its laws may know of it, and the rig."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
+from solvers.drive import Drive
 from solvers.errors import SolverError
-from solvers.wear_path import Stroke
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,19 @@ class WearState:
     def depths(self) -> tuple[Array, Array]:
         """Worn depths of the primary and the secondary."""
         return self.primary_depth, self.secondary_depth
+
+
+@dataclass(frozen=True)
+class Stroke:
+    """Where the holder stood along a stroke from about +amplitude to -amplitude, (m,) each, mm."""
+
+    drive: Array
+    holder_x: Array
+
+    @property
+    def mirrored(self) -> "Stroke":
+        """The stroke back of a symmetric cycle, turned round to run from +amplitude to -amplitude as well."""
+        return Stroke(-self.drive, -self.holder_x)
 
 
 @dataclass(frozen=True)
@@ -238,3 +252,44 @@ class Holder:
     def load_N(self, height_mm: float, pressed_height_mm: float) -> float:
         """Load at the holder's height, given its height when the bodies had just been pressed together."""
         return self.normal_load_N + self.normal_stiffness_N_per_mm * (height_mm - pressed_height_mm)
+
+
+@dataclass(frozen=True)
+class DriveTiming:
+    """How fast the drive moves along its stroke; one of amplitude 0 is so slow that its speed counts for nothing."""
+
+    drive: Drive = field(default_factory=lambda: Drive(0.0))
+    frequency_Hz: float = 1.0
+
+    def speed_mm_per_s(self, drive_mm: float, *, falling: bool) -> float:
+        """Its speed where it is displaced by so much, on its way back or out."""
+        amplitude = self.drive.amplitude_mm
+        if amplitude == 0.0:
+            return 0.0
+        return amplitude * self.frequency_Hz * self.drive.waveform.speed(drive_mm / amplitude, falling=falling)
+
+
+@dataclass(frozen=True)
+class LocalState:
+    """k nodes of the primary as they face the secondary; nothing is worked out before a law asks for it.
+
+    wear: of both bodies.  of_primary, of_secondary: take a field (n,) of either patch to the nodes, (k,).
+    sliding: their speeds (k,), mm/s.  primary_is_upper: which body is which.
+    """
+
+    wear: WearState
+    of_primary: Callable[[Array], Array]
+    of_secondary: Callable[[Array], Array]
+    sliding: Callable[[], Array]
+    primary_is_upper: bool
+
+    @property
+    def speed_mm_per_s(self) -> Array:
+        """Sliding speed (k,); 0 where a node sticks."""
+        return self.sliding()
+
+    @property
+    def energy_mJ_per_mm2(self) -> Array:
+        """Friction energy (k,) per plane area that the surfaces have taken so far, as a mean of both."""
+        primary, secondary = (energy.ravel() for energy in (self.wear.primary_energy, self.wear.secondary_energy))
+        return 0.5 * (self.of_primary(primary) + self.of_secondary(secondary))

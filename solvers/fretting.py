@@ -1,10 +1,18 @@
-"""Fretting cycles: the drive's path, and simulated cycles along it.
+"""Fretting cycles: the drive's path, simulated cycles along it, and what their loops show of the holder.
 
 Cycles start and end at either end of the stroke; increments are those of a cosine, short near the
-reversals, where the contact changes from slip to stick and back.
+reversals, where the contact changes from slip to stick and back. Cycles by which surfaces wear have theirs where the
+surfaces meet: spread evenly over the slip.
+
+Between two places nothing wears, so they must lie closer together than the surfaces' elements. Both strokes share the
+surface: where the places of one are moved a quarter of their distance, those of the other, its mirror image, lie half
+way between them, and together they are twice as dense.
+
+The bodies slide by what the drive moves and the holder does not. Where the holder stands along a stroke is known from
+one before; else it is taken to spring back as far to the other side as it was carried along, and to stand still.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -12,14 +20,24 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
-from solvers.contact.linearisation import facing_offset
-from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
+from solvers.contact.problem import facing_offset
+from solvers.contact_state import ContactState, Guide, IncrementReport, Stroke, guide_from
 from solvers.drive import Drive, Path
-from solvers.wear_path import wear_path
+from solvers.errors import SolverError
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
+
+# Share of the stroke over which the bodies must move against each other for places to be spread over that.
+_LEAST_SLIDING_SHARE = 0.25
+# Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
+_STICK_INCREMENTS = 2
+_SHIFT = 0.25
+_FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves has begun to slide.
+# The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
+# for they yield elastically while they stick, and no nearer than that share of its way to either side.
+_STUCK_SHARE = 0.04
 
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
@@ -246,3 +264,112 @@ def _follow(
         states=tuple(states),
     )
     return state, trace
+
+
+# Forces below this share of the largest tell nothing of a spring.
+_LEAST_FORCE = 0.05
+_LEAST_SHARE_OF_LOAD = 1e-6
+
+
+@dataclass(frozen=True)
+class HolderElements:
+    """The elements in series between the contact and the ground; rigid ones have an infinite stiffness.
+
+    contact_stiffness_N_per_mm: of spring and rotation together as the contact feels them; play apart.
+    """
+
+    tangential_stiffness_N_per_mm: float
+    rotational_stiffness_N_mm_per_rad: float
+    play_mm: float
+    contact_stiffness_N_per_mm: float
+
+
+def measured_holder(problem: ContactProblem, states: Sequence[ContactState]) -> HolderElements:
+    """Least squares of each element's motion over the force or moment that it carries, from the states of a loop.
+
+    The translation is fitted by C Q + (g/2) sign(Q), the tilt by the moment about the pivot over K_theta.
+    Raises SolverError if the states carry no tangential force in both directions.
+    """
+    holder = problem.holder
+    force = np.array([state.primary_force[:, 0].sum() for state in states])
+    least = _LEAST_SHARE_OF_LOAD * holder.normal_load_N
+    if not force.min() < -least < least < force.max():
+        raise SolverError("the holder's elements can only be measured from states with forces in both directions")
+    loaded = np.abs(force) > _LEAST_FORCE * float(np.abs(force).max())
+    tilt = np.array([state.holder_tilt for state in states])
+    moved = np.array([state.holder_x for state in states])
+    translation = moved - holder.pivot_height_mm * tilt
+    moment = np.array([_moment(problem, state) for state in states])
+    spring, half_play = _fit(np.column_stack([force, np.sign(force)])[loaded], translation[loaded])
+    (rotation,) = _fit(moment[loaded, None], tilt[loaded])
+    (together, _) = _fit(np.column_stack([force, np.sign(force)])[loaded], moved[loaded])
+    return HolderElements(_stiffness(spring), _stiffness(rotation), 2.0 * half_play, _stiffness(together))
+
+
+def _moment(problem: ContactProblem, state: ContactState) -> float:
+    """Moment about the holder's pivot of the contact's forces and of the load that leans on them, N mm."""
+    force = state.primary_force
+    ahead = 0.0 if problem.primary_is_upper else problem.offset(state.drive, state.holder_x)[0]
+    lever = problem.primary.node_positions[:, 0] - ahead
+    sideways = force[:, 0].sum() + problem.holder.normal_load_N * state.holder_tilt
+    return float(problem.holder.pivot_height_mm * sideways + lever @ force[:, 2])
+
+
+def _fit(columns: Array, values: Array) -> list[float]:
+    solution, *_ = np.linalg.lstsq(columns, values, rcond=None)
+    # Round-off of a rigid element is no compliance.
+    return [float(x) if abs(x) > 1e-13 else 0.0 for x in solution]
+
+
+def _stiffness(compliance: float) -> float:
+    return 1.0 / compliance if compliance else float("inf")
+
+
+def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: Stroke | None = None) -> Array:
+    """Drive at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
+
+    holder_x_mm: by how much the contact has carried the holder along at +amplitude.  before: a similar stroke.
+    """
+    carried = min(max(holder_x_mm, 0.0), amplitude_mm)
+    slides = amplitude_mm - carried
+    if slides < _LEAST_SLIDING_SHARE * amplitude_mm or increments < 2 * _STICK_INCREMENTS:
+        steps = np.cos(np.pi * np.arange(1, increments + 1) / increments)
+        steps[-1] = -1.0
+        return amplitude_mm * np.asarray(steps)
+    count = increments - _STICK_INCREMENTS
+    places, stuck = _places(amplitude_mm, carried, count, before)
+    between = amplitude_mm - places[0]
+    stuck = min(max(stuck, places[0] + _STUCK_SHARE * between), amplitude_mm - _STUCK_SHARE * between)
+    return np.concatenate([[stuck], places, [-amplitude_mm]])
+
+
+def _places(amplitude: float, carried: float, count: int, before: Stroke | None) -> tuple[Array, float]:
+    """Places (count,) along the slip, and where the contact still sticks."""
+    shares = (np.arange(count) + _SHIFT) / count
+    if before is None:
+        places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
+        return places, 0.5 * (amplitude + float(places[0]))
+    drive, holder = _with_knee(np.append(amplitude, before.drive), np.append(carried, before.holder_x))
+    # Round-off and creep must not let the bodies seem to slide back.
+    apart = np.minimum.accumulate(drive - holder)
+    start, end = float(apart[0]), float(apart[-1])
+    wanted = start - (start - end) * np.append(_STUCK_SHARE / count, shares)
+    found = -np.interp(-wanted, -apart, -drive)
+    return found[1:], float(found[0])
+
+
+def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:
+    """The stroke with the place at which sliding begins, where the holder that follows the drive meets the line on
+    which it stands while the bodies slide; increments of the stroke may be long.
+    """
+    ahead = np.append(True, np.diff(drive) < 0.0)
+    drive, holder = drive[ahead], holder[ahead]
+    rates = np.diff(holder) / np.diff(drive)
+    knee = int(np.argmax(rates < _FOLLOWS))
+    if rates[knee] >= _FOLLOWS or knee + 1 == len(rates):
+        return drive, holder
+    slope = float(np.clip(rates[knee + 1], -0.5, 0.5))
+    along = holder[knee + 1] - slope * drive[knee + 1] - holder[knee] + drive[knee]
+    place = float(np.clip(along / (1.0 - slope), drive[knee + 1], drive[knee]))
+    stands = holder[knee] + place - drive[knee]
+    return np.insert(drive, knee + 1, place), np.insert(holder, knee + 1, stands)

@@ -16,8 +16,8 @@ from typing import ClassVar
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.laws import law_called, laws_by_name, require_positive
-from solvers.local_state import LocalState
+from solvers.contact_state import LocalState
+from solvers.plugins import law_called, laws_by_name, require_positive
 
 # Local coefficients have settled when they change by no more than this share of the largest.
 _SETTLED = 1e-4

@@ -17,9 +17,8 @@ import numpy as np
 from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.aligned_quadrature import GaussLines, gauss_lines
 from solvers.kept_code import compiled
-from solvers.nodal_transfer import NodalTransfer, weighted_sums
+from solvers.nodal_transfer import GaussLines, NodalTransfer, gauss_lines, weighted_sums
 from solvers.placement import PlacedBody
 from solvers.quadrature import at_points, field_at, integrals, points_about
 

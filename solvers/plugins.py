@@ -1,9 +1,12 @@
-"""Classes that installed packages add by entry points: friction laws here; effects, observables and readers above."""
+"""Classes that installed packages add by entry points; laws by their names, each with its parameters checked."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, Field, fields
 from importlib.metadata import entry_points
 from inspect import isabstract
-from typing import Any
+from typing import Any, TypeVar
+
+from solvers.errors import SolverError
 
 
 def installed(
@@ -38,3 +41,49 @@ def installed(
         if missing:
             raise problem(f"the {noun} at the entry point {point.value} lacks {', '.join(missing)}")
         yield point.value, kind
+
+
+Law = TypeVar("Law")
+
+
+def laws_by_name(group: str, kind: type[Any], noun: str, library: tuple[type[Law], ...]) -> Mapping[str, type[Law]]:
+    """Every law of a kind: the library's, then those that installed packages name in an entry point group.
+    Raises SolverError if a package's entry point holds no such law, or one whose name is taken.
+    """
+    found: dict[str, Any] = {_name(law): law for law in library}
+    for place, law in installed(group, kind, noun, "solvers", ("name",), SolverError):
+        if _name(law) in found:
+            raise SolverError(
+                f"the entry point {place} adds a {noun} named {_name(law)!r}, but there is one of that name "
+                "already: uninstall that package, or give its law another name"
+            )
+        found[_name(law)] = law
+    return found
+
+
+def law_called(name: str, parameters: Mapping[str, float], laws: Mapping[str, type[Law]], noun: str) -> Law:
+    """The law of that name with these parameters; what has a default may be left out.
+    Raises SolverError if there is none, or it has other parameters, or they cannot be.
+    """
+    if name not in laws:
+        raise SolverError(f"there is no {noun} {name!r}; the laws are {', '.join(map(repr, laws))}")
+    known: tuple[Field[Any], ...] = fields(laws[name])  # type: ignore[arg-type]
+    needed = {parameter.name for parameter in known if parameter.default is MISSING}
+    if not needed <= set(parameters) <= {parameter.name for parameter in known}:
+        given = f"but is given {', '.join(parameters)}" if parameters else "but is given none"
+        wanted = ", ".join(parameter.name for parameter in known)
+        raise SolverError(f"the {noun} {name!r} {f'takes {wanted}' if wanted else 'takes no parameters'}, {given}")
+    return laws[name](**parameters)
+
+
+def require_positive(law: object, *names: str, not_negative: tuple[str, ...] = ()) -> None:
+    """See that parameters of a law are positive, and others not negative. Raises SolverError."""
+    for name in (*names, *not_negative):
+        value = getattr(law, name)
+        if not (value >= 0.0 if name in not_negative else value > 0.0):
+            must = "must not be negative" if name in not_negative else "must be positive"
+            raise SolverError(f"{name} of the law {_name(law)!r} {must}, but is {value}")
+
+
+def _name(law: object) -> str:
+    return str(getattr(law, "name"))  # noqa: B009 - every kind of law has one

@@ -6,9 +6,8 @@ import numpy as np
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.aligned_quadrature import ROUND_OFF, CommonAxes, GaussLines, cell_of, transfer_along_axes
 from solvers.kept_code import compiled, inlined
-from solvers.nodal_transfer import NodalTransfer
+from solvers.nodal_transfer import ROUND_OFF, CommonAxes, GaussLines, NodalTransfer, cell_of, transfer_along_axes
 
 
 class GaussPoints(NamedTuple):

@@ -18,12 +18,11 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from solvers.contact_state import WearState
+from solvers.contact_state import LocalState, WearState
 from solvers.errors import SolverError
-from solvers.local_state import LocalState
+from solvers.layers import SurfaceLayer, friction_factor, receded
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
-from solvers.surface_layer import SurfaceLayer, friction_factor, receded
 from solvers.wear_law import EnergyLaw, WearLaw, WornCycle, breathing
 
 

@@ -21,7 +21,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.errors import SolverError
 from solvers.friction_law import Friction, FrictionLaw, bend_of_power, power_of_pressure
-from solvers.laws import law_called, laws_by_name, require_positive
+from solvers.plugins import law_called, laws_by_name, require_positive
 
 
 class WornCycle(Protocol):

@@ -10,7 +10,7 @@ import pytest
 
 import solvers
 from geometry.arrays import Array
-from solvers.bulk import section_stress
+from solvers.drive import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse, minimal

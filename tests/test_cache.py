@@ -19,7 +19,7 @@ from solvers import NotConvergedError
 from tests import synthetic_results
 from tests.test_simulate import coarse
 from wirewear import RunResult, Study, write_result
-from wirewear.base import cache, identity
+from wirewear.base import cache
 from wirewear.base.cache import cache_directory, keep_within, mark_used
 from wirewear.base.engine import Engine, engine_of, results_of
 from wirewear.base.errors import KeptNothingWarning
@@ -120,7 +120,7 @@ def test_a_nominal_run_is_kept_for_its_own_code_and_constants(
     assert len(runs) == 1
     np.testing.assert_array_equal(first.evolution["cycle"], again.evolution["cycle"])
     with monkeypatch.context() as changed:
-        changed.setattr(identity, "code_hash", lambda _: "of other code")
+        changed.setattr(cache, "code_hash", lambda _: "of other code")
         nominal_run(coarse())
     assert len(runs) == 2
     constants = dict(nominal._KNOWN.known)

@@ -118,7 +118,7 @@ def test_the_installed_command_tells_its_version_and_a_missing_study_without_a_t
 
 def test_help_loads_nothing_that_computes() -> None:
     computing = ["solvers", "numpy", "scipy", "numba", "pydantic", "polars", "h5py", "matplotlib", "rich"]
-    heavy = ("geometry.material", *computing)
+    heavy = ("geometry.body", *computing)
     code = f"""
 import sys
 from click.testing import CliRunner

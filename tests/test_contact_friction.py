@@ -7,7 +7,7 @@ import pytest
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
-from solvers.wear_step.similar_equations import SimilarEquations
+from solvers.wear_step.surfaces import SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear import reference
 

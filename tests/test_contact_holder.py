@@ -11,8 +11,7 @@ from solvers.contact.problem import misaligned
 from solvers.contact_state import ContactState, Holder, IncrementReport
 from solvers.drive import Drive
 from solvers.errors import NotConvergedError, SolverError
-from solvers.fretting import first_quarter, run_cycle
-from solvers.holder_measurement import measured_holder
+from solvers.fretting import first_quarter, measured_holder, run_cycle
 from solvers.wear import WearRates
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 

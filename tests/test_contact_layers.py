@@ -8,10 +8,10 @@ from threadpoolctl import threadpool_limits
 
 from solvers.adaptive_loop import closed_adaptive_cycle
 from solvers.contact import ContactProblem, press, unloaded_state
-from solvers.contact_layer import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.contact_state import ContactState, Holder, WearState
 from solvers.drive import Drive
 from solvers.fretting import first_quarter
+from solvers.layers import RoughLayer, ThirdBody, layers_at_nodes
 from solvers.wear import WearRates
 from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear.loops.sensor import enclosed_area

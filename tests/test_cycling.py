@@ -15,7 +15,7 @@ from solvers import (
     NotConvergedError,
     PatchLeftError,
 )
-from wirewear.base.identity import Identity
+from wirewear.base.cache import Identity
 from wirewear.simulation import NoObserver
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through

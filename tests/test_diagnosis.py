@@ -18,7 +18,7 @@ from tests.diagnosis_cases import CYCLES, NOISE_N, diagnosed, nominal, record, s
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
-from wirewear.base.identity import code_hash
+from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.diagnose import concluded

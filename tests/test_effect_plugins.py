@@ -24,7 +24,7 @@ from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_e
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import crossed_wires, guessed_mapping
-from wirewear.records.importing.registry import readers
+from wirewear.records.importing.loggers import readers
 from wirewear.sweeps.signature import signature_study
 from wirewear.views.diagnosis_values import Diagnosis
 

@@ -16,7 +16,7 @@ from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
 from wirewear.loops.drive import period_of
 from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
-from wirewear.loops.timing import lag_of
+from wirewear.loops.opening import lag_of
 
 
 @pytest.mark.parametrize(("displacement_sign", "force_sign", "step"), [(1, -1, 1), (-1, 1, 1), (-1, -1, 1), (1, 1, -1)])

@@ -11,7 +11,7 @@ from hypothesis.extra.numpy import arrays
 
 from geometry import BodyMesh, ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering
 from geometry.arrays import Array, IntArray
-from geometry.mesh_motion import lowered
+from geometry.mesh import lowered
 from geometry.sections import wire_section
 from solvers import place, transferred
 from tests import bodies

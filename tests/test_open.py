@@ -14,7 +14,7 @@ import pytest
 import wirewear.faces.commands
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
 from wirewear.base.errors import RunError
-from wirewear.base.examples import example
+from wirewear.base.reading import example
 from wirewear.faces import cli
 from wirewear.faces.desk import STEPS, Desk
 from wirewear.faces.serving import LOOPBACK, DeskServer

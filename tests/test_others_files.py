@@ -22,7 +22,7 @@ from wirewear.diagnosis.observe.reduction import all_observables
 from wirewear.effects import all_effects, registry
 from wirewear.records import MeasuredScar
 from wirewear.records.importing import import_record
-from wirewear.records.importing.registry import readers
+from wirewear.records.importing.loggers import readers
 from wirewear.simulation import Moment, ProgressBar
 from wirewear.study import parse_study
 

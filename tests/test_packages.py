@@ -14,7 +14,7 @@ from click.testing import CliRunner
 from geometry import GeometryError
 from geometry.body import SYSTEM_PACKAGES, gmsh_session
 from wirewear import load_study, read_record
-from wirewear.base.examples import RECORDS, STUDIES, example
+from wirewear.base.reading import RECORDS, STUDIES, example
 from wirewear.faces import cli
 from wirewear.kinds import load_any_study
 
@@ -58,7 +58,7 @@ def test_the_package_that_is_built_holds_what_the_program_looks_for(
     command = asked["build_py"].__new__(asked["build_py"])
     command.__dict__.update(build_lib=str(tmp_path), editable_mode=False)
     command.run()
-    monkeypatch.setattr("wirewear.base.examples._FOLDERS", (tmp_path / "wirewear" / "examples",))
+    monkeypatch.setattr("wirewear.base.reading._FOLDERS", (tmp_path / "wirewear" / "examples",))
     found = [example(name) for name in (*STUDIES, *RECORDS)]
     assert all(found)
     assert not list(tmp_path.rglob("*.py"))

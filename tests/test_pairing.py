@@ -16,7 +16,7 @@ from solvers import Drive, NotConvergedError, place
 from solvers.contact import ContactProblem, advance, advancing, unloaded_state
 from solvers.contact.acceptance import largest_within
 from solvers.contact.advancing import IncrementFailedError
-from solvers.contact.linearisation import faced
+from solvers.contact.problem import faced
 from solvers.contact_state import FirstGuess
 from solvers.fretting import anew
 from solvers.newton import iteration

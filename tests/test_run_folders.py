@@ -12,8 +12,8 @@ from tests import synthetic_results
 from tests.test_simulate import COARSE, VARIANTS, Recorder, coarse
 from tools.house import imports_among, modules_of
 from wirewear import RunError, RunResult, Study, run_study, write_result
-from wirewear.base import identity
-from wirewear.base.identity import CONDENSATION_CODE, RUN_CODE, Identity, code_hash, digest
+from wirewear.base import cache
+from wirewear.base.cache import CONDENSATION_CODE, RUN_CODE, Identity, code_hash, digest
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.results import RESULT_FILE_NAME, read_results
 from wirewear.simulation.folder import RunFolder
@@ -66,7 +66,7 @@ def test_a_complete_run_stands_for_itself_only_while_the_code_is_the_same(
     assert run(tmp_path) == []
     assert run(tmp_path) == []
     assert len(simulated) == 1
-    monkeypatch.setattr(identity, "code_hash", lambda _: "of other code")
+    monkeypatch.setattr(cache, "code_hash", lambda _: "of other code")
     (note,) = run(tmp_path)
     assert note == f"{tmp_path} holds this run as another version of the program made it: it is run anew."
     assert len(simulated) == 2
@@ -141,7 +141,7 @@ def test_the_code_of_an_identity_is_all_that_the_answer_comes_from(
 def test_a_hash_changes_with_any_byte_of_the_code(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "solvers").mkdir()
     file = tmp_path / "solvers" / "jumps.py"
-    monkeypatch.setattr(identity, "_ROOT", tmp_path)
+    monkeypatch.setattr(cache, "_ROOT", tmp_path)
 
     def hashed(text: str) -> str:
         file.write_text(text)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import solvers
-from solvers.surface_layer import receded
+from solvers.layers import receded
 from tests.bodies import FRICTION, driven
 from tests.test_planar_study import study as line_study
 from tests.test_simulate import coarse

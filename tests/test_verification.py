@@ -13,7 +13,7 @@ from solvers import CondensedBody
 from wirewear import reference
 from wirewear.faces import cli
 from wirewear.loops.sensor import enclosed_area
-from wirewear.verification import QUICK, Level, Row, run
+from wirewear.verification import QUICK, Family, Level, Row
 from wirewear.verification.hertz import STEEL, bulk_compliance, ellipse_rows, hertz_rows
 from wirewear.verification.interior import interior_rows
 from wirewear.verification.line_contact import line_contact_rows, stuck_line_rows
@@ -59,7 +59,7 @@ def test_a_loop_has_the_area_and_the_width_of_its_closed_form() -> None:
     assert half_width_at_zero_force(loop.displacement_mm, loop.tangential_force_N) == pytest.approx(width, rel=1e-5)
 
 
-def family(*rows: Row) -> tuple[run.Family, ...]:
+def family(*rows: Row) -> tuple[Family, ...]:
     def solve(level: Level) -> tuple[Row, ...]:
         return rows
 
@@ -70,7 +70,7 @@ def family(*rows: Row) -> tuple[run.Family, ...]:
 def test_the_command_fails_when_a_row_fails(
     rows: tuple[Row, ...], code: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
-    monkeypatch.setattr(run, "FAMILIES", family(*rows))
+    monkeypatch.setattr("wirewear.verification.FAMILIES", family(*rows))
     result = CliRunner().invoke(cli, ["verify", "--quick", "--json", str(tmp_path / "table.json")])
     assert result.exit_code == code
     assert "checks passed" in result.stdout

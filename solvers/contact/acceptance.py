@@ -17,8 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.contact.linearisation import facing_offset, law_at, layers_between, levers
-from solvers.contact.problem import ContactProblem
+from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
 from solvers.friction_law import Friction

@@ -7,8 +7,7 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
-from solvers.contact.linearisation import faced, law_at, levers, linearised, paired_before, vertical_gaps
-from solvers.contact.problem import ContactProblem
+from solvers.contact.problem import ContactProblem, faced, law_at, levers, linearised, paired_before, vertical_gaps
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, nothing_pressed, solve_contact

@@ -1,4 +1,4 @@
-"""Two bodies pressed together by a holder, the laws between them, and their state before any load."""
+"""Two bodies pressed together by a holder, and the affine system that an increment poses on one pairing of them."""
 
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -8,12 +8,14 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.contact_layer import ContactLayer, open_share
-from solvers.contact_state import ContactState, Holder, WearState
+from solvers.compliance import paired_compliance
+from solvers.contact_state import ContactState, DriveTiming, Holder, LocalState, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
-from solvers.local_state import DriveTiming, LocalState
-from solvers.pairing import PrimarySurface, primary_surface
+from solvers.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
+from solvers.newton import Linearisation
+from solvers.nodal_transfer import NodalTransfer
+from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
 
@@ -154,3 +156,167 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
     return replace(
         problem, upper=replace(problem.upper, incline=descent), lower=replace(problem.lower, incline=descent)
     )
+
+
+def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+    """Worn depth of the primary and the secondary body without what layers fill."""
+    share = open_share(problem.layers)
+    if share == 1.0:
+        return state.wear.primary_depth, state.wear.secondary_depth
+    return share * state.wear.primary_depth, share * state.wear.secondary_depth
+
+
+def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
+    """Gap at the primary's n nodes with the holder at height 0, (n,), mm; infinite beside the secondary."""
+    offset = facing_offset(problem, state, drive, holder_x)
+    upright = vertical_gap(problem.surface, problem.secondary, offset, *open_depths(problem, state))
+    return upright + state.holder_tilt * levers(problem, drive, holder_x)
+
+
+def facing_offset(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:
+    """Plane position (2,) of the secondary body's origin relative to the primary's where their surfaces meet.
+
+    As long as a core sticks, its strain makes up for the motion of the bodies: the surfaces face each other as they
+    were pressed together, and what has worn beside the core must not be moved over it.
+    """
+    if state.core.any():
+        return problem.offset(state.pressed_ahead, 0.0)
+    return problem.offset(drive, holder_x)
+
+
+def faced(
+    problem: ContactProblem, state: ContactState, nodes: IntArray, drive: float, holder_x: float, tilt: float
+) -> Pairing:
+    """Nodes (k,) of the primary as they face the secondary, on the surfaces and after the sticking of a state."""
+    core = bool(state.core.any())
+    offset, depths = facing_offset(problem, state, drive, holder_x), open_depths(problem, state)
+    pairing = pair(problem.surface, problem.secondary, nodes, offset, *depths, tilt, at_nodes=core)
+    if not core:
+        return pairing
+    # What sticks stands as it stood: what has worn beside the core must neither open it, as it would where a node lies
+    # between one of the other body that sticks and one that has worn, nor turn its normals.
+    sticks = np.flatnonzero(state.core[nodes])
+    facing = pairing.depths.at_heaviest(sticks)
+    faced_depth = facing.averaged(depths[1].ravel()) / pairing.areas
+    opened = faced_depth - pairing.depths.averaged(depths[1].ravel()) / pairing.areas
+    inside = _no_deeper(depths[0], depths[0].ravel()[nodes[sticks]]), _no_deeper(depths[1], faced_depth[sticks])
+    frames = pairing.frames.copy()
+    frames[sticks] = pair(problem.surface, problem.secondary, nodes[sticks], offset, *inside, tilt).frames
+    # What strain makes up for is motion along the surfaces, up and down their slope.
+    normals = frames[:, 0, :]
+    rate = normals[:, 0] / normals[:, 2]
+    moved = holder_x - drive + state.pressed_ahead
+    return replace(pairing, frames=frames, gap=pairing.gap + opened + rate * moved, gap_rate=rate, depths=facing)
+
+
+def _no_deeper(depth: Array, core: Array) -> Array:
+    """Worn depths (n_a, n_t) cut to the largest in the core."""
+    return np.asarray(np.minimum(depth, core.max(initial=0.0)))
+
+
+def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
+    """Distance of the primary's nodes ahead of the holder's pivot, along x, shape (n,)."""
+    along = problem.primary.node_positions[:, 0]
+    return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
+
+
+# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
+_STICK_MARGIN = 0.02
+
+
+def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:
+    """The nodes that carry load, paired as the bodies stand."""
+    loaded = np.flatnonzero(state.traction[:, 2] > 0.0)
+    return faced(problem, state, loaded, state.drive, state.holder_x, state.holder_tilt)
+
+
+def linearised(
+    problem: ContactProblem,
+    state: ContactState,
+    before: Pairing,
+    pairing: Pairing,
+    drive: float,
+    holder_x: float,
+    prescribed_height: float | None,
+    slip_share: Array,
+) -> Linearisation:
+    """The system of a pairing made with the holder at `holder_x`, for a step to `drive`.
+
+    before: the loaded nodes' pairing before the step.  slip_share: (n,) guess of the slip, see `ContactState`.
+    """
+    holder = problem.holder.under(state.load_share)
+    if prescribed_height is None and holder.approach_mm is not None:
+        prescribed_height = -holder.approach_mm
+    compliance, old_displacement = paired_compliance(
+        pairing,
+        before,
+        _old_transfer(problem, state, before, pairing),
+        problem.primary,
+        problem.secondary,
+        (state.primary_force, state.secondary_force),
+        problem.layer_mm_per_MPa,
+    )
+    old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
+    if state.bulk_step.any():
+        offset = facing_offset(problem, state, drive, holder_x)
+        old_displacement -= problem.stretched(state.bulk_step, pairing.nodes, offset)
+    return Linearisation(
+        pairing=pairing,
+        before=before,
+        compliance=compliance,
+        old_displacement=old_displacement,
+        friction=law_at(problem, state, pairing, slip_share, drive),
+        paired_holder_x=holder_x,
+        old_holder_x=state.holder_x,
+        old_height=state.holder_z,
+        drive_step=drive - state.drive,
+        old_tilt=state.holder_tilt,
+        lever=levers(problem, drive, holder_x)[pairing.nodes],
+        holder=holder,
+        pressed_height=state.pressed_z,
+        prescribed_height=prescribed_height,
+        old_place_in_play=holder.place_in_play_mm(
+            state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
+        ),
+        layers=layers_between(problem, state, pairing, state.traction[pairing.nodes]) if problem.layers else None,
+    )
+
+
+def law_at(problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float) -> Friction:
+    """The friction law at paired nodes, which slip by a share (n,) of the drive's motion where the drive is."""
+    nodes, timing = pairing.nodes, problem.timing
+    local = LocalState(
+        state.wear,
+        lambda field: field[nodes],
+        lambda field: pairing.opposite.averaged(field) / pairing.areas,
+        lambda: timing.speed_mm_per_s(drive, falling=bool(slip_share.min() < 0.0)) * np.abs(slip_share[nodes]),
+        problem.primary_is_upper,
+    )
+    return problem.law_at(local)
+
+
+def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:
+    """The layers at k paired nodes, after tractions (k, 3) on them."""
+    own = state.wear.primary_depth.ravel()[pairing.nodes]
+    other = pairing.opposite.averaged(state.wear.secondary_depth.ravel()) / pairing.areas
+    return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :])
+
+
+def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> NodalTransfer:
+    """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
+
+    Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
+    face does not change, but the rigid offset of the undeformed bodies does, and the strain along it would make them
+    creep a little in every cycle.
+    """
+    traction = state.traction[pairing.nodes]
+    normal = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
+    tangential = np.linalg.norm(traction - normal[:, None] * pairing.frames[:, 0, :], axis=1)
+    row_before = np.full(problem.primary.patch.size, -1)
+    row_before[before.nodes] = np.arange(len(before.nodes))
+    place = row_before[pairing.nodes]
+    limit = law_at(problem, state, pairing, state.slip_share, state.drive).limit(normal)
+    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * limit))
+    if not len(stuck):
+        return pairing.opposite
+    return pairing.opposite.with_rows(stuck, before.opposite, place[stuck])

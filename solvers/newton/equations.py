@@ -14,8 +14,7 @@ from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
-from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
-from solvers.newton.holder_balance import fill_holder_rows, held_place
+from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate, fill_holder_rows, held_place
 from solvers.newton.terms import (
     Carried,
     FrictionTerms,

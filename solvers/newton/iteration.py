@@ -10,9 +10,8 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.kept_code import compiled
-from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate
+from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate, stop_in_play, unbalanced_force
 from solvers.newton.equations import Solution, newton_step
-from solvers.newton.holder_balance import stop_in_play, unbalanced_force
 from solvers.newton.terms import Linearisation
 
 _ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.

@@ -8,10 +8,10 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.compliance import PairedCompliance
-from solvers.contact_layer import LayersAtNodes
 from solvers.contact_state import Holder
 from solvers.friction_law import Friction
 from solvers.kept_code import inlined
+from solvers.layers import LayersAtNodes
 from solvers.pairing import Pairing
 
 

@@ -10,10 +10,10 @@ from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
-from solvers.contact_layer import LayersAtNodes, layers_at_nodes, open_share
 from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
+from solvers.layers import LayersAtNodes, layers_at_nodes, open_share
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
 
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.

@@ -10,10 +10,10 @@ from scipy.sparse import csc_matrix, csr_matrix, vstack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
-from solvers.contact.linearisation import faced, facing_offset, levers, vertical_gaps
-from solvers.contact_layer import layers_at_nodes
+from solvers.contact.problem import faced, facing_offset, levers, vertical_gaps
 from solvers.contact_state import ContactState
 from solvers.kept_code import compiled
+from solvers.layers import layers_at_nodes
 from solvers.pairing import Pairing
 from solvers.wear import Rate
 from solvers.wear_step.influence import displaced

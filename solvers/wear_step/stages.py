@@ -15,7 +15,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
-from solvers.contact.linearisation import faced, levers, vertical_gaps
+from solvers.contact.problem import faced, levers, vertical_gaps
 from solvers.contact_state import ContactState, Guide, WearState, guide_from
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace

@@ -26,9 +26,8 @@ from studies.blind.scoring.answers import read_answer
 from studies.blind.scoring.history import LOG, logged_run
 from studies.blind.scoring.score import verified
 from wirewear import WirewearError, parse_study, read_record, read_result, record_of_result, run_study, write_record
-from wirewear.base.cache import cache_directory
+from wirewear.base.cache import Identity, cache_directory
 from wirewear.base.errors import RunError
-from wirewear.base.identity import Identity
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
 from wirewear.base.reading import with_checksum
 from wirewear.faces.study_script import StudyScript

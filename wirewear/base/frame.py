@@ -1,8 +1,10 @@
-"""The frame of all pages: one style, a sentence first, and everything within the one file."""
+"""The frame of all pages: one style, a sentence first, all within the one file; values as notebooks show them."""
 
+import base64
 import json
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from html import escape
 from importlib.metadata import PackageNotFoundError, version
 from math import isfinite
 from pathlib import Path
@@ -91,3 +93,17 @@ def _version() -> str:
         return version("wirewear")
     except PackageNotFoundError:
         return "unknown"
+
+
+def notebook_table(heading: str, rows: Mapping[str, str], *, note: str = "", pictures: Sequence[bytes] = ()) -> str:
+    """A heading, one line for each row, a note, and PNG pictures below."""
+    lines = "".join(
+        f"<tr><td style='text-align:left'>{escape(name)}</td><td style='text-align:left'>{escape(value)}</td></tr>"
+        for name, value in rows.items()
+    )
+    images = "".join(
+        f"<img alt='' style='max-width:100%' src='data:image/png;base64,{base64.b64encode(one).decode()}'>"
+        for one in pictures
+    )
+    below = f"<p><small>{escape(note)}</small></p>" if note else ""
+    return f"<p><strong>{escape(heading)}</strong></p><table>{lines}</table>{below}{images}"

@@ -1,4 +1,4 @@
-"""Whole files read, TOML among them, with one sentence for whatever keeps them from being read; what a path holds."""
+"""Files read whole, TOML among them, with one sentence for whatever prevents that; what a path or a name stands for."""
 
 import codecs
 import hashlib
@@ -263,3 +263,19 @@ def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
+
+
+STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
+RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
+
+_HERE = Path(__file__).resolve()
+#: Where they are: `setup.py` puts them beside the installed modules; a checkout has them among its studies.
+_FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
+
+
+def example(name: str) -> Path | None:
+    """The file of the study, or the folder of the record, of that name; None where there is none."""
+    inner = {one: f"{one}/study.toml" for one in STUDIES}
+    inner |= {one: f"steel_wires/example_records/{one}" for one in RECORDS}
+    places = (folder / inner[name] for folder in _FOLDERS if name in inner)
+    return next((place for place in places if place.exists()), None)

@@ -15,7 +15,7 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.identity import added_code
+from wirewear.base.cache import added_code
 from wirewear.effects import all_effects
 
 FILE_NAME = "calibration.toml"

@@ -2,10 +2,18 @@
 
 from wirewear.base.errors import Quantity
 from wirewear.effects.effect import Chain, Effect, Size, UnforeseenError
-from wirewear.effects.listing import all_measurements, splits, told_apart_by
 from wirewear.effects.measurements import Answer, Measurement
 from wirewear.effects.parameter import Parameter, Stated, parameter
-from wirewear.effects.registry import ENTRY_POINT_GROUP, all_effects, effect_named, effects_of_tables, tables_of_effects
+from wirewear.effects.registry import (
+    ENTRY_POINT_GROUP,
+    all_effects,
+    all_measurements,
+    effect_named,
+    effects_of_tables,
+    splits,
+    tables_of_effects,
+    told_apart_by,
+)
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Control, Loading, Seam, Specimens, applied, problem_with
 
 __all__ = [

@@ -16,7 +16,7 @@ from click.core import ParameterSource
 
 from wirewear.base.budget import MOST_MEMORY_GB
 from wirewear.base.errors import Quantity, WirewearError, tell_plainly
-from wirewear.base.examples import example
+from wirewear.base.reading import example
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C

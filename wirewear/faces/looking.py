@@ -7,8 +7,8 @@ from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from wirewear.base import notebook
 from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.frame import notebook_table
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain
@@ -122,7 +122,7 @@ class Run(RunResult):
 
         evolution = self.evolution
         if not evolution["cycle"].size:
-            return notebook.table(repr(self).strip("<>"), {"message": self.message})
+            return notebook_table(repr(self).strip("<>"), {"message": self.message})
         rows = {
             "cycles": f"{counted(evolution['cycle'][-1])}, {evolution['cycle'].size} measured",
             "slip amplitude, first → last": _course(self, "slip_amplitude_um", "µm"),
@@ -137,7 +137,7 @@ class Run(RunResult):
         with styled():
             self.plot().savefig(picture, format="png", dpi=110)
         note = f"{self.status}: {self.message}" if self.message else self.status
-        return notebook.table(f"{self.label}, {self.fidelity} fidelity", rows, note=note, pictures=[picture.getvalue()])
+        return notebook_table(f"{self.label}, {self.fidelity} fidelity", rows, note=note, pictures=[picture.getvalue()])
 
     def _last_scar(self) -> float:
         return max(self.scar_cycles(), default=1)

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from wirewear.base import notebook
 from wirewear.base.errors import StudyError, counted
+from wirewear.base.frame import notebook_table
 from wirewear.base.reading import parsed_toml
 from wirewear.faces.looking import Run
 from wirewear.kinds import any_study, load_any_study
@@ -49,7 +49,7 @@ class Record(ExperimentRecord[Any, Any]):
         cycles = ", ".join(map(counted, self.cycles[:12])) + (" …" if len(self.cycles) > 12 else "")
         loops = f"{len(self.loops)} at the cycles {cycles}" if self.loops else "none"
         rows = {"repeats": str(len(self.repeats)), "loops": loops, f"{self.tables.worn.name}s": str(len(self.scars))}
-        return notebook.table(f"record “{self.name}”", rows, note=" ".join(self.notes))
+        return notebook_table(f"record “{self.name}”", rows, note=" ".join(self.notes))
 
     def check(self) -> RecordReport:
         """What is wrong with the record, and what it can and cannot support."""

@@ -68,7 +68,7 @@ def effects_command(
 ) -> None:
     """List the effects that a study can have beyond the nominal model, or describe or draw the one called NAME."""
     from wirewear.effects import effect_named
-    from wirewear.effects.listing import effect_text, effects_json, effects_table
+    from wirewear.effects.registry import effect_text, effects_json, effects_table
     from wirewear.faces.study_script import wide_console
 
     for option, parameter in _OF_A_PLOT.items():

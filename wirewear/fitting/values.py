@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.stats import t as students_t
 
-from wirewear.base import notebook
 from wirewear.base.errors import UNIT_SYMBOLS
+from wirewear.base.frame import notebook_table
 
 if TYPE_CHECKING:
     from wirewear.records import AnyRecord
@@ -82,4 +82,4 @@ class FittedTest:
             name: f"{one.value:.4g} ({one.interval95[0]:.4g} to {one.interval95[1]:.4g}){UNIT_SYMBOLS[one.unit]}"
             for name, one in (self.parameters | self.found).items()
         }
-        return notebook.table(f"fit of “{self.record.name}”", rows, note=" ".join(self.notes))
+        return notebook_table(f"fit of “{self.record.name}”", rows, note=" ".join(self.notes))

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
-from solvers.bulk import section_stress
+from solvers.drive import section_stress
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, scattered, tensors
 from wirewear.results import ContactForces

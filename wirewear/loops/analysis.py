@@ -12,6 +12,7 @@ from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
 from wirewear.loops.courses import Courses, courses_of, static_overshoot, stick_slip
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
+from wirewear.loops.opening import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 from wirewear.loops.stiffness import (
     RESOLVED,
     bent,
@@ -21,7 +22,6 @@ from wirewear.loops.stiffness import (
     samples_told_by,
     sliding_stiffness,
 )
-from wirewear.loops.timing import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 
 UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
 

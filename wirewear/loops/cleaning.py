@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geometry.arrays import Array
-from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, turns_of
-from wirewear.loops.digitised import outline, signal_among
+from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, outline, signal_among, turns_of
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import LoopError
 from wirewear.loops.noise import clipped, outliers, sample_noise

@@ -23,16 +23,9 @@ from wirewear.reference.cattaneo_mindlin import (
     traction_after_reversal,
     unloading_stiffness,
 )
-from wirewear.reference.even_line import (
-    even_line_contact,
-    even_line_load,
-    even_line_scar,
-    turned_contact,
-    turned_load,
-    turned_scar,
-)
-from wirewear.reference.half_plane import (
+from wirewear.reference.half_space import (
     half_plane_line_stiffness,
+    hertz_stress,
     line_loading_traction,
     line_partial_slip_stress,
     line_stick_ratio,
@@ -40,8 +33,9 @@ from wirewear.reference.half_plane import (
     line_stick_shift,
     line_stress,
     line_traction_after_reversal,
+    partial_slip_stress,
+    sliding_stress,
 )
-from wirewear.reference.half_space import hertz_stress, partial_slip_stress, sliding_stress
 from wirewear.reference.hertz import (
     LineContact,
     PointContact,
@@ -62,8 +56,14 @@ from wirewear.reference.wear import (
     LineScar,
     WearingContact,
     crossed_wire_scar,
+    even_line_contact,
+    even_line_load,
+    even_line_scar,
     explicit_stability_limit,
     line_contact_scar,
+    turned_contact,
+    turned_load,
+    turned_scar,
     worn_pressure,
     worn_volume,
 )

@@ -10,7 +10,7 @@ from typing import Any, NoReturn, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.surface_layer import SurfaceLayer, bare_depth, work_through
+from solvers.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor

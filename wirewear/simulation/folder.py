@@ -16,9 +16,9 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, Guide, WearState
+from wirewear.base.cache import Identity, digest
 from wirewear.base.errors import ResultError, RunError
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
-from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result

@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers import ContactProblem, CycleTrace, unloaded_state
-from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, Scar
 from wirewear.simulation.contact_forces import forces_on

@@ -11,8 +11,8 @@ import numpy as np
 from geometry import BodyGeometry, GeometryError
 from solvers import ContactProblem, ContactState
 from wirewear.base.budget import free_memory, size_text
+from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, counted
-from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns

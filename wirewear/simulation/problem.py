@@ -15,8 +15,15 @@ from geometry.arrays import Array
 from solvers.condensation import condense
 from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.placement import rotation_to_world
-from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept
-from wirewear.base.identity import CONDENSATION_CODE, identity_of
+from wirewear.base.cache import (
+    CONDENSATION_CODE,
+    allowed_bytes,
+    identity_of,
+    keep_within,
+    kept_file,
+    mark_used,
+    not_kept,
+)
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called

@@ -8,8 +8,8 @@ from functools import cached_property, partial
 from typing import Any, Generic, Self, TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
-from wirewear.base import notebook
 from wirewear.base.errors import UNIT_SYMBOLS, StudyError, as_sentence, counted, shown
+from wirewear.base.frame import notebook_table
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.keys import Table, values_in_no_variant
@@ -278,7 +278,7 @@ class AnyStudy(Generic[Tables]):
         rows = dict(_written(_plain(self.tables), ()))
         if self.variants:
             rows["variants"] = ", ".join(self.variant_names)
-        return notebook.table(self.name, rows)
+        return notebook_table(self.name, rows)
 
     def resolved(self) -> dict[str, Any]:
         """All keys with their values, defaults included, ready for JSON; reading them gives the same study again."""

@@ -12,9 +12,9 @@ from typing import Any, Protocol, TextIO
 import numpy as np
 
 from wirewear.base.budget import free_disk, free_memory, size_text
+from wirewear.base.cache import Identity, digest
 from wirewear.base.engine import Engine
 from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, WirewearError, counted
-from wirewear.base.identity import Identity, digest
 from wirewear.base.locks import occupied
 from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.simulation import needed_memory

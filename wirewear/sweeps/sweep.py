@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, WirewearError, counted
-from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named

@@ -1,6 +1,55 @@
-"""Reference problems with closed forms, run through the solver: ``wirewear verify``."""
+"""Reference problems with closed forms, run through the solver one after another: ``wirewear verify``."""
 
+from collections.abc import Callable
+
+from wirewear.verification.hertz import ellipse_rows, hertz_rows
+from wirewear.verification.interior import interior_rows, surface_rows
+from wirewear.verification.line_contact import bulk_rows, line_contact_rows, line_surface_rows, stuck_line_rows
+from wirewear.verification.partial_slip import partial_slip_rows, partial_slip_wear_rows, worn_pressure_rows
+from wirewear.verification.partial_slip_run import block_rows, partial_slip_run_rows
 from wirewear.verification.rows import FULL, QUICK, Level, Row, table, write_json
-from wirewear.verification.run import verify
+from wirewear.verification.sliding import book_keeping_rows, limit_rows, rig_loop_rows
 
 __all__ = ["FULL", "QUICK", "Level", "Row", "table", "verify", "write_json"]
+
+#: A family of problems: what it is called, and its rows at a level.
+Family = tuple[str, Callable[[Level], tuple[Row, ...]]]
+
+FAMILIES: tuple[Family, ...] = (
+    ("Hertz contact on three meshes", hertz_rows),
+    ("elliptic contact", ellipse_rows),
+    ("balls, barrels and crossed cylinders", block_rows),
+    ("line contact in plane strain", line_contact_rows),
+    ("stuck line contact in plane strain", stuck_line_rows),
+    ("stresses inside the bodies", interior_rows),
+    ("tension at the contact's edge", surface_rows),
+    ("tension at a line contact's edge", line_surface_rows),
+    ("bulk stress under a line contact", bulk_rows),
+    ("partial slip", partial_slip_rows),
+    ("wear under partial slip", partial_slip_wear_rows),
+    ("a whole run in partial slip", partial_slip_run_rows),
+    ("loop behind the rig's spring", rig_loop_rows),
+    ("wear and energy book-keeping", book_keeping_rows),
+    ("pressures of a worn line contact", worn_pressure_rows),
+    ("limits, symmetries and units", limit_rows),
+)
+
+
+def _unwatched(title: str, done: int, of: int) -> None:
+    """Nobody looks."""
+
+
+def verify(
+    level: Level, started: Callable[[str, int, int], None] = _unwatched, families: tuple[Family, ...] | None = None
+) -> tuple[Row, ...]:
+    """Rows of the families, all of them by default.
+
+    `started` is told a family's title, how many are done and how many there are.
+    Raises SolverError if a problem could not be solved at all.
+    """
+    chosen = FAMILIES if families is None else families
+    rows: list[Row] = []
+    for done, (title, solve) in enumerate(chosen):
+        started(title, done, len(chosen))
+        rows += solve(level)
+    return tuple(rows)

@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.identity import code_hash
+from wirewear.base.cache import code_hash
 from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
 from wirewear.diagnosis.infer.shrink import Shrink

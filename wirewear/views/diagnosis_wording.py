@@ -8,9 +8,8 @@ from itertools import combinations
 from math import floor, inf, log10
 from typing import Any
 
-from wirewear.base import notebook
 from wirewear.base.errors import unit_of, words_of
-from wirewear.base.frame import figure
+from wirewear.base.frame import figure, notebook_table
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
@@ -58,7 +57,7 @@ class Diagnosed:
             f"{told(cause)}, {cause.probability:.0%}": parameters_told(cause) for cause in self.diagnosis.causes[:5]
         }
         note = " ".join(f"{remark[0].upper()}{remark[1:]}." for remark in self.diagnosis.notes)
-        return notebook.table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
+        return notebook_table(f"{self.record.name}: {self.diagnosis.sentence}", rows, note=note)
 
 
 def plain(name: str) -> str:

@@ -15,15 +15,14 @@ from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.base.reading import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.loops.cleaning import FEWEST_SAMPLES
-from wirewear.loops.cycles import split_cycles
-from wirewear.loops.digitised import outline
+from wirewear.loops.cycles import outline, split_cycles
 from wirewear.records import read_record
 from wirewear.records.columns import column_names
 from wirewear.records.exporting import chosen_run
 from wirewear.records.importing.guessed_files import GuessedFile, loop_columns, table_of
 from wirewear.records.importing.importing import in_rows
+from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.reader import TextReader
-from wirewear.records.importing.registry import kind_of
 from wirewear.records.importing.sources import require_recorded
 from wirewear.records.normal_force import require_pressing
 from wirewear.records.values import MeasuredLoop

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.base.identity import code_hash
+from wirewear.base.cache import code_hash
 from wirewear.base.reading import parsed_json, read_text
 from wirewear.base.writing import write_text, writing
 

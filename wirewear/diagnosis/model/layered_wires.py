@@ -22,8 +22,8 @@ from scipy.optimize import brentq
 
 from geometry.arrays import Array
 from solvers import RoughLayer
+from wirewear.base.cache import identity_of
 from wirewear.base.errors import ResultError
-from wirewear.base.identity import identity_of
 from wirewear.diagnosis.model.nominal import kept_or_made
 from wirewear.diagnosis.model.worn_wires import (
     Pressing,

@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
 from solvers import Archard, EnergyLaw
+from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
-from wirewear.base.identity import RUN_CODE, Identity, added_code, identity_of
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
 from wirewear.results.scar import called

@@ -14,11 +14,10 @@ from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, GuessedLayout, guessed_layout
 from wirewear.base.reading import DELIMITERS
+from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.reader import OPEN, TextReader
-from wirewear.records.importing.registry import kind_of, readers
-from wirewear.records.importing.sources import read_source
-from wirewear.records.importing.usual_names import UNIT_OF, recognised, stem_and_unit, units_of
+from wirewear.records.importing.sources import UNIT_OF, read_source, recognised, stem_and_unit, units_of
 
 FEWEST = 16  #: Fewer samples tell nothing.
 

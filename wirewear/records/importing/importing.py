@@ -14,8 +14,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
-from wirewear.loops.cycles import split_cycles
-from wirewear.loops.digitised import outline
+from wirewear.loops.cycles import outline, split_cycles
 from wirewear.loops.sensor import enclosed_area
 from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
 from wirewear.records.contact_tables import TABLES, LineRecordTables

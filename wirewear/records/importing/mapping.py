@@ -10,7 +10,7 @@ from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, Record
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.records.contact_tables import BallTest, LineNoise, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
-from wirewear.records.importing.registry import readers
+from wirewear.records.importing.loggers import readers
 from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
 from wirewear.study.keys import NormalLoad, Table, checked_text

@@ -1,20 +1,22 @@
-"""MATLAB's files, of version 7.3 (HDF5) and before, and LabVIEW's measurement files (TDMS)."""
+"""Readers of MATLAB's and LabVIEW's files, and all readers there are, also of installed packages."""
 
 import re
 import struct
 import zlib
 from collections.abc import Collection, Iterator, Mapping
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array
+from solvers.plugins import installed
 from wirewear.base.budget import HARMLESS, MOST_EXPANSION, require_room
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.hdf5 import require_self_contained
-from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, reason_of
+from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, TextReader, reason_of
 
 #: The head of a file, whose last four bytes say the version and how numbers are ordered.
 _HEAD, _TAG = 128, 8
@@ -300,3 +302,41 @@ def _numbers(path: Path, channels: Mapping[str, Any], column: str) -> Array:
         return np.asarray(channels[found[0]][:], dtype=np.float64)
     except (*DAMAGED_FILE_ERRORS,):
         raise RecordError(f"{path}: the channel {column!r} holds no numbers.") from None
+
+
+ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package names its subclasses of `Reader`.
+
+LIBRARY: tuple[type[Reader], ...] = (TextReader, MatlabReader, TdmsReader)
+
+
+@cache
+def readers() -> Mapping[str, Reader]:
+    """One of each, by its kind.
+    Raises RecordError if a package's entry point holds no reader, or one whose kind is taken.
+    """
+    found: dict[str, Reader] = {kind.kind: kind() for kind in LIBRARY}
+    home = "wirewear.records.importing.reader"
+    for place, reader in installed(ENTRY_POINT_GROUP, Reader, "reader", home, ("kind",), _problem):
+        if reader.kind in found:
+            raise RecordError(
+                f"the entry point {place} adds a reader of files of the kind {reader.kind!r}, but there is one "
+                "already: uninstall that package, or give its reader another kind."
+            )
+        found[reader.kind] = reader()
+    return found
+
+
+def kind_of(path: Path) -> str:
+    """Of which kind a file is, by its own first bytes: text, unless a reader knows them.
+    Raises RecordError if the file cannot be read.
+    """
+    try:
+        with path.open("rb") as file:
+            head = file.read(512)
+    except OSError as problem:
+        raise RecordError(f"{path} cannot be read ({problem.strerror}).") from None
+    return next((kind for kind, reader in readers().items() if reader.reads(head)), TextReader.kind)
+
+
+def _problem(sentence: str) -> RecordError:
+    return RecordError(f"{sentence}.")

@@ -1,0 +1,312 @@
+"""Shapes of bodies: wires and tubes, blocks with a curved face, and planar pads and specimens with their meshes."""
+
+from dataclasses import dataclass, field, replace
+from math import pi
+
+import numpy as np
+
+from geometry.arrays import Array, BoolArray, IntArray
+from geometry.body import BodyGeometry
+from geometry.errors import GeometryError
+from geometry.grading import EdgeGradedAxis, GradedAxis, Layering, graded_layers
+from geometry.mesh import QuadMesh
+from geometry.patch import ContactPatch
+from geometry.profiles import Barrel, Cylinder, Profile, Turned
+from geometry.sections import block_section, wire_section
+
+
+@dataclass(frozen=True)
+class WireGeometry(BodyGeometry):
+    """What a wire's mesh is built from; lengths in mm.
+
+    axial, transverse: gradings of the contact patch along and across the wire.
+    coarse_mm: largest element far from the contact.
+    layering: of the elements under the patch.
+    grip_half_angle_rad: half of the sector of the lateral surface, measured from the back, that the holder grips.
+    gripped_at_ends: whether the holder grips both ends in its place.
+    bore_mm: a tube's inner diameter.
+    """
+
+    diameter_mm: float
+    length_mm: float
+    axial: GradedAxis
+    transverse: GradedAxis
+    coarse_mm: float
+    grip_half_angle_rad: float = pi / 4
+    grip_half_length_mm: float | None = None
+    grip_stiffness_N_per_mm3: float | None = None
+    layering: Layering = field(default_factory=Layering)
+    gripped_at_ends: bool = False
+    bore_mm: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.diameter_mm > 0.0:
+            raise GeometryError(f"a wire's diameter must be positive, but is {self.diameter_mm} mm")
+        if not 0.0 <= self.bore_mm < self.diameter_mm:
+            raise GeometryError(
+                f"a tube's bore must be narrower than its diameter of {self.diameter_mm} mm, but is {self.bore_mm} mm"
+            )
+        if self.transverse.half_extent_mm > 0.42 * self.diameter_mm:
+            raise GeometryError(
+                f"the contact patch reaches {self.transverse.half_extent_mm:.4g} mm to each side of a wire of diameter "
+                f"{self.diameter_mm} mm; at most 0.42 diameters can be meshed"
+            )
+        if self.axial.half_extent_mm > 0.45 * self.length_mm:
+            raise GeometryError(
+                f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm to each side along a wire of length "
+                f"{self.length_mm} mm; it must leave a tenth of the length free: give a longer wire"
+            )
+        if self.grip_half_length_mm is not None and not self.grip_half_length_mm > 0.0:
+            raise GeometryError(f"the grip's half-length must be positive, but is {self.grip_half_length_mm} mm")
+        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
+            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
+        if not 0.1 <= self.grip_half_angle_rad <= 2.0:
+            raise GeometryError(f"the grip's half-angle must lie in 0.1 ... 2 rad, but is {self.grip_half_angle_rad}")
+
+    @property
+    def radius_mm(self) -> float:
+        return self.diameter_mm / 2.0
+
+    @property
+    def profile(self) -> Cylinder:
+        return Cylinder(self.radius_mm)
+
+    @property
+    def round_mm(self) -> float:
+        return self.radius_mm
+
+    @property
+    def half_length_mm(self) -> float:
+        return self.length_mm / 2.0
+
+    @property
+    def least_extent_mm(self) -> float:
+        return min(0.5 * (self.diameter_mm - self.bore_mm) if self.bore_mm else self.diameter_mm, self.length_mm)
+
+    def section(self) -> tuple[Array, IntArray]:
+        """Half a circle, or half a ring."""
+        lines, bore = self.transverse.half_lines(), 0.5 * self.bore_mm
+        return wire_section(self.radius_mm, lines, self.coarse_mm, self.layering, self.finest_mm, bore)
+
+    def gripped(self, centres_mm: Array) -> BoolArray:
+        """About the back, all along it or as far as the grip goes and not at its ends; or at these alone."""
+        x, y, z = centres_mm.T
+        from_back = np.abs(np.arctan2(y, -(z + self.radius_mm)))
+        reach = self.half_length_mm * (1.0 - 1e-9)
+        if self.gripped_at_ends:
+            return np.asarray(np.abs(x) > reach)
+        outside = np.hypot(y, z + self.radius_mm) > 0.5 * (self.radius_mm + 0.5 * self.bore_mm)
+        if self.grip_half_length_mm is not None:
+            reach = min(reach, self.grip_half_length_mm)
+        return np.asarray(outside & (from_back <= self.grip_half_angle_rad) & (np.abs(x) <= reach))
+
+
+@dataclass(frozen=True)
+class BlockGeometry(BodyGeometry):
+    """A block with a barrel's face, held at its back and its sides; lengths in mm.
+
+    curvature_along_per_mm, curvature_across_per_mm: one over the face's radii, 0 where it is straight.
+    half_width_along_mm, half_width_across_mm: to each side of the contact.  height_mm: from the contact to the back.
+    face: that of a pad, which lies below the mesh's.
+    """
+
+    curvature_along_per_mm: float
+    curvature_across_per_mm: float
+    half_width_along_mm: float
+    half_width_across_mm: float
+    height_mm: float
+    axial: GradedAxis
+    transverse: GradedAxis
+    coarse_mm: float
+    grip_stiffness_N_per_mm3: float | None = None
+    layering: Layering = field(default_factory=Layering)
+    face: Turned | None = None
+
+    def __post_init__(self) -> None:
+        widths = self.half_width_along_mm, self.half_width_across_mm
+        if not (min(widths) > 0.0 and self.height_mm > 0.0):
+            raise GeometryError(
+                f"a block's half-widths and height must be positive, but are {widths[0]}, {widths[1]} and "
+                f"{self.height_mm} mm"
+            )
+        for axis, width in zip((self.axial, self.transverse), widths, strict=True):
+            if axis.half_extent_mm > 0.9 * width:
+                raise GeometryError(
+                    f"the contact patch reaches {axis.half_extent_mm:.4g} mm to each side of a block of half-width "
+                    f"{width} mm; it must leave a tenth of it free: give a wider block"
+                )
+        self.meshed_profile.require_within(*widths)
+
+    @property
+    def profile(self) -> Profile:
+        """Curved along and across, or the pad's."""
+        return self.face or self.meshed_profile
+
+    @property
+    def meshed_profile(self) -> Barrel:
+        return Barrel(self.curvature_along_per_mm, self.curvature_across_per_mm)
+
+    @property
+    def half_length_mm(self) -> float:
+        return self.half_width_along_mm
+
+    @property
+    def least_extent_mm(self) -> float:
+        return min(2.0 * self.half_width_along_mm, 2.0 * self.half_width_across_mm, self.height_mm)
+
+    def section(self) -> tuple[Array, IntArray]:
+        """Half a rectangle."""
+        lines = self.transverse.half_lines()
+        return block_section(
+            self.half_width_across_mm, self.height_mm, lines, self.coarse_mm, self.layering, self.finest_mm
+        )
+
+    def bent(self, points_mm: Array) -> Array:
+        """The face lowered onto its profile, what is below in proportion, the back left where it is."""
+        share = np.maximum(1.0 + points_mm[:, 2] / self.height_mm, 0.0)
+        bent = points_mm.copy()
+        bent[:, 2] += share * self.meshed_profile.height(points_mm[:, :2])
+        return bent
+
+    def gripped(self, centres_mm: Array) -> BoolArray:
+        """At its back and all around."""
+        x, y, z = centres_mm.T
+        aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
+        return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))
+
+
+_LEAST_QUALITY = 0.2
+
+
+@dataclass(frozen=True)
+class PlanarGeometry:
+    """A body of unit thickness below a contact surface, held at its back.
+
+    profile: the contact surface.  half_width_mm, height_mm: of the body around and below the point of first contact.
+    along: mesh lines of the contact patch.  far_mm: largest element far away.  growth: of elements from one to the
+    next on the way there.  grip_half_width_mm: of the part of the back that is held, about the middle; all without it.
+    grip_stiffness_N_per_mm3: of an elastic grip per area; without it the grip is rigid.
+    """
+
+    profile: Profile
+    half_width_mm: float
+    height_mm: float
+    along: GradedAxis | EdgeGradedAxis
+    far_mm: float = 1.0
+    growth: float = 1.3
+    grip_half_width_mm: float | None = None
+    grip_stiffness_N_per_mm3: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.grip_half_width_mm is not None and not self.grip_half_width_mm > 0.0:
+            raise GeometryError(f"the grip's half-width must be positive, but is {self.grip_half_width_mm} mm")
+        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
+            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
+        if not self.half_width_mm > self.along.half_extent_mm:
+            raise GeometryError(
+                f"a contact patch of half-extent {self.along.half_extent_mm} mm does not fit on a body of half-width "
+                f"{self.half_width_mm} mm"
+            )
+        if not self.height_mm > self.along.fine_mm:
+            raise GeometryError(
+                f"a body {self.height_mm} mm high holds no element of {self.along.fine_mm} mm; give a finer mesh"
+            )
+        if not (self.far_mm > 0.0 and self.growth > 1.0):
+            raise GeometryError(
+                f"far elements must be larger than nothing and grow, but are {self.far_mm} mm and grow by {self.growth}"
+            )
+        self.profile.require_within(self.half_width_mm, 0.0)
+        rim = self.profile.height(np.array([[self.half_width_mm, 0.0]]))[0]
+        if not self.height_mm > -1.2 * rim:
+            raise GeometryError(
+                f"a body {self.height_mm} mm high ends beside its own contact surface, which falls by {-rim:.3f} mm; "
+                "make it higher or narrower"
+            )
+
+    def layers(self) -> Array:
+        """Thicknesses (n,) of the rows of elements at the middle, in mm, from the surface down."""
+        return graded_layers(self.along.fine_mm, self.growth, self.far_mm, self.height_mm)
+
+
+@dataclass(frozen=True)
+class PlanarMesh:
+    """A meshed planar body in its own frame: z outwards at the point of first contact, which is the origin."""
+
+    geometry: PlanarGeometry
+    mesh: QuadMesh
+    patch: ContactPatch
+    quality: float
+
+    @property
+    def bedding(self) -> Array | None:
+        """Stiffness (n,) in N/mm per mm by which an elastic grip holds each node, None where the grip is rigid."""
+        stiffness = self.geometry.grip_stiffness_N_per_mm3
+        return None if stiffness is None else stiffness * self.mesh.surface_lengths("grip")
+
+    def worn(self, depth_mm: Array) -> "PlanarMesh":
+        """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n,).
+
+        Those beneath follow, each column as a whole, ever less towards the held back. GeometryError when the depth has
+        another shape than the patch or is negative somewhere, or where an element becomes too distorted.
+        """
+        patch, points = self.patch, self.mesh.points.copy()
+        if depth_mm.shape != (patch.size,):
+            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of {patch.size} nodes")
+        if not np.all((depth_mm >= 0.0) & np.isfinite(depth_mm)):
+            raise GeometryError(
+                "the depth by which nodes are moved into a worn surface must be a number not below zero"
+            )
+        along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
+        face = self.geometry.profile.height(np.column_stack([points[:, 0], np.zeros(len(points))]))
+        bottom = -self.geometry.height_mm
+        points[:, 1] -= along * (points[:, 1] - bottom) / (face - bottom)
+        mesh = QuadMesh(points, self.mesh.cells, self.mesh.surfaces)
+        moved = replace(patch, repositioned_depth_mm=depth_mm[:, None])
+        return PlanarMesh(self.geometry, mesh, moved, mesh.require_quality(_LEAST_QUALITY))
+
+
+def build_planar(geometry: PlanarGeometry) -> PlanarMesh:
+    """Mesh a planar body; its surfaces are 'contact', 'grip' (the back) and 'sides'.
+
+    GeometryError when an element is too distorted.
+    """
+    x = _lines_to_sides(geometry)
+    layers = geometry.layers()
+    depth = np.concatenate([np.cumsum(layers)[::-1], [0.0]]) / layers.sum()
+    across = np.zeros_like(x)
+    face = geometry.profile.height(np.column_stack([x, across]))
+    # The rows follow the face and flatten out towards the back.
+    z = face[:, None] * (1.0 - depth) - geometry.height_mm * depth
+    n = np.arange(z.size).reshape(z.shape)
+    points = np.column_stack([np.repeat(x, len(depth)), z.ravel()])
+    cells = np.stack([n[:-1, :-1], n[1:, :-1], n[1:, 1:], n[:-1, 1:]], axis=-1).reshape(-1, 4)
+    inside = np.flatnonzero(np.abs(x) <= geometry.along.half_extent_mm * (1.0 + 1e-12))
+    top = n[inside, -1]
+    surfaces = {
+        "contact": np.column_stack([top[:-1], top[1:]]),
+        "grip": _held(np.column_stack([n[:-1, 0], n[1:, 0]]), points, geometry.grip_half_width_mm),
+        "sides": np.vstack([np.column_stack([side[:-1], side[1:]]) for side in (n[0], n[-1])]),
+    }
+    mesh = QuadMesh(points, cells, surfaces)
+    patch = ContactPatch(x[inside], np.zeros(1), top[:, None], geometry.profile)
+    return PlanarMesh(geometry, mesh, patch, mesh.require_quality(_LEAST_QUALITY))
+
+
+def _held(back: IntArray, points: Array, half_width_mm: float | None) -> IntArray:
+    """The sides (k, 2) of the back whose middles are held."""
+    if half_width_mm is None:
+        return back
+    return np.asarray(back[np.abs(points[back, 0].mean(axis=1)) <= half_width_mm])
+
+
+def _lines_to_sides(geometry: PlanarGeometry) -> Array:
+    """Mesh lines over the body's width: the patch's lines, then growing ones; exactly antisymmetric."""
+    half = geometry.along.half_lines()
+    last = half[-1] - half[-2]
+    rest = geometry.half_width_mm - half[-1]
+    first = min(last * geometry.growth, rest)
+    layers = graded_layers(first, geometry.growth, max(geometry.far_mm, first), rest)
+    outer = half[-1] + np.cumsum(layers)
+    outer[-1] = geometry.half_width_mm
+    half = np.concatenate([half, outer])
+    return np.concatenate([-half[:0:-1], half])
