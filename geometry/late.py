@@ -1,7 +1,5 @@
 """What a package offers is loaded when it is first asked for (PEP 562)."""
 
-from __future__ import annotations
-
 import ast
 import sys
 from collections.abc import Callable

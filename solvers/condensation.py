@@ -79,7 +79,7 @@ def schur_complements(
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
     order = np.concatenate([elimination_order(tree), kept])
     rank[order] = np.arange(len(order))
-    boundary, updates = _eliminate(tree, System(matrix, graph, rank, d, held))
+    boundary, updates = eliminate(tree, System(matrix, graph, rank, d, held))
     where = unknowns_of(rank[boundary] - len(eliminated), d)
     results = []
     for of_kept, update in zip(held[:, unknowns_of(kept, d)], updates, strict=True):
@@ -140,28 +140,50 @@ def elimination_order(tree: Substructure) -> IntArray:
     return np.concatenate([*(elimination_order(part) for part in tree.parts), tree.eliminated])
 
 
-def _eliminate(tree: Substructure, system: System) -> tuple[IntArray, list[Array]]:
+@dataclass(frozen=True)
+class Front:
+    """What is left of an eliminated substructure: its m unknowns, the b that it leaves behind, and how they couple.
+
+    factor: (m, m) lower.  coupling: (b, m).  held: those of its own that are held at zero.
+    """
+
+    own: IntArray
+    boundary: IntArray
+    factor: Array
+    coupling: Array
+    held: IntArray
+
+
+def eliminate(
+    tree: Substructure, system: System, kept: list[list[Front]] | None = None
+) -> tuple[IntArray, list[Array]]:
     """Eliminate a substructure; return the nodes it leaves behind, by rank, and their Schur complement's update, one
     for each way to hold unknowns: the same array where ways do not differ so far.
 
     Of all dense matrices only the lower triangle is meant. As every front is ordered by rank, the lower triangle of
     an update falls into the lower triangle of the front that receives it. Unknowns are held when they are eliminated:
     to hold them in a Schur complement is the same as to hold them before.
+
+    kept: of each way the fronts, to which those of this substructure are added.
     """
-    parts = [_eliminate(part, system) for part in tree.parts]
+    parts = [eliminate(part, system, kept) for part in tree.parts]
     d, own = system.d, tree.eliminated
-    boundary, position, own_matrix = front_of(own, [nodes for nodes, _ in parts], system)
-    held = system.held[:, unknowns_of(own, d)]
+    boundary, position, matrix = front_of(own, [nodes for nodes, _ in parts], system)
+    unknowns = unknowns_of(own, d)
+    held = system.held[:, unknowns]
     keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
-    updates: dict[tuple[object, ...], Array] = {}
+    done: dict[tuple[object, ...], tuple[Array, Front | None]] = {}
     for way, key in enumerate(keys):
-        if key in updates:
-            continue
-        front = own_matrix.copy(order="F") if any(later != key for later in keys[way:]) else own_matrix
-        for nodes, of_part in parts:
-            add_update(front, unknowns_of(position[nodes], d), of_part[way])
-        updates[key] = _reduced(front, d * len(own), held[way])
-    return boundary, [updates[key] for key in keys]
+        if key not in done:
+            again = any(later != key and later not in done for later in keys[way:])
+            whole = matrix.copy(order="F") if again else matrix
+            for nodes, of_part in parts:
+                add_update(whole, unknowns_of(position[nodes], d), of_part[way])
+            update, front = _eliminated(whole, unknowns, unknowns_of(boundary, d), held[way])
+            done[key] = update, None if kept is None else front
+        if kept is not None and (front := done[key][1]) is not None:
+            kept[way].append(front)
+    return boundary, [done[key][0] for key in keys]
 
 
 def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
@@ -182,14 +204,18 @@ def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntAr
     return boundary, position, front
 
 
-def _reduced(front: Array, m: int, held: BoolArray) -> Array:
-    """The update that a front leaves when its first m unknowns, some of them held, are eliminated."""
+def _eliminated(whole: Array, own: IntArray, boundary: IntArray, held: BoolArray) -> tuple[Array, Front | None]:
+    """The update that a front leaves when its own unknowns, some of them held, are eliminated, and the front."""
+    m = len(own)
     if m == 0:  # The two sides are not connected, so nothing separates them.
-        return front
-    hold(front, held)
-    factor = cholesky_factor(front[:m, :m])
-    coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1)
-    return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1))
+        return whole, None
+    hold(whole, held)
+    factor = cholesky_factor(whole[:m, :m])
+    if not len(boundary):
+        return whole[m:, m:], Front(own, boundary, factor, whole[m:, :m], own[held])
+    coupling = blas.dtrsm(1.0, factor, whole[m:, :m], side=1, lower=1, trans_a=1)
+    update = np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=whole[m:, m:], lower=1))
+    return update, Front(own, boundary, factor, coupling, own[held])
 
 
 def hold(matrix: Array, held: BoolArray) -> None:

@@ -32,25 +32,11 @@ from solvers.strain import stiffness_matrix
 
 
 @dataclass(frozen=True)
-class _Front:
-    """What is left of an eliminated substructure: its m unknowns, the b that it leaves behind, and how they couple.
-
-    factor: (m, m) lower.  coupling: (b, m).  held: those of its own that are held at zero.
-    """
-
-    own: IntArray
-    boundary: IntArray
-    factor: Array
-    coupling: Array
-    held: IntArray
-
-
-@dataclass(frozen=True)
 class Factor:
     """A matrix (n, n) factorised on its unknowns that are free; all others are held at zero."""
 
     size: int
-    fronts: tuple[_Front, ...]
+    fronts: tuple[condensation.Front, ...]
 
     @property
     def bytes(self) -> int:
@@ -85,54 +71,9 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     rank = np.full(graph.shape[0], -1, dtype=np.int64)
     order = condensation.elimination_order(tree)
     rank[order] = np.arange(len(order))
-    fronts: list[list[_Front]] = [[] for _ in held]
-    _eliminate(tree, condensation.System(matrix, graph, rank, d, held), fronts)
+    fronts: list[list[condensation.Front]] = [[] for _ in held]
+    condensation.eliminate(tree, condensation.System(matrix, graph, rank, d, held), fronts)
     return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
-
-
-def _eliminate(
-    tree: condensation.Substructure, system: condensation.System, fronts: list[list[_Front]]
-) -> tuple[IntArray, list[Array]]:
-    """Eliminate a substructure, append its front for each way to hold unknowns, and return what it leaves.
-
-    That is the nodes that it leaves behind, and the update of their matrix for each way: the same array where ways do
-    not differ so far.
-    """
-    parts = [_eliminate(part, system, fronts) for part in tree.parts]
-    d, own = system.d, tree.eliminated
-    boundary, position, matrix = condensation.front_of(own, [nodes for nodes, _ in parts], system)
-    unknowns = condensation.unknowns_of(own, d)
-    held = system.held[:, unknowns]
-    done: dict[tuple[object, ...], tuple[Array, _Front | None]] = {}
-    updates = []
-    keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
-    for way, (key, of_own) in enumerate(zip(keys, held, strict=True)):
-        if key not in done:
-            front = (
-                matrix.copy(order="F") if any(later != key and later not in done for later in keys[way:]) else matrix
-            )
-            for nodes, of_part in parts:
-                condensation.add_update(front, condensation.unknowns_of(position[nodes], d), of_part[way])
-            done[key] = _eliminated(front, unknowns, condensation.unknowns_of(boundary, d), of_own)
-        update, kept = done[key]
-        updates.append(update)
-        if kept is not None:
-            fronts[way].append(kept)
-    return boundary, updates
-
-
-def _eliminated(front: Array, own: IntArray, boundary: IntArray, held: BoolArray) -> tuple[Array, _Front | None]:
-    """The update that a front leaves when its own unknowns are eliminated, and what is kept of it."""
-    m = len(own)
-    if m == 0:  # The two sides are not connected, so nothing separates them.
-        return front, None
-    condensation.hold(front, held)
-    factor = condensation.cholesky_factor(front[:m, :m])
-    coupling = blas.dtrsm(1.0, factor, front[m:, :m], side=1, lower=1, trans_a=1) if len(boundary) else front[m:, :m]
-    kept = _Front(own, boundary, factor, coupling, own[held])
-    if not len(boundary):
-        return front[m:, m:], kept
-    return np.asarray(blas.dsyrk(-1.0, coupling, beta=1.0, c=front[m:, m:], lower=1)), kept
 
 
 _ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.

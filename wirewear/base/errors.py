@@ -65,61 +65,35 @@ def tell_plainly() -> None:
     warnings.showwarning = shown
 
 
-#: What a unit is called in a sentence; nothing for a plain number.
-UNIT_NAMES = {
-    "mm": "millimetres",
-    "um": "micrometres",
-    "MPa": "megapascals",
-    "MPa_sqrt_m": "megapascals times square roots of metres",
-    "N": "newtons",
-    "Hz": "hertz",
-    "deg": "degrees",
-    "N_per_mm": "newtons per millimetre",
-    "N_mm_per_rad": "newton millimetres per radian",
-    "N_per_rad": "newton millimetres per radian and millimetre of thickness",
-    "N_per_mm2": "newtons per millimetre and millimetre of thickness",
-    "N_per_mm3": "newtons per cubic millimetre",
-    "mm3": "cubic millimetres",
-    "mm3_per_J": "cubic millimetres per joule",
-    "mm3_per_N_m": "cubic millimetres per newton metre",
-    "um_per_N": "micrometres per newton",
-    "um_per_N2": "micrometres per newton squared",
-    "s": "seconds",
-    "J": "joules",
-    "mJ": "millijoules",
-    "W": "watts",
-    "cycles": "cycles",
-    "per_100k_cycles": "per 100\u2009000 cycles",
-    "1": "",
+#: How a unit is written behind a number, and what it is called in a sentence; nothing for a plain number.
+_UNITS = {
+    "mm": (" mm", "millimetres"),
+    "um": (" µm", "micrometres"),
+    "MPa": (" MPa", "megapascals"),
+    "MPa_sqrt_m": (" MPa√m", "megapascals times square roots of metres"),
+    "N": (" N", "newtons"),
+    "Hz": (" Hz", "hertz"),
+    "deg": ("°", "degrees"),
+    "N_per_mm": (" N/mm", "newtons per millimetre"),
+    "N_mm_per_rad": (" N·mm/rad", "newton millimetres per radian"),
+    "N_per_rad": (" N/rad", "newton millimetres per radian and millimetre of thickness"),
+    "N_per_mm2": (" N/mm²", "newtons per millimetre and millimetre of thickness"),
+    "N_per_mm3": (" N/mm³", "newtons per cubic millimetre"),
+    "mm3": (" mm³", "cubic millimetres"),
+    "mm3_per_J": (" mm³/J", "cubic millimetres per joule"),
+    "mm3_per_N_m": (" mm³/(N·m)", "cubic millimetres per newton metre"),
+    "um_per_N": (" µm/N", "micrometres per newton"),
+    "um_per_N2": (" µm/N²", "micrometres per newton squared"),
+    "s": (" s", "seconds"),
+    "J": (" J", "joules"),
+    "mJ": (" mJ", "millijoules"),
+    "W": (" W", "watts"),
+    "cycles": (" cycles", "cycles"),
+    "per_100k_cycles": (" per 100\u2009000 cycles", "per 100\u2009000 cycles"),
+    "1": ("", ""),
 }
-
-#: How a unit is written behind a number.
-UNIT_SYMBOLS = {
-    "mm": " mm",
-    "um": " µm",
-    "MPa": " MPa",
-    "MPa_sqrt_m": " MPa√m",
-    "N": " N",
-    "Hz": " Hz",
-    "deg": "°",
-    "N_per_mm": " N/mm",
-    "N_mm_per_rad": " N·mm/rad",
-    "N_per_rad": " N/rad",
-    "N_per_mm2": " N/mm²",
-    "N_per_mm3": " N/mm³",
-    "mm3": " mm³",
-    "mm3_per_J": " mm³/J",
-    "mm3_per_N_m": " mm³/(N·m)",
-    "um_per_N": " µm/N",
-    "um_per_N2": " µm/N²",
-    "s": " s",
-    "J": " J",
-    "mJ": " mJ",
-    "W": " W",
-    "cycles": " cycles",
-    "per_100k_cycles": " per 100\u2009000 cycles",
-    "1": "",
-}
+UNIT_SYMBOLS = {unit: symbol for unit, (symbol, _) in _UNITS.items()}
+UNIT_NAMES = {unit: name for unit, (_, name) in _UNITS.items()}
 
 #: Units in which results are given beside those of studies; the units of a whole line or area come before their parts.
 RESULT_UNITS = {"mJ_per_mm2": "mJ/mm²", "mm3": "mm³", "um2": "µm²", "N_per_mm": "N/mm", "kHz": "kHz"}

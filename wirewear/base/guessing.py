@@ -28,28 +28,9 @@ RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u
 #: Units that loggers write, as they write them; those of channels that no record takes among them.
 KNOWN_UNITS = RAW_UNITS.union(
     (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
-    (
-        "W",
-        "Pa",
-        "kPa",
-        "MPa",
-        "GPa",
-        "bar",
-        "mbar",
-        "Hz",
-        "kHz",
-        "°C",
-        "C",
-        "K",
-        "%RH",
-        "rad",
-        "deg",
-        "°",
-        "mm/s",
-        "um/s",
-    ),
-    ("µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos", "hh:mm:ss", "hh:mm:ss.sss"),
-    ("s.ms", "mm3"),
+    ("W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%RH", "rad", "deg", "°", "mm3"),
+    ("mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos"),
+    ("hh:mm:ss", "hh:mm:ss.sss", "s.ms"),
 )
 
 _NO_UNIT = frozenset(("-", "–", "", "1", "none", "#"))

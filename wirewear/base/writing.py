@@ -145,7 +145,7 @@ def in_one_step(path: Path) -> Iterator[Path]:
         return
     path = link_followed(path)
     _remove_abandoned(path)
-    partial, holder = _file_beside(path)
+    partial, holder = _beside(path, folder=False)
     try:
         yield partial
         _synchronise(partial)
@@ -165,7 +165,7 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
     path = link_followed(path)
     path.parent.mkdir(parents=True, exist_ok=True)
     _remove_abandoned(path)
-    partial, holder = _folder_beside(path)
+    partial, holder = _beside(path, folder=True)
     try:
         yield partial
         for inner in partial.rglob("*"):
@@ -240,25 +240,15 @@ def why_not_written(error: OSError) -> str:
     return reason[:1].lower() + reason[1:]
 
 
-def _file_beside(path: Path) -> tuple[Path, int]:
-    """A new, empty file beside `path`, and its descriptor, which holds its lock."""
+def _beside(path: Path, *, folder: bool) -> tuple[Path, int]:
+    """A new, empty file or folder beside `path`, and its descriptor, which holds its lock."""
     while True:
         partial = name_beside(path)
-        holder = os.open(partial, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
+        if folder:
+            partial.mkdir()
+        holder = os.open(partial, os.O_RDONLY if folder else os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666)
         _locked(holder)
-        # Before the lock was there, somebody may have taken the file for abandoned and deleted it.
-        if partial.exists():
-            return partial, holder
-        os.close(holder)
-
-
-def _folder_beside(path: Path) -> tuple[Path, int]:
-    """A new, empty folder beside `path`, and its descriptor, which holds its lock."""
-    while True:
-        partial = name_beside(path)
-        partial.mkdir()
-        holder = os.open(partial, os.O_RDONLY)
-        _locked(holder)
+        # Before the lock was there, somebody may have taken it for abandoned and deleted it.
         if partial.exists():
             return partial, holder
         os.close(holder)

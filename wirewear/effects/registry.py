@@ -11,23 +11,10 @@ from rich.table import Table
 
 from solvers.plugins import installed
 from wirewear.base.errors import StudyError, shown
-from wirewear.effects import measurements
-from wirewear.effects.contact import FrictionEvolution, FrictionOffset, RoughnessCompliance, ThirdBodyLayer
+from wirewear.effects import contact, holder, measurements, sensors, wear
 from wirewear.effects.effect import Effect
-from wirewear.effects.holder import (
-    CrossingAngleError,
-    FreePlay,
-    HeldDisplacement,
-    Misalignment,
-    NormalLoadDrift,
-    Plasticity,
-    RotationalCompliance,
-    TangentialCompliance,
-)
 from wirewear.effects.measurements import Measurement
 from wirewear.effects.parameter import RIGID, Parameter, plain
-from wirewear.effects.sensors import DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag
-from wirewear.effects.wear import ContactOxygenation, WearRateEvolution, WearRateOffset
 
 _EXAMPLE = 'such as [[effects]] with name = "tangential_compliance" and stiffness_N_per_mm = 150'
 
@@ -36,10 +23,11 @@ ENTRY_POINT_GROUP = "wirewear.effects"  #: Entry point group in which a package 
 EffectType = type[Effect[Any]]
 
 LIBRARY: tuple[EffectType, ...] = (
-    TangentialCompliance, RotationalCompliance, FreePlay, FrictionOffset, FrictionEvolution, RoughnessCompliance,
-    ThirdBodyLayer, Plasticity, CrossingAngleError, Misalignment, NormalLoadDrift, WearRateOffset, WearRateEvolution,
-    ContactOxygenation, DisplacementGain, DisplacementLoadCoupling, ForceCrosstalk, SensorLag,
-    HeldDisplacement,
+    holder.TangentialCompliance, holder.RotationalCompliance, holder.FreePlay, contact.FrictionOffset,
+    contact.FrictionEvolution, contact.RoughnessCompliance, contact.ThirdBodyLayer, holder.Plasticity,
+    holder.CrossingAngleError, holder.Misalignment, holder.NormalLoadDrift, wear.WearRateOffset, wear.WearRateEvolution,
+    wear.ContactOxygenation, sensors.DisplacementGain, sensors.DisplacementLoadCoupling, sensors.ForceCrosstalk,
+    sensors.SensorLag, holder.HeldDisplacement,
 )  # fmt: skip
 
 

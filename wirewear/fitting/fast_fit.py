@@ -1,7 +1,5 @@
 """The loops of a record as figures of each test and cycle, and friction and compliance fitted to them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 

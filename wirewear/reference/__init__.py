@@ -1,73 +1,13 @@
+# ruff: noqa: F403, F405
 """Closed-form solutions to plot and test against, in N, mm, MPa and mJ."""
 
 from geometry import Elastic
-from wirewear.reference.cattaneo_mindlin import (
-    HysteresisLoop,
-    PartialSlipPoint,
-    branch_force,
-    closed_loop,
-    displacement_after_reversal,
-    dissipated_energy,
-    energy_per_cycle,
-    first_loading_force,
-    force_amplitude,
-    loading_displacement,
-    loading_force,
-    loading_traction,
-    mindlin_stiffness,
-    partial_slip_point,
-    sliding_threshold,
-    slip_amplitude,
-    stick_radius,
-    stick_radius_after_reversal,
-    traction_after_reversal,
-    unloading_stiffness,
-)
-from wirewear.reference.half_space import (
-    half_plane_line_stiffness,
-    hertz_stress,
-    line_loading_traction,
-    line_partial_slip_stress,
-    line_stick_ratio,
-    line_stick_ratio_after_reversal,
-    line_stick_shift,
-    line_stress,
-    line_traction_after_reversal,
-    partial_slip_stress,
-    sliding_stress,
-)
-from wirewear.reference.hertz import (
-    LineContact,
-    PointContact,
-    contact_modulus,
-    gap_curvatures,
-    hertz_bodies,
-    hertz_crossed_cylinders,
-    hertz_elliptic,
-    hertz_line,
-    hertz_point,
-    relative_curvatures,
-    semi_axis_ratio,
-    tangential_contact_modulus,
-)
-from wirewear.reference.wear import (
-    CrossedWireScar,
-    LimitingShape,
-    LineScar,
-    WearingContact,
-    crossed_wire_scar,
-    even_line_contact,
-    even_line_load,
-    even_line_scar,
-    explicit_stability_limit,
-    line_contact_scar,
-    turned_contact,
-    turned_load,
-    turned_scar,
-    worn_pressure,
-    worn_volume,
-)
+from wirewear.reference.cattaneo_mindlin import *
+from wirewear.reference.half_space import *
+from wirewear.reference.hertz import *
+from wirewear.reference.wear import *
 
+#: What this package offers of what its modules define.
 __all__ = [
     "CrossedWireScar", "Elastic", "HysteresisLoop", "LimitingShape", "LineContact", "LineScar", "PartialSlipPoint",
     "PointContact", "WearingContact", "branch_force", "closed_loop", "contact_modulus", "crossed_wire_scar",

@@ -26,7 +26,14 @@ from wirewear.verification.hertz import (
     wire_geometry,
 )
 from wirewear.verification.hertz import RADIUS_mm as WIRE_RADIUS_mm
-from wirewear.verification.line_contact import MATERIAL, LOAD_N_per_mm, RADIUS_mm, cylinder_on_flat, pad_geometry
+from wirewear.verification.line_contact import (
+    MATERIAL,
+    LOAD_N_per_mm,
+    RADIUS_mm,
+    cylinder_on_flat,
+    largest_tension,
+    pad_geometry,
+)
 from wirewear.verification.rows import Level, Row, compared
 
 _BALANCE = 1e-8  #: Static equilibrium holds to round-off of the factor.
@@ -189,25 +196,12 @@ def _tension_rows(
             compared(
                 f"{problem_name}, mesh a/{level.surface_resolution:g}",
                 f"tension at the edge, {name} [MPa]",
-                largest_tension(mesh, force, axis),
+                largest_tension(mesh, SurfaceStress.of(mesh, STEEL), force, axis),
                 _exact_tension(share),
                 level.surface_tolerance,
             )
         )
     return rows
-
-
-def largest_tension(wire: BodyMesh, force_N: Array, axis: int) -> float:
-    """Largest stress along an axis of a steel wire where its contact ends, by forces (n, 3) on its patch's nodes."""
-    nodes = wire.patch.nodes.ravel()
-    interior = Interior(wire.mesh, STEEL, wire.mesh.surface_nodes("grip"))
-    points = integration_points(wire.mesh)
-    stress = points.at_nodes(points.stresses(STEEL, interior.displacements(nodes, force_N[None])[0]))[nodes]
-    surface = SurfaceStress.of(wire, STEEL).under(force_N)
-    edge = surface.edge()
-    near, weights, _ = wire.patch.locate(edge)
-    found = np.einsum("kc,kcs->ks", weights, stress[near]) + surface.correction(edge)
-    return float(found[:, axis].max())
 
 
 def _exact_tension(share: float) -> float:

@@ -12,12 +12,13 @@ evaluated at the force that was computed.
 import numpy as np
 
 import solvers
-from geometry import Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, build_planar
+from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, build_planar
 from geometry.arrays import Array
 from solvers import advance, press, unloaded_state
 from solvers.interior import Interior, forces_on_bodies
 from solvers.line_surface_stress import LineSurfaceStress
 from solvers.strain import integration_points
+from solvers.surface_stress import SurfaceStress
 from wirewear import reference
 from wirewear.simulation import mean_pressures
 from wirewear.verification.rows import Level, Row, compared
@@ -169,7 +170,7 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
                 compared(
                     f"{kind}, mesh a/{level.line_surface_resolution:g}",
                     f"tension at the edge, {name} [MPa]",
-                    largest_tension(body, force),
+                    largest_tension(body, LineSurfaceStress.of(body, MATERIAL), force),
                     _exact_tension(exact, share),
                     level.line_surface_tolerance,
                 )
@@ -203,7 +204,8 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
     centre = float(weight @ problem.primary.node_positions[:, 0] / weight.sum())
     shift, ratio = reference.line_stick_shift(exact, FRICTION, tension), reference.line_stick_ratio(used, 1.0)
     body = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad_geometry(element).along))
-    found = largest_tension(body, forces_on_bodies(problem, state)[1]) + tension
+    surface = LineSurfaceStress.of(body, MATERIAL)
+    found = largest_tension(body, surface, forces_on_bodies(problem, state)[1]) + tension
     name = f"Nowell–Hills, Q = {used:.2f} µP, tension {_BULK_SHARE:g} µp0, mesh a/{level.line_surface_resolution:g}"
     return (
         compared(name, "shift of the stick zone [mm]; error in elements", -centre, shift, 1.0, scale=element),
@@ -218,18 +220,22 @@ def bulk_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-def largest_tension(body: PlanarMesh, force_N_per_mm: Array) -> float:
-    """Largest stress along the surface of a body where its contact ends, by forces (n, 3) on its patch's nodes."""
+def largest_tension(
+    body: PlanarMesh | BodyMesh, surface: LineSurfaceStress | SurfaceStress, force: Array, axis: int = 0
+) -> float:
+    """Largest stress along an axis where a body's contact ends, by forces (n, 3) on its patch's nodes.
+
+    force: in N, of a planar body in N/mm.
+    """
     nodes = body.patch.nodes.ravel()
-    interior = Interior(body.mesh, MATERIAL, body.mesh.surface_nodes("grip"))
-    points = integration_points(body.mesh)
-    moved = interior.displacements(nodes, force_N_per_mm[None])[0]
-    stress = points.at_nodes(points.stresses(MATERIAL, moved))[nodes]
-    surface = LineSurfaceStress.of(body, MATERIAL).under(force_N_per_mm)
-    edge = surface.edge()
+    points, material = integration_points(body.mesh), surface.material
+    moved = Interior(body.mesh, material, body.mesh.surface_nodes("grip")).displacements(nodes, force[None])[0]
+    stress = points.at_nodes(points.stresses(material, moved))[nodes]
+    corrected = surface.under(force)
+    edge = corrected.edge()
     near, weights, _ = body.patch.locate(edge)
-    found = np.einsum("kc,kcs->ks", weights, stress[near]) + surface.correction(edge)
-    return float(found[:, 0].max())
+    found = np.einsum("kc,kcs->ks", weights, stress[near]) + corrected.correction(edge)
+    return float(found[:, axis].max())
 
 
 def _exact_tension(contact: reference.LineContact, share: float, shift_mm: float = 0.0) -> float:
