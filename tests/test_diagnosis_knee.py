@@ -96,6 +96,12 @@ def test_a_plateau_ends_where_the_force_has_fallen(samples: int) -> None:
     assert read.value == pytest.approx(1.2, abs=1e-12)
 
 
+def test_a_wall_between_few_samples_is_read_along_its_curve() -> None:
+    flat = plateau(20)
+    wall = replace(flat, force_N=1.2 + 0.4 * np.maximum(flat.displacement_um / 60.0, 0.0) ** 4)
+    assert [line(wall, at).value for at in (36.0, 45.0)] == pytest.approx([1.2518, 1.3266], abs=0.003)
+
+
 @pytest.mark.parametrize("samples", [48, 200])
 def test_errors_of_neighbouring_places_hang_together_as_many_noisy_branches_say(samples: int) -> None:
     random = np.random.default_rng(4)

@@ -21,9 +21,6 @@ _KNOWN = constants("observe.local_lines")
 #: A force is read from at least so many samples, however far they lie.
 FEW_NEAR = _KNOWN.count("few_near")
 
-#: A line through samples at so many windows misses as much of a curve as their noise makes unsure.
-STRAIGHT = _KNOWN.number("straight")
-
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
 CHORD_ERROR = _KNOWN.number("chord_error")
 
@@ -118,7 +115,7 @@ class LocalLine:
 def force_at(
     branch: ObservedBranch, at_um: float, window_um: float, sample_noise_N: float = 1.0, correlation: float = 0.0
 ) -> LocalLine | None:
-    """Force on the sliding part at a position by a local line; None where no samples are near."""
+    """Force on the sliding part at a position by a local line, or a parabola; None where no samples are near."""
     x, q, first = branch.displacement_um[branch.sliding], branch.force_N[branch.sliding], branch.knee
     near = np.abs(x - at_um) < window_um
     if np.count_nonzero(near) < FEW_NEAR:
@@ -131,11 +128,9 @@ def force_at(
     away, force = x[near] - at_um, q[near]
     if away.size < 2 or np.ptp(away) < 1e-9 or away.min() > window_um or away.max() < -window_um:
         return None
-    # What a line misses of a curve goes with the square of how far it reaches; plateaus bend towards their ends.
-    bent = (at_um / max(float(x.max()), window_um)) ** 2
-    missed = bent * (float(np.abs(away).max()) / (STRAIGHT * window_um)) ** 2
-    sampled = (1.0 + missed**2) ** -0.5
-    design, order = np.stack([np.ones_like(away), away], axis=1), first + np.flatnonzero(near)
+    # Few samples reach farther than the window: there a wall is no line.
+    degree = 2 if float(np.abs(away).max()) > window_um and away.size > 3 else 1
+    design, order = np.vander(away / window_um, degree + 1, increasing=True), first + np.flatnonzero(near)
     for _ in range(2):
         inverse = np.linalg.pinv(design)
         rest = force - design @ (inverse @ force)
@@ -144,4 +139,4 @@ def force_at(
         design, force, order = design[good], force[good], order[good]
     weights = np.linalg.pinv(design)[0]
     error = sample_noise_N * noise_factor(weights, order, correlation)
-    return LocalLine(float(weights @ force), error, weights, order, sampled)
+    return LocalLine(float(weights @ force), error, weights, order)
