@@ -5,7 +5,6 @@ SLOPE_SHARE = SIZES.number("slope_share")
 """
 
 import json
-import re
 import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -94,15 +93,6 @@ def sources() -> Mapping[str, Mapping[str, str]]:
     """What set the constants: `what` in words, and the `command`, by the names of the sources."""
     found: Mapping[str, Mapping[str, str]] = _tables()["sources"]
     return found
-
-
-def with_entry(text: str, entry: Constant) -> str:
-    """The file's text with one entry of a table anew, for commands that learn it; unchanged without such a table."""
-    table, _, name = entry.name.rpartition(".")
-    before, header, after = text.partition(f"[{table}]\n")
-    value = list(entry.value) if isinstance(entry.value, tuple) else entry.value
-    stated = f'value = {value!r}, unit = "{entry.unit}", source = "{entry.source}", commit = "{entry.commit}"'
-    return before + header + re.sub(rf"^{name} = .*$", f"{name} = {{ {stated} }}", after, count=1, flags=re.MULTILINE)
 
 
 def digest() -> str:

@@ -261,7 +261,7 @@ def judged(
     groups = [tuple(dict.fromkeys(map(effect_of, members))) for members in weighed.classes]
     inside: Classes = ()
     if relevance.detected and not relevance.relevant:
-        inside = plausible(weighed.verdict, masses(((one.effect, one.probability) for one in behind), groups))
+        inside = plausible(masses(((one.effect, one.probability) for one in behind), groups))
         weighed = weighed.without_gap()
     best = explained if relevance.relevant else found.none
     own = {member for name in best.names for member in weighed.class_of(name)}
@@ -277,7 +277,6 @@ def judged(
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
-    unseen = _undetectable(found, own)
     unnamed = failing.get(found.best.names, ()) if verdict == "unexplained" else ()
     diagnosis = Diagnosis(
         record=record.name,
@@ -290,7 +289,7 @@ def judged(
         where=() if verdict == "no_gap" else finding,
         causes=causes,
         equivalent=equivalent,
-        undetectable=unseen,
+        undetectable=_undetectable(found, own),
         next_measurement=_next((record, *further), weighed, equivalent),
         updated_by=tuple(other.name for other in further),
         notes=(
@@ -303,7 +302,7 @@ def judged(
         resembles=resembles,
         partial=partial,
         # A difference that does not matter has a cause, too.
-        plausible=joined(plausible(verdict, known, unseen), inside),
+        plausible=joined(plausible(known), inside),
         relevance=relevance,
     )
     return Diagnosed(diagnosis, record, study, states, setup, observed, found, weighed)

@@ -1,37 +1,17 @@
-"""The classes among which the cause is in nine records of ten: sets by conformal calibration, for each verdict its own.
+"""The classes among which the cause is in nine records of ten, and the measurement that tells them apart best.
 
-Classes stand in the order of their probability, what the verdict says first. A set goes on until more probability lies
-before the next class than lay before the true one in nine of ten records that set it: then the next record of their
-kind has its cause in the set with that chance, whatever the probabilities are worth (Vovk, Gammerman and Shafer,
-Algorithmic Learning in a Random World, 2005, section 4.6, Mondrian by verdict).
-
-Where no gap is seen, an effect that the record cannot show may be there as well as not, whatever the probabilities:
-all of these are in the set. A gap is seen of something, so that they are not what explains it.
+Classes stand in the order of their probability, and go on until nine tenths of it are in the set. A cause of no library
+is always in it: one that does what a known effect does, or that is too small to be seen, no record rules out.
 """
 
 from collections.abc import Iterable, Mapping, Sequence
 from itertools import combinations
-from math import ceil
 
 from wirewear.diagnosis.calibration import constants
 from wirewear.effects import Measurement, all_measurements, splits
 
-_KNOWN = constants("infer.sets")
-
 #: How often a set holds the cause.
-LEVEL = _KNOWN.number("level")
-
-#: Probability before the next class, beyond which it is left out, by verdict.
-REACH: Mapping[str, float] = dict(
-    zip(
-        ("no_gap", "explained", "ambiguous", "unexplained"),
-        _KNOWN.each("no_gap", "explained", "ambiguous", "unexplained"),
-        strict=True,
-    )
-)
-
-#: What a verdict says that names no effect.
-_SAID = {"no_gap": "none", "unexplained": "outside_library"}
+LEVEL = constants("infer.sets").number("level")
 
 Classes = tuple[tuple[str, ...], ...]
 
@@ -72,48 +52,16 @@ def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[st
     return found
 
 
-def in_order(verdict: str, known: Mapping[tuple[str, ...], float]) -> Classes:
-    """What the verdict says, then all classes by their probability."""
-    said = _SAID.get(verdict)
-    return tuple(sorted(known, key=lambda members: (said not in members, -known[members], members)))
-
-
-def plausible(verdict: str, known: Mapping[tuple[str, ...], float], undetectable: Sequence[str] = ()) -> Classes:
-    """The set of a verdict: at least its own class, and effects that cannot be seen in the record where none was."""
+def plausible(known: Mapping[tuple[str, ...], float]) -> Classes:
+    """The most probable classes, until they have 90 % of the probability, and a cause of no library."""
     kept: list[tuple[str, ...]] = []
-    before = 0.0
-    for members in in_order(verdict, known):
-        if kept and before > REACH[verdict]:
+    for members in sorted(known, key=lambda members: (-known[members], members)):
+        if sum(known[before] for before in kept) >= LEVEL:
             break
         kept.append(members)
-        before += known[members]
-    return joined(tuple(kept), tuple((name,) for name in _unseen(verdict, undetectable)))
+    return joined(tuple(kept), (("outside_library",),))
 
 
 def joined(first: Classes, second: Classes) -> Classes:
     """One set and, after it, the classes of another that share no effect with it."""
     return (*first, *(members for members in second if not any(set(members) & set(kept) for kept in first)))
-
-
-def _unseen(verdict: str, undetectable: Sequence[str]) -> tuple[str, ...]:
-    return tuple(undetectable) if verdict == "no_gap" else ()
-
-
-def before_truth(
-    verdict: str, known: Mapping[tuple[str, ...], float], truths: Iterable[str], undetectable: Sequence[str] = ()
-) -> float:
-    """Probability of the classes before the first that holds one of several truths; 2 where none does, 0 if unseen."""
-    wanted, before = set(truths), 0.0
-    if wanted & set(_unseen(verdict, undetectable)):
-        return before
-    for members in in_order(verdict, known):
-        if wanted & set(members):
-            return before
-        before += known[members]
-    return 2.0
-
-
-def reach_of(befores: Sequence[float], level: float) -> float:
-    """The conformal quantile of what lay before the truth; 2, which leaves nothing out, of too few records."""
-    rank = ceil((len(befores) + 1) * level)
-    return 2.0 if rank > len(befores) else sorted(befores)[rank - 1]
