@@ -2,10 +2,10 @@
 
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import click
-from pydantic import BaseModel
+from pydantic import BaseModel, TypeAdapter
 from pydantic.fields import FieldInfo
 
 import wirewear
@@ -124,7 +124,7 @@ def _tables(model: type[BaseModel], place: str) -> Iterator[str]:
 def _key_row(name: str, field: FieldInfo) -> str:
     quantity = quantity_of(field)
     unit = "" if quantity is None else UNIT_SYMBOLS[quantity.unit].strip()
-    default = "required" if field.is_required() else _shown(field.get_default(call_default_factory=True))
+    default = "required" if field.is_required() else _shown(_written(field))
     return f"| `{name}` | {unit} | {_range(field, quantity)} | {default} | {_cell(field.description or '')} |"
 
 
@@ -139,8 +139,14 @@ def _range(field: FieldInfo, quantity: Quantity | None) -> str:
     return f"{quantity.low:.12g} to {quantity.high:.12g}{multiple}{others}"
 
 
+def _written(field: FieldInfo) -> Any:
+    """A field's default as a file states it."""
+    kind = TypeAdapter(Annotated[field.annotation, field])
+    return kind.dump_python(field.get_default(call_default_factory=True))
+
+
 def _shown(value: Any) -> str:
-    if value is None or value == ():
+    if value in (None, (), [], {}):
         return "–"
     if isinstance(value, bool):
         return f"`{str(value).lower()}`"
