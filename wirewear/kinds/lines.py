@@ -77,9 +77,9 @@ class LineContacts:
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Those of the whole contact, of the nominal run."""
         from wirewear.diagnosis.model.line_states import LineStates
-        from wirewear.diagnosis.model.nominal import limits_of, nominal_line_run
+        from wirewear.diagnosis.model.nominal import limits_of, line_run, nominal_run
 
-        result = nominal_line_run(study, observer_of)
+        result = nominal_run(study, observer_of, line_run)
         return LineStates.of_line(result, study.pad.profile, tables.length_mm), limits_of(result, study)
 
     def setup(self, study: LineStudy, tables: LineRecordTables) -> Setup:

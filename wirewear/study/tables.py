@@ -129,6 +129,15 @@ class Wear(keys.Table):
     )
 
     @property
+    def coefficients(self) -> dict[str, float]:
+        """Those that are stated, by their keys."""
+        stated = {
+            "energy_wear_coefficient_mm3_per_J": self.energy_wear_coefficient_mm3_per_J,
+            "archard_wear_coefficient_mm3_per_N_m": self.archard_wear_coefficient_mm3_per_N_m,
+        }
+        return {key: value for key, value in stated.items() if value is not None}
+
+    @property
     def of_law(self) -> WearLaw:
         """The law stated, or the one of the coefficient that is."""
         return self.law or (EnergyLaw() if self.archard_wear_coefficient_mm3_per_N_m is None else Archard())

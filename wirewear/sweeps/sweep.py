@@ -285,7 +285,7 @@ class Sweep:
         added = added_code([*self.study.effects, *self.study.laws])
         return identity_of(asked, CODE, {"added": added})
 
-    def study_of(self, place: int) -> AnyStudy[Any]:
+    def study_of(self, place: int) -> Any:
         """The study of a run. Raises StudyError if there is no such key, or its value cannot be."""
         return varied(self.study, self.design.values(place))
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from math import log
 from pathlib import Path
@@ -158,8 +158,34 @@ def _require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[st
             )
 
 
-def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResult:
-    """The quick run of a study, from the cache or made now; its wear coefficient is the stated one times a margin.
+@dataclass(frozen=True)
+class NominalRun:
+    """A study as it is run: it wears, by its coefficients times a margin, the first that the run comes to its end with.
+
+    changes: how it is logged and resolved, as tables of a study.
+    """
+
+    study: AnyStudy[Any]
+    margins: Sequence[float]
+    changes: Mapping[str, Any]
+
+
+def point_run(study: Study) -> NominalRun:
+    """Of a contact at a point."""
+    increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
+    return NominalRun(wearing(study), _WEAR_MARGINS, {"fidelity": {"quick": {"increments_per_cycle": increments}}})
+
+
+def line_run(study: LineStudy) -> NominalRun:
+    """Of a line contact."""
+    tolerance = study.mesh.jump_tolerance or JUMP_TOLERANCE
+    return NominalRun(study, (WEAR_MARGIN,), {"mesh": {"jump_tolerance": tolerance}})
+
+
+def nominal_run(
+    study: AnyStudy[Any], observer_of: ObserverOf | None = None, asked: Callable[[Any], NominalRun] = point_run
+) -> RunResult:
+    """The quick run of a study, from the cache or made now; its wear coefficients are the stated ones times a margin.
 
     The largest margin that a run comes to its end with. Where none does, the run that got farthest, if it logged enough
     loops; its status and message say so.
@@ -171,14 +197,14 @@ def nominal_run(study: Study, observer_of: ObserverOf | None = None) -> RunResul
     from wirewear.results import RESULT_FILE_NAME, read_result
 
     # Effects of the model enter the fast model; the wear states are those without.
-    study = wearing(study.with_effects())
+    nominal = asked(study.with_effects())
 
     def made(folder: Path) -> tuple[RunResult, Path]:
-        result = _run(study, folder, observer_of)
+        result = _run(nominal, folder, observer_of)
         return result, result.path or folder / RESULT_FILE_NAME
 
-    result, path = kept_or_made(f"nominal-{_identity(study).name}.h5", read_result, made)
-    return of_own_block(replace(result, path=path), study)
+    result, path = kept_or_made(f"nominal-{_identity(nominal).name}.h5", read_result, made)
+    return of_own_block(replace(result, path=path), nominal.study)
 
 
 def of_own_block(result: RunResult, study: AnyStudy[Any]) -> RunResult:
@@ -219,8 +245,7 @@ def wearing(study: Study) -> Study:
     """
     from wirewear.study.tables import Wear
 
-    keys = ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
-    if study.wear is not None and any(getattr(study.wear, key) for key in keys):
+    if study.wear is not None and any(study.wear.coefficients.values()):
         return study
     conditions = study.conditions
     amplitude_mm, radius_mm = 1e-3 * conditions.displacement_amplitude_um, Gap.of(*study.bodies).radius_mm
@@ -242,20 +267,23 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
     return (*told, ended)
 
 
-def _run(study: Study, folder: Path, observer_of: ObserverOf | None) -> RunResult:
+def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from solvers import SolverError
     from wirewear.results import RESULT_FILE_NAME, read_result
     from wirewear.simulation import run_study
 
     problem: Exception | None = None
     farthest: RunResult | None = None
+    study = nominal.study
+    wear = {} if study.wear is None else study.wear.coefficients
+    changes = {**nominal.changes, "log": {"loop_cycles": logged_by(study)}}
     # The blocks of a programme come at their cycles, whatever has worn by then.
-    margins = _WEAR_MARGINS if study.wear is not None and not study.schedule.blocks else (1.0,)
-    for place, margin in enumerate(margins):
+    for place, margin in enumerate(nominal.margins if wear and not study.schedule.blocks else (1.0,)):
         output = folder / str(place)
+        faster = {"wear": {key: margin * value for key, value in wear.items()}} if wear else {}
         try:
             return run_study(
-                _faster_wearing(study, margin),
+                study.changed({**changes, **faster}),
                 fidelity="quick",
                 output=output,
                 observer_of=observer_of or (lambda _: nullcontext(_silent())),
@@ -278,19 +306,6 @@ def _silent() -> Observer:
     return NoObserver()
 
 
-def _faster_wearing(study: Study, margin: float) -> Study:
-    increments = study.fidelity("quick").increments_per_cycle or INCREMENTS_PER_CYCLE
-    changes: dict[str, Any] = {
-        "log": {"loop_cycles": logged_by(study)},
-        "fidelity": {"quick": {"increments_per_cycle": increments}},
-    }
-    if study.wear is not None:
-        keys = ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
-        stated = {key: getattr(study.wear, key) for key in keys}
-        changes["wear"] = {key: margin * value for key, value in stated.items() if value is not None}
-    return study.changed(changes)
-
-
 def half_decades(cycles: int) -> list[int]:
     """Cycles at which a nominal run is logged: 1, 3, 10, ... and some late ones."""
     series = [factor * 10**decade for decade in range(len(str(cycles))) for factor in (1, 3)]
@@ -298,19 +313,15 @@ def half_decades(cycles: int) -> list[int]:
     return [cycle for cycle in [*series, *late] if 1 <= cycle < cycles]
 
 
-def _identity(study: Study) -> Identity:
+def _identity(nominal: NominalRun) -> Identity:
+    study = nominal.study
     stated = {key: value for key, value in study.resolved().items() if key not in ("name", "log", "variants")}
-    asked = {**stated, "conditions": stated["conditions"] | _timing(study)}
-    plan: dict[str, Any] = {name: constant.value for name, constant in _KNOWN.known.items()}
-    plan["added"] = added_code(study.laws)
+    # Loops without inertia or damping are the same at any frequency, unless a law follows the speed.
+    timing = {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0}
+    how = {"margins": nominal.margins, "changes": nominal.changes}
+    asked = {**stated, "conditions": stated["conditions"] | timing, **how}
+    plan = {name: constant.value for name, constant in _KNOWN.known.items()} | {"added": added_code(study.laws)}
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
-
-
-def _timing(study: AnyStudy[Any], **others: str) -> dict[str, Any]:
-    """What to state in place of a study's timing: loops without inertia or damping are the same at any frequency,
-    unless a law follows the speed.
-    """
-    return {} if any(law.timed for law in study.laws) else {"frequency_Hz": 1.0, **others}
 
 
 def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
@@ -334,44 +345,3 @@ def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
             pairs[key] = (own or 0.0, recorded or 0.0)
     _require_the_same(record, study, pairs)
     return study
-
-
-def nominal_line_run(study: LineStudy, observer_of: ObserverOf | None = None) -> RunResult:
-    """The quick run of a study, from the cache or made now; it wears faster than stated by a margin.
-
-    Raises:
-        StudyError: the study cannot be meshed.
-        SolverError: the contact did not converge.
-    """
-    from wirewear.results import read_result
-    from wirewear.simulation import run_study
-
-    # Effects of the model enter the fast model; the wear states are those without.
-    study = _faster_line(study.changed({"effects": ()}))
-
-    def made(folder: Path) -> tuple[RunResult, Path]:
-        result = run_study(study, fidelity="quick", output=folder, observer_of=observer_of)[0]
-        return result, folder / "result.h5"
-
-    result, _ = kept_or_made(f"nominal-line-{_identity_of_line(study).name}.h5", read_result, made)
-    return of_own_block(result, study)
-
-
-def _faster_line(study: LineStudy) -> LineStudy:
-    margin = 1.0 if study.tables.programme else WEAR_MARGIN
-    return study.changed(
-        {
-            "wear": {name: margin * value for name, value in study.wear.coefficients.items()},
-            "log": {"loop_cycles": logged_by(study)},
-            "mesh": {"jump_tolerance": study.mesh.jump_tolerance or JUMP_TOLERANCE},
-        }
-    )
-
-
-def _identity_of_line(study: LineStudy) -> Identity:
-    stated = study.resolved()
-    asked = {key: value for key, value in stated.items() if key not in ("name", "effects")}
-    # Times are not read.
-    asked["conditions"] = stated["conditions"] | _timing(study, motion="sinusoidal")
-    plan: dict[str, Any] = {"added": added_code(study.laws)}
-    return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
