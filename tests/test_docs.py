@@ -34,8 +34,8 @@ PAGES = sorted((ROOT / "docs").rglob("*.md"))
 READ_BY_PEOPLE = [*PAGES, ROOT / "README.md", ROOT / "CONTRIBUTING.md"]
 
 MOST_WORDS = 1500
-#: Of the whole site, with code and tables. At 1.0 it is to be 18 000.
-MOST_WORDS_OF_ALL = 21_500
+#: Of the whole site, with code and tables.
+MOST_WORDS_OF_ALL = 18_000
 
 #: Tables whose keys stand in the page of files.
 IN_FILES = (RecordTables, LineRecordTables, RecordMapping, LineMapping, SweepTables, Vary)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from studies.benchmarks.accuracy import rows
 from studies.steel_wires.diagnose import Chapter, chapter_of, findings
 from tests.diagnosis_cases import diagnosed, record
 from wirewear import RunResult, load_study, reference, run_study
@@ -81,6 +82,12 @@ def test_the_table_of_the_readme_is_what_a_fresh_run_comes_to(runs: dict[str, Ru
         shown = told[row]
         decimals = [len(text.partition(".")[2]) for text in shown]
         assert [f"{value:.{n}f}" for value, n in zip(values, decimals, strict=True)] == shown, row
+
+
+def test_the_page_on_accuracy_has_the_errors_of_a_fresh_run(runs: dict[str, RunResult]) -> None:
+    page = (STUDY.parents[2] / "docs" / "accuracy.md").read_text(encoding="utf-8").splitlines()
+    fresh = rows({"quick": runs["compliant"]})
+    assert [row for row in fresh if not any(line.startswith(row) for line in page)] == []
 
 
 def test_the_rigid_rig_over_predicts_slip_throughout(runs: dict[str, RunResult]) -> None:

@@ -127,5 +127,6 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     else:
         shutil.copyfile(table, folder / "tests.csv")
     click.echo(
-        f"{folder} holds entry.toml, study.toml and tests.csv: fill them in (docs/atlas.md), then predict and run."
+        f"{folder} holds entry.toml, study.toml and tests.csv: fill them in (studies/atlas/README.md), "
+        "then predict and run."
     )

@@ -38,7 +38,7 @@ _DEPTH_TOLERANCE = 0.15
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
     """Radius of the stuck core, worn volume and largest depth of both wires at a run's end."""
     resolution = level.partial_slip_run_resolution
-    study, exact = _study(resolution), _exact(resolution)
+    study, exact = worn_out_study(resolution), limiting_shape(resolution)
     result = simulate(study, fidelity="quick")
     fixed, moving = (result.scar(_CYCLES, wire) for wire in ("fixed", "moving"))
     volume = sum(float(result.evolution[f"worn_volume_{wire}_mm3"][-1]) for wire in ("moving", "fixed"))
@@ -59,7 +59,7 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-def _study(resolution: float) -> Study:
+def worn_out_study(resolution: float) -> Study:
     """Steel wires held at an approach that move by half of what they need to slide."""
     element_um = 1e3 * _CONTACT_RADIUS_mm / resolution
     steel = {"youngs_modulus_MPa": hertz.STEEL.youngs_modulus_MPa, "poissons_ratio": hertz.STEEL.poissons_ratio}
@@ -87,9 +87,9 @@ def _study(resolution: float) -> Study:
     return study
 
 
-def _exact(resolution: float) -> reference.LimitingShape:
+def limiting_shape(resolution: float) -> reference.LimitingShape:
     """The shape at which the wear of such a run ends, the bulk of its wires counted."""
-    body = hertz.condensed(discretise(_study(resolution), "quick").fixed)
+    body = hertz.condensed(discretise(worn_out_study(resolution), "quick").fixed)
     bulk = [hertz.crossed_bulk_compliance(body, normal=n, contact_radius_mm=_CONTACT_RADIUS_mm) for n in (True, False)]
     shear = reference.tangential_contact_modulus(hertz.STEEL, hertz.STEEL)
     radius = 0.5 * _DIAMETER_mm
