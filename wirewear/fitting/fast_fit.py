@@ -1,7 +1,6 @@
 """The loops of a record as figures of each test and cycle, and friction and compliance fitted to them."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -16,10 +15,6 @@ from wirewear.effects.contact import FrictionEvolution
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.records import AnyRecord
 
-if TYPE_CHECKING:
-    pass
-
-#: Records that parameters are fitted to.
 #: Figures that are fitted, and the relative deviation of the model that they are compared with.
 FITTED = {
     "friction_geometry_independent": 0.01,

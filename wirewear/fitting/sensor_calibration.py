@@ -38,41 +38,6 @@ class LoadedMotion:
     near_um: Array
 
 
-def loaded_motions(
-    study: Study,
-    *,
-    normal_loads_N: Sequence[float] = (),
-    near: NearPoint = "moving-wire",
-    remote_compliance_um_per_N: float = 0.0,
-    fidelity: str = "standard",
-    progress: Callable[[float, str], None] = lambda _share, _text: None,
-) -> tuple[LoadedMotion, ...]:
-    """Press the study's fresh wires by each load and move the sticking contact to tangential forces of ±µP.
-
-    The remote point is the back of the moving wire, which its holder grips and drives, behind
-    `remote_compliance_um_per_N` of whatever else lies between the sensor's point and that holder. Nothing slips, so
-    what is found is the compliance between the points and no friction.
-    Raises StudyError if a load is not positive, the contact has no friction, or its mesh takes more memory than there
-    is; SolverError if the contact does not converge.
-
-    study: without variants.  normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
-    near: where the near displacement is taken.  remote_compliance_um_per_N: stated by the rig's owner.
-    fidelity: of the mesh, which only covers the contact itself.
-    progress: is told the share done and what is being done.
-    """
-    loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
-    if loads[0] <= 0.0 or not np.isfinite(loads).all():
-        raise StudyError(f"the normal loads of a calibration must be positive numbers, not {loads[0]:g} N.")
-    if study.contact.friction == 0.0:
-        raise StudyError("a contact without friction carries no tangential force to calibrate with.")
-    problem = _stuck(study, loads[-1], fidelity, lambda text: progress(0.0, text))
-    motions = []
-    for number, load in enumerate(loads):
-        progress(number / len(loads), f"loading tangentially under {load:g} N")
-        motions.append(_loaded(problem, load, study.contact.friction * load, near, 1e-3 * remote_compliance_um_per_N))
-    return tuple(motions)
-
-
 def _stuck(study: Study, largest_load_N: float, fidelity: str, stage: Callable[[str], None]) -> ContactProblem:
     """The study's wires, fresh and sticking, on a patch that covers the contact under the largest load."""
     conditions = {"normal_load_N": largest_load_N, "displacement_amplitude_um": _ROOM_um, "approach_um": None}
@@ -201,19 +166,32 @@ def calibrate(
     fidelity: str = "standard",
     progress: Callable[[float, str], None] = lambda _share, _text: None,
 ) -> Calibration:
-    """Simulate the motions of `loaded_motions` and fit the polynomial in the load.
-    Raises StudyError if a load is not positive, the contact has no friction, or the study has variants to choose from;
-    SolverError if the contact does not converge.
+    """Press the study's fresh wires by each load, move the sticking contact to tangential forces of ±µP, and fit the
+    polynomial in the load.
+
+    The remote point is the back of the moving wire, which its holder grips and drives, behind
+    `remote_compliance_um_per_N` of whatever else lies between the sensor's point and that holder. Nothing slips, so
+    what is found is the compliance between the points and no friction.
+    Raises StudyError if the study has variants to choose from, a load is not positive, the contact has no friction, or
+    its mesh takes more memory than there is; SolverError if the contact does not converge.
+
+    normal_loads_N: positive; by default 0.5, 1 and 1.5 times the study's.
+    near: where the near displacement is taken.  remote_compliance_um_per_N: stated by the rig's owner.
+    fidelity: of the mesh, which only covers the contact itself.
+    progress: is told the share done and what is being done.
     """
-    motions = loaded_motions(
-        alone(study),
-        normal_loads_N=normal_loads_N,
-        near=near,
-        remote_compliance_um_per_N=remote_compliance_um_per_N,
-        fidelity=fidelity,
-        progress=progress,
-    )
-    return Calibration(near, remote_compliance_um_per_N, motions, fitted_polynomial(motions))
+    study = alone(study)
+    loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
+    if loads[0] <= 0.0 or not np.isfinite(loads).all():
+        raise StudyError(f"the normal loads of a calibration must be positive numbers, not {loads[0]:g} N.")
+    if study.contact.friction == 0.0:
+        raise StudyError("a contact without friction carries no tangential force to calibrate with.")
+    problem = _stuck(study, loads[-1], fidelity, lambda text: progress(0.0, text))
+    motions = []
+    for number, load in enumerate(loads):
+        progress(number / len(loads), f"loading tangentially under {load:g} N")
+        motions.append(_loaded(problem, load, study.contact.friction * load, near, 1e-3 * remote_compliance_um_per_N))
+    return Calibration(near, remote_compliance_um_per_N, tuple(motions), fitted_polynomial(motions))
 
 
 def parse_loads(text: str) -> tuple[float, ...]:

@@ -14,7 +14,7 @@ from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.guessing import known_columns
 from wirewear.records.importing.height_maps import MapScale, height_map, is_map
 from wirewear.records.importing.mapping import ScarSource
-from wirewear.records.importing.profilometry import MapOfBody, levelled, scar_of_heights, scar_of_map
+from wirewear.records.importing.profilometry import MapOfBody, grid_of_points, levelled, scar_of
 from wirewear.study import LineStudy, study_from_tables
 from wirewear.study.messages import validated
 from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
@@ -66,8 +66,11 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
     source = ScarSource.model_validate(told)
     of = MapOfBody(file, source, next(body for body in study.bodies if body.name == name), 1)
     columns = {} if is_map(file) else known_columns(file, COLUMNS)
-    points = [columns[key] for key in ("x_um", "y_um", "height_um") if key in columns]
-    scar = scar_of_heights(of, (points[0], points[1], points[2])) if len(points) == 3 else scar_of_map(of)
+    if {"x_um", "y_um", "height_um"} <= columns.keys():
+        found = grid_of_points(file, (columns["x_um"], columns["y_um"], columns["height_um"]))
+    else:
+        found = height_map(file, source.scale)
+    scar = scar_of(of, *found)
     return scar.x_um, scar.y_um, scar.depth_um
 
 

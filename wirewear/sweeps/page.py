@@ -22,7 +22,7 @@ from wirewear.base.writing import in_one_step, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
 from wirewear.sweeps.running import SweepResult
 from wirewear.sweeps.signature import LATIN_HYPERCUBE, SOBOL
-from wirewear.sweeps.sweep import DEPTH, Design, Sweep, SweepRow, VariedInput, figures_named
+from wirewear.sweeps.sweep import DEPTH, Design, Sweep, SweepRow, VariedInput
 
 if TYPE_CHECKING:
     import polars as pl
@@ -187,8 +187,7 @@ def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
         for place, key in enumerate(sweep.design.keys)
     }
     ended = [FAILED if rows[number].failed else COMPLETE for number in numbers]
-    names = figures_named(sweep.study.body_names, life=sweep.study.tables.life is not None)
-    figures = {name: [(rows[number].figures or {}).get(name) for number in numbers] for name in names}
+    figures = {name: [(rows[number].figures or {}).get(name) for number in numbers] for name in sweep.figures}
     columns = {
         "run": pl.Series(numbers, dtype=pl.Int64),
         **{key: pl.Series(values, dtype=pl.Float64) for key, values in keys.items()},
@@ -259,9 +258,7 @@ def varying_figures(result: SweepResult) -> dict[str, Array]:
     """Figures of all runs (n,) that are not the same in all of them; NaN where a run failed."""
     rows = [result.rows.get(number) for number in range(1, len(result.sweep) + 1)]
     found = {}
-    study = result.sweep.study
-    names = figures_named(study.body_names, life=study.tables.life is not None)
-    for name in (*drawn_among(names), "worn_volume_mm3", "max_mean_pressure_MPa"):
+    for name in (*drawn_among(result.sweep.figures), "worn_volume_mm3", "max_mean_pressure_MPa"):
         numbers = [None if row is None or row.figures is None else row.figures.get(name) for row in rows]
         values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
         known = values[np.isfinite(values)]
@@ -336,8 +333,9 @@ def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int
     """
     if design.kind not in FEWEST_RUNS:
         return []
-    found = [rows[number].figures if number in rows else None for number in range(1, len(design.points) + 1)]
-    values = np.array([np.nan if one is None or one.get(figure) is None else one[figure] for one in found], dtype=float)
+    of_runs = [rows[number].figures if number in rows else None for number in range(1, len(design.points) + 1)]
+    numbers = [None if one is None else one.get(figure) for one in of_runs]
+    values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
     shares = design.shares
     if design.kind == SOBOL:
         block = len(design.factors) + 2
@@ -349,20 +347,13 @@ def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int
     values, shares = values[keep], shares[keep]
     if count < FEWEST_RUNS[design.kind] or np.ptp(values) <= CONSTANT * abs(float(np.mean(values))):
         return []
-    return _sobol(design, figure, values, seed) if design.kind == SOBOL else _rbd(design, figure, shares, values, seed)
+    if design.kind == SOBOL:
+        from SALib.analyze import sobol
 
+        found = sobol.analyze(design.problem, values, calc_second_order=False, seed=seed)
+    else:
+        from SALib.analyze import rbd_fast
 
-def _sobol(design: Design, figure: str, values: Array, seed: int) -> list[Index]:
-    from SALib.analyze import sobol
-
-    found = sobol.analyze(design.problem, values, calc_second_order=False, seed=seed)
-    columns = (found[name].tolist() for name in ("S1", "S1_conf", "ST", "ST_conf"))
-    return [Index(figure, key, *numbers) for key, *numbers in zip(design.keys, *columns, strict=True)]
-
-
-def _rbd(design: Design, figure: str, shares: Array, values: Array, seed: int) -> list[Index]:
-    from SALib.analyze import rbd_fast
-
-    found = rbd_fast.analyze(design.problem, shares, values, seed=seed)
-    columns = (np.asarray(found[name]).tolist() for name in ("S1", "S1_conf"))
+        found = rbd_fast.analyze(design.problem, shares, values, seed=seed)
+    columns = (np.asarray(found[name]).tolist() for name in ("S1", "S1_conf", "ST", "ST_conf") if name in found)
     return [Index(figure, key, *numbers) for key, *numbers in zip(design.keys, *columns, strict=True)]

@@ -274,6 +274,11 @@ class Sweep:
         return len(self.design.points)
 
     @property
+    def figures(self) -> tuple[str, ...]:
+        """Names of the figures of its rows."""
+        return figures_named(self.study.body_names, life=self.study.tables.life is not None)
+
+    @property
     def identity(self) -> Identity:
         """Of all its rows: sweeps of one identity have the same table."""
         asked = {

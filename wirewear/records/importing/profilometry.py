@@ -74,22 +74,8 @@ class MapOfBody:
             )
 
 
-def scar_of_map(of: MapOfBody) -> MeasuredScar:
-    """The scar of a height map in any format that SurfaceTopography reads; the origin is put at the scar's middle.
-    Raises RecordError if SurfaceTopography cannot read the file, or the map lacks its size or unit.
-    """
-    return _scar(of, *height_map(of.file, of.source.scale))
-
-
-def scar_of_heights(of: MapOfBody, points: tuple[Array, Array, Array]) -> MeasuredScar:
-    """The scar of points x, y, height (n,) in µm; points off a grid are laid on one as dense as they are.
-    Raises RecordError if the points are too few, or lie beyond the body.
-    """
-    return _scar(of, *grid_of_points(of.file, points))
-
-
 def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
-    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm, as `height_map` has them.
+    """Lines x (n_x,), y (n_y,) and heights (n_x, n_y) of points (n,) in µm; those off a grid are laid on one as dense.
     Raises RecordError if the points are too few.
     """
     x, y, height = (values[np.isfinite(points[0] + points[1])] for values in points)
@@ -114,7 +100,10 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], np.asarray(griddata((x, y), height, tuple(places)))
 
 
-def _scar(of: MapOfBody, x: Array, y: Array, height: Array) -> MeasuredScar:
+def scar_of(of: MapOfBody, x: Array, y: Array, height: Array) -> MeasuredScar:
+    """The scar of a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm; the origin is put at its middle.
+    Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
+    """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
     crown, axis_deg = None if of.crown_unknown else 0.0, of.axis_deg
     if of.source.subtract_wire:
@@ -258,14 +247,14 @@ def surfaces_of(
 def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, repeat: int) -> Iterator[MeasuredScar]:
     body = tables.body(name)
     if source.kind == PROFILOMETER:
-        yield scar_of_map(MapOfBody(file, source, body, repeat))
+        yield scar_of(MapOfBody(file, source, body, repeat), *height_map(file, source.scale))
         return
     given, columns = columns_of_levels(file, source, source.columns, f"scars.{name}", repeat)
     for number in np.unique(columns["repeat"]):
         own: BoolArray = columns["repeat"] == number
         x, y, level = (columns[name][own] for name in ("x_um", "y_um", given))
         if given == "height_um":
-            yield scar_of_heights(MapOfBody(file, source, body, int(number)), (x, y, level))
+            yield scar_of(MapOfBody(file, source, body, int(number)), *grid_of_points(file, (x, y, level)))
             continue
         try:
             scar = MeasuredScar.from_points(int(number), name, x, y, level)
