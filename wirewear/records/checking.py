@@ -35,8 +35,8 @@ def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
         yield (
             False,
             (
-                "Telling a wrong or drifting normal load from a change of friction: the normal force was not measured. A "
-                "load cell under the body at rest tells it."
+                "Telling a wrong or drifting normal load from a change of friction: the normal force was not "
+                "measured. A load cell under the body at rest tells it."
             ),
         )
     yield from _wear(record)
@@ -66,8 +66,8 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
         yield (
             False,
             (
-                "How anything changes with the cycles: there are loops of one only; roughness, wear and drift look alike. "
-                "Log loops at 1, 10, 100, ... and the last cycle."
+                "How anything changes with the cycles: there are loops of one only; roughness, wear and drift look "
+                "alike. Log loops at 1, 10, 100, ... and the last cycle."
             ),
         )
     branches = [branch for item in figures for branch in item.branches]
@@ -78,8 +78,8 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
         yield (
             False,
             (
-                "The stiffness just after a reversal: most branches have fewer than four samples there, so that free play "
-                "and compliance may look alike. Sample faster, or press on the holder with a dial gauge at it."
+                "The stiffness just after a reversal: most branches have fewer than four samples there, so that free"
+                " play and compliance may look alike. Sample faster, or press on the holder with a dial gauge at it."
             ),
         )
     elif 2 * sum(item.measured_stiffness_N_per_um is None for item in figures) > len(figures):
@@ -94,9 +94,9 @@ def _repeats(record: AnyRecord) -> Iterator[Verdict]:
         yield (
             False,
             (
-                "Whether a difference means anything: with one repeat, the scatter between tests is unknown, and the "
-                "sensors' noise is only a lower bound. Repeat the test with fresh specimens, or state what is known in "
-                "[scatter]."
+                "Whether a difference means anything: with one repeat, the scatter between tests is unknown, and the"
+                " sensors' noise is only a lower bound. Repeat the test with fresh specimens, or state what is known"
+                " in [scatter]."
             ),
         )
         return
@@ -120,8 +120,8 @@ def _wear(record: AnyRecord) -> Iterator[Verdict]:
         yield (
             False,
             (
-                "The course of amplitudes, force and energy between the logged loops: there is no evolution. Many loggers "
-                "write such figures for every cycle ([evolution] of a mapping)."
+                "The course of amplitudes, force and energy between the logged loops: there is no evolution. Many "
+                "loggers write such figures for every cycle ([evolution] of a mapping)."
             ),
         )
 
