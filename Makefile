@@ -20,12 +20,13 @@ COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
-.PHONY: help setup run atlas test test-all test-fast lint style types bench clean
+.PHONY: help setup run atlas pictures test test-all test-fast lint style types bench clean
 
 help:
 	@echo "make setup      create $(VENV) and install wirewear with all that its developers need"
 	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
 	@echo "make atlas      published experiments beside their simulations (FIDELITY=$(FIDELITY)); goes on where it stopped"
+	@echo "make pictures   every picture of the documentation, drawn anew"
 	@echo "make test       lint and the tests that every change runs; of the exam of the diagnosis only where its code has changed"
 	@echo "make test-all   lint and all tests, also those that are slow"
 	@echo "make test-fast  the tests that take less than a second"
@@ -57,6 +58,9 @@ run: $(INSTALLED)
 
 atlas: $(INSTALLED)
 	$(BIN)/python -m studies.atlas --fidelity $(FIDELITY)
+
+pictures: $(DEVELOPED)
+	$(BIN)/python -m tools.pictures
 
 # Pages are looked at in Chromium, where there is one: without it their tests are skipped, and say so. Types are checked
 # meanwhile, and remembered as long as $(VENV) stays.

@@ -230,6 +230,9 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     for command in commands:
         result = CliRunner().invoke(cli, command)
         assert result.exit_code == 0, result.output
+    # Off a terminal each stage of the diagnosis is a line.
+    for stage in ("checking the record", "reducing the loops", "searching for causes"):
+        assert f"wirewear: {stage}\n" in result.stderr
     fitted = (tmp_path / "fitted" / "study.toml").read_text(encoding="utf-8")
     assert "tangential_stiffness_N_per_mm = 1" in fitted
     assert "loop_cycles = [100, 1000, 10000, 100000]" in fitted

@@ -129,6 +129,30 @@ def test_a_record_that_was_opened_is_checked_where_it_lies(server: DeskServer) -
     assert any("Nothing odd was found" in line for line in told["lines"])
 
 
+@pytest.mark.seconds
+@needs_browser
+def test_a_bar_shows_how_far_a_step_is(server: DeskServer) -> None:
+    """Of a run the decades of its cycles, of other work that it goes on: then it has no value, and is at -1."""
+    with browser() as page:
+        page.open(server.url, 390, 800, phone=True)
+        page.value(
+            "const told = JSON.parse(find('data').textContent), one = told.steps.find(s => s.name === 'diagnose')"
+        )
+        places = []
+        for line in ("steel: cycle 100 of 100\u2009000  0.02 J", "searching for causes"):
+            # In one go: the page asks every second for what there is.
+            place, said = page.value(
+                f"one.state = 'running'; one.lines.push('wirewear: {line}'); show(told);"
+                "[find('step-diagnose').querySelector('progress').position,"
+                " find('step-diagnose').querySelector('.note').textContent]"
+            )
+            places.append(place)
+            assert line in said
+        assert places == [pytest.approx(0.4), -1]
+        assert page.value(TOO_WIDE) == []
+        assert not page.problems
+
+
 @pytest.mark.slow
 @needs_browser
 def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServer, tmp_path: Path) -> None:

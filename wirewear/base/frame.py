@@ -15,7 +15,10 @@ from wirewear.base.errors import counted
 HERE = Path(__file__).parent
 
 #: How the program is cited where a page says so; CITATION.cff says the same.
-CITATION = "wirewear, simulation and diagnosis of crossed-wire fretting tests, version {version}, GPL-3.0-or-later."
+CITATION = (
+    "wirewear: simulation of fretting tests, and diagnosis of why simulation and rig disagree, version {version}, "
+    "GPL-3.0-or-later."
+)
 
 
 def rendered(template: Path, values: Mapping[str, Any], filters: Mapping[str, Any] | None = None) -> str:

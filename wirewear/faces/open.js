@@ -42,14 +42,14 @@ function section(step) {
   const own = made("section", { className: "step", id: "step-" + step.name });
   const parts = {
     own, begin: made("button", { type: "button", textContent: "Go" }), end: made("button", { type: "button", textContent: "Stop" }),
-    state: made("span", { className: "note" }), text: made("pre"), left: made("div"), edit: null, seen: "",
+    state: made("span", { className: "note" }), bar: made("progress", { max: 1 }), text: made("pre"), left: made("div"), edit: null, seen: "",
   };
   parts.begin.onclick = async () => {
     if (parts.edit && parts.edit.dataset.changed) await save(parts);
     ask("PUT", "steps/" + step.name, chosen(own));
   };
   parts.end.onclick = () => ask("PUT", "stop");
-  own.append(made("h2", { textContent: step.title }), parts.begin, parts.end, parts.state);
+  own.append(made("h2", { textContent: step.title }), parts.begin, parts.end, parts.state, parts.bar);
   if (step.options.length) own.append(made("details", { open: step.name === "guess" }, made("summary", { textContent: "options" }), made("div", { className: "options" }, ...step.options.map(option))));
   own.append(parts.text, parts.left);
   if (step.name === "look") {
@@ -58,6 +58,16 @@ function section(step) {
   }
   find("steps").append(own);
   return parts;
+}
+
+// Of a run, decades of its cycles that are done; of other work the bar shows only that it goes on.
+function tell(parts, step, running) {
+  const now = running ? step.lines.findLast(line => line.startsWith("wirewear: ")) ?? "" : "";
+  const [, done, all] = (/cycle (\d+(?:\s\d{3})*) of (\d+(?:\s\d{3})*)/.exec(now) ?? []).map(one => Number(one.replace(/\s/g, "")));
+  if (all > 1) parts.bar.value = Math.log(done) / Math.log(all); else parts.bar.removeAttribute("value");
+  parts.bar.hidden = !running;
+  const words = [WORDS[step.state], step.seconds === null ? "" : `${step.seconds} s`, now.replace("wirewear: ", "")];
+  parts.state.textContent = words.filter(Boolean).join(", ");
 }
 
 async function save(parts) {
@@ -74,7 +84,7 @@ function show(state) {
     const parts = shown.get(step.name), running = step.state === "running";
     parts.begin.disabled = !step.ready || state.steps.some(one => one.state === "running");
     parts.end.hidden = !running;
-    parts.state.textContent = WORDS[step.state] + (step.seconds === null ? "" : `, ${step.seconds} s`);
+    tell(parts, step, running);
     parts.text.hidden = !step.lines.length;
     parts.text.classList.toggle("said", step.state === "failed");
     const text = step.lines.join("\n");

@@ -62,12 +62,14 @@ def evolution_panels(results: Sequence[RunResult]) -> Figure:
 
 
 def _draw_course(axes: Axes, result: RunResult, column: str, *, label: str = "", **look: Any) -> None:
-    """A column over the cycles; in a test by blocks a line for each, with the block's number as its marker."""
+    """A column over the cycles; in a test by blocks a line for each, with the block's number at its end."""
     cycles, values, blocks = result.evolution["cycle"], result.evolution[column], _blocks(result)
     for number in np.unique(blocks):
         own = blocks == number
-        marker = f"${number:.0f}$" if number else ""
-        axes.plot(cycles[own], values[own], **look, marker=marker, markersize=4.5, label=label or None)
+        axes.plot(cycles[own], values[own], **look, marker="." if number else "", label=label or None)
+        if number:
+            place = {"xytext": (2, 2), "textcoords": "offset points", "fontsize": 7.5, "color": look["color"]}
+            axes.annotate(f"{number:.0f}", (cycles[own][-1], values[own][-1]), **place)
         label = ""
 
 

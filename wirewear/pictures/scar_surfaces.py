@@ -31,7 +31,7 @@ AMBIENT = 0.42
 
 CUT_COLOUR = "#b9bcc1"
 PIXELS = 1100  #: Width of a rendering, about twice the width of its panel: shrinking it smooths the edges.
-RULER_TEXT_um = 30.0  #: Height of the line of text below the rulers, in the units of the picture.
+TEXT_in = 0.16  #: Height of the line of text below the rulers.
 
 
 @dataclass(frozen=True)
@@ -72,9 +72,10 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
         extreme(picture[1][place] for row in pictures for picture in row)
         for place, extreme in enumerate((min, max, min, max))
     )
-    bottom -= RULER_TEXT_um
     panel_width_in = 0.44 * WIDTH_in
-    figure = new_figure(len(rows) * (panel_width_in * (top - bottom) / (right - left) + 0.3))
+    text_um = TEXT_in * (right - left) / panel_width_in
+    bottom -= text_um
+    figure = new_figure(len(rows) * (panel_width_in * (top - bottom) / (right - left) + 0.35))
     grid = figure.subplots(len(rows), 2, squeeze=False)
     for axes_row, scar_row, picture_row, result in zip(grid, rows, pictures, results, strict=True):
         for axes, scar, (pixels, extent) in zip(axes_row, scar_row, picture_row, strict=True):
@@ -85,7 +86,7 @@ def scars_in_3d(results: Sequence[RunResult]) -> Figure:
                 ylim=(bottom, top),
                 title=f"{result.label}: {called(scar.body)}, {cycle_name(scar.cycle)} cycles",
             )
-            _draw_rulers(axes, round_below(0.5 * half_length))
+            _draw_rulers(axes, round_below(0.5 * half_length), text_um)
     panel_letters(list(grid.flat))
     figure.colorbar(ScalarMappable(norm, DEPTH_COLOURS), ax=grid, label="worn depth [µm]", shrink=0.7, pad=0.01)
     return figure
@@ -170,13 +171,13 @@ def _cut_faces(surface: "pyvista.StructuredGrid") -> list["pyvista.PolyData"]:
     ]
 
 
-def _draw_rulers(axes: Axes, length_um: float) -> None:
+def _draw_rulers(axes: Axes, length_um: float, text_um: float) -> None:
     """Three arrows of that true length along x, y and z in the lower left corner, projected as the wire is."""
     directions = {"x (sliding)": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
     tips = {name: VIEW.project(direction) * length_um for name, direction in directions.items()}
     corner = np.array([axes.get_xlim()[0], axes.get_ylim()[0]])
     # All three must stay inside the panel, with room for the line of text below.
-    origin = corner - np.minimum(np.min(list(tips.values()), axis=0), 0.0) + np.array([0.05, 1.5]) * RULER_TEXT_um
+    origin = corner - np.minimum(np.min(list(tips.values()), axis=0), 0.0) + np.array([0.05, 1.5]) * text_um
     for name, tip in tips.items():
         start, end = origin, origin + tip
         arrow = {"arrowstyle": "-|>", "color": INK, "linewidth": 1.0, "mutation_scale": 8, "shrinkA": 0, "shrinkB": 0}

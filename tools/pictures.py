@@ -1,0 +1,93 @@
+"""Every picture of the documentation, drawn anew by the commands that stand here or beside it in the gallery.
+
+    python -m tools.pictures [PICTURE]...
+
+Runs go to runs/pictures and runs/gallery and are used again. All pictures take an hour of one core.
+"""
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+from PIL import Image
+
+from tests.browser import browser
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+_WIDE, _HIGH, _COLOURS = 1275, 790, 255
+
+_ACCURACY = "runs/pictures/accuracy"
+_RECORD = "studies/steel_wires/example_records/rigid_stated_compliant_rig"
+_STEEL = (
+    "wirewear run studies/steel_wires/study.toml --variant compliant --fidelity standard --output runs/pictures/steel"
+)
+
+#: Commands of the pictures outside the gallery, the last with the file that it leaves; of a page, its top is shown.
+DRAWN = {
+    **{
+        f"accuracy_{name}.png": (f"python -m studies.benchmarks.accuracy --output {_ACCURACY}  # accuracy_{name}.png",)
+        for name in ("fresh", "levels", "partial_slip")
+    },
+    "compared.png": (
+        f"wirewear fit {_RECORD} --output runs/pictures/fit",
+        f"wirewear compare runs/pictures/fit/run {_RECORD} --output runs/pictures/compared  # loops.png",
+    ),
+    "diagnosed.png": (f"wirewear diagnose {_RECORD} --output runs/pictures/diagnosis  # report.html",),
+    "effects.png": ("python studies/effects/gallery.py --output runs/pictures/effects  # effects.png",),
+    "first_loop.png": (
+        f"install -D --mode 644 {_RECORD}/loops.csv runs/pictures/log/loops.csv",
+        "rm -f runs/pictures/log/mapping.toml",
+        "wirewear new --mapping runs/pictures/log/loops.csv --diameter 0.45",
+        "wirewear import runs/pictures/log/mapping.toml --dry-run --output runs/pictures/log/a  # ../a_first_loop.png",
+    ),
+    "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_mid-forward.png"),
+    "mesh.png": ("wirewear mesh studies/steel_wires/study.toml --output runs/pictures/mesh  # mesh.png",),
+    "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
+    "tribometers.png": ("python -m studies.tribometers.article --output runs/pictures/tribometers  # tribometers.png",),
+}
+
+
+def commands_of(picture: str) -> tuple[str, ...]:
+    """The lines that draw a picture of docs/. Raises KeyError if there are none."""
+    return DRAWN[picture] if picture in DRAWN else _gallery()[picture]
+
+
+def _gallery() -> dict[str, tuple[str, ...]]:
+    """The lines of each picture of the gallery, which stand before it."""
+    text = (DOCS / "gallery.md").read_text(encoding="utf-8")
+    found = re.findall(r"^```\n(.*?)^```\n+!\[[^\]]*\]\(([^)]+)\)", text, re.DOTALL | re.MULTILINE)
+    return {picture: tuple(lines.splitlines()) for lines, picture in found}
+
+
+def every_picture() -> list[str]:
+    """All pictures that a line draws."""
+    return [*DRAWN, *_gallery()]
+
+
+def draw(picture: str) -> None:
+    """Run a picture's commands and keep what they leave, in few colours."""
+    for line in commands_of(picture):
+        command, _, left = map(str.strip, line.partition("  #"))
+        program, *words = shlex.split(command)
+        python = {"wirewear": [sys.executable, "-m", "wirewear"], "python": [sys.executable]}.get(program, [program])
+        again = ["--resume"] if words[0] == "run" else []  # A run of that name is finished, or is gone on with.
+        subprocess.run([*python, *words, *again], cwd=ROOT, check=True)
+    folder = words[words.index("--output") + 1] if "--output" in words else words[1]
+    made = (ROOT / folder / left).resolve()
+    target = DOCS / picture
+    if made.suffix == ".html":
+        with browser() as page:
+            page.open(made, _WIDE, _HIGH)
+            made = page.picture(target)
+    image = Image.open(made).convert("RGB")
+    image.thumbnail((_WIDE, _WIDE))
+    target.parent.mkdir(exist_ok=True)
+    image.quantize(_COLOURS, dither=Image.Dither.NONE).save(target, optimize=True)
+
+
+if __name__ == "__main__":
+    for name in sys.argv[1:] or every_picture():
+        draw(name)
