@@ -119,7 +119,7 @@ class IntegrationPoints:
     volumes: Array
     shapes: Array
 
-    @property
+    @cached_property
     def positions(self) -> Array:
         """Positions (m, q, d) in mm, of the mesh's points (n, d)."""
         return np.asarray(np.einsum("qc,mcd->mqd", self.shapes, self.mesh.points[self.mesh.cells]))
@@ -166,26 +166,26 @@ class IntegrationPoints:
         """
         from scipy.sparse.linalg import cg
 
-        mass, scale = self._mass
+        mass, scale, used = self._mass
         loads = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
         loads = scattered(self.mesh.cells, loads, len(self.mesh.points))
-        result = np.empty_like(loads)
-        for k, load in enumerate(loads.T):
-            result[:, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
+        result = np.zeros_like(loads)
+        for k, load in enumerate(loads[used].T):
+            result[used, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
             if failed:
                 raise SolverError("stresses could not be projected to the nodes; please report this study")
         return result
 
     @cached_property
-    def _mass(self) -> tuple[csr_matrix, dia_matrix]:
-        """Integrals of products of shape functions, and the inverse of the diagonal where nodes have cells."""
-        cells, size = self.mesh.cells, len(self.mesh.points)
+    def _mass(self) -> tuple[csr_matrix, dia_matrix, IntArray]:
+        """Integrals of products of shape functions, the inverse of their diagonal, and the nodes that have cells."""
+        used, cells = np.unique(self.mesh.cells, return_inverse=True)
+        corners, size = self.mesh.cells.shape[1], len(used)
+        cells = cells.reshape(-1, corners)
         masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
-        corners = cells.shape[1]
         rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
         mass = coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-        own = mass.diagonal()
-        return mass, diags(np.divide(1.0, own, out=np.zeros(size), where=own > 0.0))
+        return mass, diags(1.0 / mass.diagonal()), used
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:

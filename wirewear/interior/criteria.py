@@ -5,7 +5,7 @@ a closed cycle, n material points. A cycle that goes to and fro more than once i
 """
 
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Protocol
@@ -16,7 +16,7 @@ import rainflow
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.strain import tensors
-from wirewear.interior.state import critical_planes, crossland, in_plane, stress_on_planes, swt_on_planes
+from wirewear.interior.state import critical_planes, crossland, in_plane, normal_stresses, stress_vectors, swt_on_planes
 
 _STEPS = 60  #: Of Newton's method, at most.
 #: Directions in a plane in which shear is looked at; the largest range is missed by 1 % at most.
@@ -125,7 +125,7 @@ class SmithWatsonTopper(_OnPlanes):
 
     def counted(self, stress: Array, normal: Array) -> Array:
         """The normal stress."""
-        return stress_on_planes(stress, normal[:, None])[1][..., 0]
+        return normal_stresses(stress, normal[:, None])[..., 0]
 
 
 @dataclass(frozen=True)
@@ -140,7 +140,7 @@ class StressLife(SmithWatsonTopper):
 
     def value(self, stress: Array, normals: Array) -> Array:
         """σ_a / (1 − σ_m / σ_f'), which is endless where the mean alone breaks."""
-        normal = stress_on_planes(stress, normals)[1]
+        normal = normal_stresses(stress, normals)
         highest, lowest = normal.max(axis=0), normal.min(axis=0)
         left = 1.0 - 0.5 * (highest + lowest) / self.strength_coefficient_MPa
         amplitude = 0.5 * (highest - lowest)
@@ -159,14 +159,14 @@ class FatemiSocie(_OnPlanes):
 
     def value(self, stress: Array, normals: Array) -> Array:
         """Δγ / 2 · (1 + k σ_n,max / σ_y), where a plane pressed together counts as if it was free."""
-        across, normal = stress_on_planes(stress, normals)
-        shears = np.max([np.ptp(shear, axis=0) for shear in _shears(across, normals)], axis=0)
+        normal = normal_stresses(stress, normals)
+        shears = np.max([np.ptp(shear, axis=0) for shear in _shears(stress, normals)], axis=0)
         pulled = np.maximum(normal.max(axis=0), 0.0)
         return np.asarray(0.5 * shears / self.material.shear_modulus_MPa * (1.0 + self.weight_per_MPa * pulled))
 
     def counted(self, stress: Array, normal: Array) -> Array:
         """The shear stress in the direction of its largest range."""
-        shears = np.array(_shears(stress_on_planes(stress, normal[:, None])[0], normal[:, None]))[..., 0]
+        shears = np.array(list(_shears(stress, normal[:, None])))[..., 0]
         best = np.ptp(shears, axis=1).argmax(axis=0)
         return np.asarray(shears[best, :, np.arange(len(best))].T)
 
@@ -186,11 +186,12 @@ class CrosslandLife:
         return CycleDamage(share, np.zeros((len(share), 3)))
 
 
-def _shears(across: Array, normals: Array) -> Sequence[Array]:
-    """Shear stresses (s, n, k) in directions spread evenly over half a turn, of stress vectors (s, n, k, 3)."""
+def _shears(stress: Array, normals: Array) -> Iterator[Array]:
+    """Shear stresses (s, n, k) in directions spread evenly over half a turn, as tensors have them on planes."""
+    across = stress_vectors(stress, normals)
     first, second = (np.einsum("snki,nki->snk", across, one, optimize=True) for one in in_plane(normals))
-    angles = np.arange(_SHEARS) * np.pi / _SHEARS
-    return [np.cos(angle) * first + np.sin(angle) * second for angle in angles]
+    for angle in np.arange(_SHEARS) * np.pi / _SHEARS:
+        yield np.cos(angle) * first + np.sin(angle) * second
 
 
 def _smaller_cycles(signals: Array) -> tuple[IntArray, Array, IntArray]:

@@ -262,17 +262,24 @@ def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
 
 def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
     """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3), in MPa."""
-    _, normal = stress_on_planes(stress, normals)
+    normal = normal_stresses(stress, normals)
     nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
     trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
     strain = ((1.0 + nu) * normal - nu * trace) / modulus
     return np.asarray(np.maximum(normal.max(axis=0), 0.0) * 0.5 * np.ptp(strain, axis=0))
 
 
-def stress_on_planes(stress: Array, normals: Array) -> tuple[Array, Array]:
-    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3), and normal stresses (s, n, k)."""
-    across = np.einsum("snij,nkj->snki", stress, normals, optimize=True)
-    return across, np.einsum("snki,nki->snk", across, normals, optimize=True)
+def normal_stresses(stress: Array, normals: Array) -> Array:
+    """Normal stresses (s, n, k) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    squares = (normals[..., None] * normals[..., None, :]).reshape(*normals.shape[:2], 9)
+    columns = np.moveaxis(stress.reshape(*stress.shape[:2], 9), 0, 1)
+    found: Array = np.moveaxis(columns @ np.swapaxes(squares, 1, 2), 1, 0)
+    return found
+
+
+def stress_vectors(stress: Array, normals: Array) -> Array:
+    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
 
 
 def _hemisphere(count: int) -> Array:
