@@ -61,25 +61,6 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert set(kind.confused_with) <= set(effects.all_effects())
 
 
-def test_each_measurement_has_so_many_answers_that_effects_of_one_answer_are_alike_to_it() -> None:
-    answers = {
-        measurement: {kind.answer_to(measurement) for kind in effects.all_effects().values()} - {""}
-        for measurement in effects.measurements.LIBRARY
-    }
-    assert {measurement: len(texts) for measurement, texts in answers.items()} == {
-        effects.measurements.SECOND_HEIGHT: 3,
-        effects.measurements.ENCODER: 5,
-        effects.measurements.NORMAL_FORCE: 4,
-        effects.measurements.HALF_LOAD: 6,
-        effects.measurements.INTERRUPTED_SCARS: 6,
-        effects.measurements.LOWER_FREQUENCY: 6,
-        effects.measurements.EARLY_LOOPS: 5,
-        effects.measurements.SCAR_MAPS: 6,
-        effects.measurements.OTHER_STROKE: 1,
-        effects.measurements.CLEANED_SCARS: 2,
-    }
-
-
 @given(low=st.floats(0.01, 10.0), ratio=st.floats(1.1, 100.0), place=st.floats(-3.0, 3.0), log=st.booleans())
 def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
     one = effects.Parameter("p", effects.Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
+from geometry import Elastic
 from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
@@ -52,6 +53,18 @@ def test_a_sliding_contact_is_not_pulled_more_by_a_longer_stroke() -> None:
     assert tension_at(own, 0.5 * slides, 2.0) < 0.95 * tension_at(own, slides, 2.0)
     # A Hertz contact's pressure grows with the cube root of the load.
     assert tension_at(own, 1e3, 16.0) == pytest.approx(2.0 * tension_at(own, 1e3, 2.0), rel=1e-6)
+
+
+def test_unlike_bodies_are_pressed_as_their_contact_modulus_says_whichever_is_named_first() -> None:
+    steel = contact()
+    soft = dataclasses.replace(steel, bodies=(steel.bodies[0], Elastic(70e3, 0.33)))
+    steel_per_MPa, soft_per_MPa = (
+        sum((1.0 - body.poissons_ratio**2) / body.youngs_modulus_MPa for body in one.bodies) for one in (steel, soft)
+    )
+    assert soft.at(2.0)[1] == pytest.approx((steel_per_MPa / soft_per_MPa) ** (2.0 / 3.0) * steel.at(2.0)[1])
+    turned = dataclasses.replace(soft, bodies=soft.bodies[::-1])
+    own, other = (one.at(2.0)[0].full_slip_displacement_mm for one in (soft, turned))
+    assert own == pytest.approx(other)
 
 
 @pytest.mark.parametrize("threshold", [0.0, 3.0])

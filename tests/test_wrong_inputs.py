@@ -226,11 +226,6 @@ diameter_mm = 0.45 => diameter_um = 450
 diameter_mm = 0.45 => diameter_mm = 450
     diameter_mm in [wires] of s.toml is 450, but must lie between 0.02 and 20 millimetres: it looks like micrometres,
     which would be 0.45 here.
-youngs_modulus_MPa = 210000 => youngs_modulus_MPa = 210
-    youngs_modulus_MPa in [wires] of s.toml is 210, but must lie between 1000 and 1500000 megapascals: it looks like
-    gigapascals, which would be 210000 here.
-normal_load_N = 2.0 => normal_load_N = -2.0
-    normal_load_N in [conditions] of s.toml is -2.0, but must lie between 0.001 and 10000 newtons.
 friction = 0.62 => friction = -0.62
     friction in [contact] of s.toml is -0.62, but must lie between 0 and 2.
 friction = 0.62 => friction = nan
@@ -238,19 +233,12 @@ friction = 0.62 => friction = nan
 friction = 0.62 => friction = "0.62"
     friction in [contact] of s.toml is the text '0.62', but must be a number between 0 and 2: write it without quotes,
     0.62.
-friction = 0.62 => friction = true
-    friction in [contact] of s.toml is True, but must be a number between 0 and 2.
 friction = 0.62 =>
     missing key 'friction' in [contact] of s.toml: give the coefficient of friction, for example friction = 0.62.
-frequency_Hz = 3.0 =>
-    missing key 'frequency_Hz' in [conditions] of s.toml: give the cycles per second, in hertz, for example frequency_Hz
-    = 3.0.
 [contact]\nfriction = 0.62 =>
     missing table [contact] in s.toml: it must give friction.
 friction = => frction =
     unknown key 'frction' in [contact] of s.toml: did you mean 'friction'?
-[contact] => [contcat]
-    unknown key 'contcat' in s.toml: did you mean 'contact'?
 [contact] => moving_share = 0.5\n[contact]
     unknown key 'moving_share' in [conditions] of s.toml: it belongs in [wear].
 friction = 0.62 => friction = 0.62\ncolour = 1
@@ -267,16 +255,11 @@ friction = 0.62 => frction = 0.62\ncolour = 1
 friction = 0.62 => friction = 0,62
     s.toml is not valid TOML: expected newline or end of document after a statement (at line 15, column 13); the decimal
     sign is a point: friction = 0.62.
-friction = 0.62 => friction = "0,62"
-    friction in [contact] of s.toml is the text '0,62', but must be a number between 0 and 2: write it without quotes,
-    0.62.
 normal_load_N = 2.0 => normal_load_N = 2.0 N
     s.toml is not valid TOML: expected newline or end of document after a statement (at line 10, column 21); the unit
     stands in the key's name: normal_load_N = 2.0.
 kind = "crossed-wires" => kind = crossed-wires
     s.toml is not valid TOML: invalid value (at line 4, column 8); a text stands in quotes: kind = "crossed-wires".
-poissons_ratio = 0.3 => poissons_ratio = 0.5
-    poissons_ratio in [wires] of s.toml is 0.5, but must lie between 0 and 0.49.
 displacement_amplitude_um = 60.0 => displacement_amplitude_um = 600.0
     displacement_amplitude_um in [conditions] of s.toml is 600 µm, but must not exceed the smallest diameter, 450 µm.
 [contact] => [log]\nloop_cycles = [1, 0]\n[contact]
@@ -293,14 +276,10 @@ displacement_amplitude_um = 60.0 => displacement_amplitude_um = 600.0
 [contact] => [variants.a.holder]\ntangential_stiffness_N_per_mm = "rigd"\n[contact]
     tangential_stiffness_N_per_mm in [variants.a.holder] of s.toml is the text 'rigd', but must be a number between 1
     and 10000000 newtons per millimetre, or "rigid".
-[contact] => [variants.a.holdr]\n[contact]
-    unknown key 'holdr' in [variants.a] of s.toml: did you mean 'holder'?
 [contact] => [variants.a]\nfriction = 1\n[contact]
     'friction' in [variants.a] of s.toml is 1, but a variant holds only tables such as [variants.a.holder].
 [contact] => [variants."../a".holder]\n[contact]
     the variant '../a' in s.toml needs another name: letters, digits, _ and - only, 64 at most.
-[contact] => [variants]\na = 3\n[contact]
-    variants.a in s.toml is 3, but must be a table like [variants.a.holder].
 kind = "crossed-wires" => kind = "crossed-wires"\nvariants = 3
     variants in s.toml is 3, but must hold tables like [variants.rigid.holder].
 format = 1 => format = 2
@@ -314,10 +293,6 @@ friction = 0.62 => friction = 1979-05-27
     friction in [contact] of s.toml is 1979-05-27, but must be a number between 0 and 2.
 name = "test" => name = 3
     name in s.toml is 3, but must be a text such as "steel wires".
-format = 1 => wear = 3\nformat = 1
-    wear in s.toml is 3, but must be a table.
-format = 1 => format =
-    s.toml is not valid TOML: invalid value (at line 2, column 9).
 """
 
 

@@ -1,0 +1,54 @@
+"""What the diagnosis of line contacts reads: the state of a loop, a profile about its middle, known beforehand."""
+
+import numpy as np
+import pytest
+
+from wirewear.diagnosis.model.line_states import _row
+from wirewear.diagnosis.observe.scars import read_profile
+from wirewear.records import MeasuredProfile
+from wirewear.results import Loop
+
+FRICTION, LOAD_N, STIFFNESS_N_per_um = 0.6, 100.0, 8.0
+AMPLITUDE_um = 40.0
+
+
+def loop(full: float) -> Loop:
+    """Slip begins along q(x) of F/K (1 − (1 − q)^(1/F)), then the contact slides on a plane; from mid-stroke on."""
+    rise = 2.0 * FRICTION * LOAD_N
+    share = 1.0 - (1.0 - np.linspace(0.0, 1.0, 200)) ** 2
+    travel = full / STIFFNESS_N_per_um * rise * (1.0 - (1.0 - share) ** (1.0 / full))
+    travel = np.append(travel, np.linspace(travel[-1], 2.0 * AMPLITUDE_um, 400)[1:])
+    force = rise * np.append(share, np.ones(399)) - 0.5 * rise
+    x, q = np.append(travel[:-1] - AMPLITUDE_um, AMPLITUDE_um - travel[:-1]), np.append(force[:-1], -force[:-1])
+    x, q = np.roll(x, -300), np.roll(q, -300)
+    time = np.arange(x.size) / x.size
+    return Loop(7, time, x, x, q, np.full(x.size, LOAD_N), np.zeros(x.size))
+
+
+@pytest.mark.parametrize("full", [1.0001, 1.05])
+def test_a_loop_of_a_line_contact_gives_its_slip_friction_stiffness_and_load(full: float) -> None:
+    row = _row(loop(full), FRICTION)
+    assert row is not None
+    cycle, slip, slope, angle, stiffness, shape, load, lift = row
+    assert (cycle, shape) == (7, full)
+    assert stiffness == pytest.approx(STIFFNESS_N_per_um, rel=0.01)
+    assert slip == pytest.approx(AMPLITUDE_um - full * FRICTION * LOAD_N / STIFFNESS_N_per_um, rel=0.01)
+    assert np.abs(np.concatenate([slope, angle, lift])).max() < 1e-3
+    assert load == pytest.approx(LOAD_N)
+
+
+def test_a_profile_is_read_about_its_middle_with_its_roughness_and_the_error_of_its_zero() -> None:
+    random = np.random.default_rng(5)
+    x = np.linspace(-150.0, 150.0, 301)
+    depth = 5.0 * np.maximum(1.0 - ((x - 50.0) / 100.0) ** 2, 0.0) + 0.15 + 0.1 * random.standard_normal(x.size)
+    read = read_profile(MeasuredProfile(1, "pad", x, depth))
+    assert x - read.x_um == pytest.approx(np.full(x.size, 50.0), abs=1.0)
+    # Running means over 21 µm widen it by a few.
+    assert read.half_width_um == pytest.approx(103.0, rel=0.03)
+    assert read.deepest_um == pytest.approx(5.15, abs=0.1)
+    assert read.rough_um == pytest.approx(0.1, rel=0.15)
+    assert read.zero_um == pytest.approx(0.15, abs=0.04)
+    assert read.alike < 0.1
+    # A mean of neighbours that are not alike is known √n better.
+    assert read.error_of(16, 0.0) == pytest.approx(0.25 * read.rough_um, rel=0.15)
+    assert read.error_of(4, 2.0) == pytest.approx(1.0, rel=0.15)
