@@ -14,8 +14,14 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import check_record, read_record, record_of_result, write_record
-from wirewear.fitting.sensor_calibration import Calibration, LoadedMotion, LoadPolynomial, calibrate, fitted_polynomial
-from wirewear.fitting.sensor_correcting import corrected_record
+from wirewear.fitting.sensor_calibration import (
+    Calibration,
+    LoadedMotion,
+    LoadPolynomial,
+    calibrate,
+    corrected_record,
+    fitted_polynomial,
+)
 from wirewear.loops import LoopSignals, Measured, Sensor, SensorNoise, analyse_loop
 from wirewear.loops.sensor import sensor_held_stroke
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus

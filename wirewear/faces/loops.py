@@ -104,8 +104,13 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from wirewear.base.writing import prepared_folder
     from wirewear.faces.study_script import progress_bar
     from wirewear.fitting.sensor_calibration import calibrate as solve
-    from wirewear.fitting.sensor_calibration import parse_loads, parse_near
-    from wirewear.fitting.sensor_correcting import calibration_json, calibration_text, corrected_record
+    from wirewear.fitting.sensor_calibration import (
+        calibration_json,
+        calibration_text,
+        corrected_record,
+        parse_loads,
+        parse_near,
+    )
     from wirewear.records import read_record, write_record
     from wirewear.study import load_study
 
