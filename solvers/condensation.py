@@ -267,17 +267,17 @@ class CondensedBody:
 
 
 def condense(
-    mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, grip: str = "grip", bedding: Array | None = None
+    mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, bedding: Array | None = None
 ) -> CondensedBody:
-    """Condense a body held at its surface `grip`.
+    """Condense a body held at its surface "grip".
 
     bedding: (n,) stiffness in N/mm by which the nodes of an elastic grip are held, in place of holding them still.
 
     SolverError when nothing is gripped or the patch touches the grip; GeometryError when there is no such surface.
     """
-    held = mesh.surface_nodes(grip)
+    held = mesh.surface_nodes("grip")
     if not held.size:
-        raise SolverError(f"the surface '{grip}' is empty, so nothing holds the body; make the grip larger")
+        raise SolverError("the surface 'grip' is empty, so nothing holds the body; make the grip larger")
     if np.intersect1d(held, patch.nodes).size:
         raise SolverError("the holder grips nodes of the contact patch; make the grip or the patch smaller")
     piece = piece_to_condense(mesh, patch, held if bedding is None else held[:0])

@@ -55,26 +55,25 @@ class ColumnTable:
         return self.numbers.line(row if self.order is None else int(self.order[row]))
 
 
-def read_columns(path: Path, wanted: Sequence[Column], layout: DelimitedLayout = CSV) -> ColumnTable:
+def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
     """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
 
-    `layout` is another one of delimited text.
     Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a wrong value.
     """
-    text = read_delimited(path, layout)
+    text = read_delimited(path)
     names = _names(text)
-    present = _present(f"{path}, line {layout.line_of_names}", names, wanted)
+    present = _present(f"{path}, line {CSV.line_of_names}", names, wanted)
     numbers = text.numbers({column.name: names.index(column.name) for column in present})
     table = ColumnTable(path, numbers.columns, numbers)
     if not table.rows:
-        raise RecordError(f"{path}, line {layout.lines_before_rows + 1}: there are no rows below the column names.")
+        raise RecordError(f"{path}, line {CSV.lines_before_rows + 1}: there are no rows below the column names.")
     for column in present:
         _check(table, column)
     return table
 
 
-def column_names(path: Path, layout: DelimitedLayout = CSV) -> tuple[str, ...]:
-    """Names in the first line of a CSV file, or where the layout has them.
+def column_names(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
+    """Names of a delimited text's columns, where its layout has them.
     Raises RecordError if the file cannot be read, or its first line names no columns.
     """
     return _names(read_delimited(path, layout))

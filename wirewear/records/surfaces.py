@@ -284,12 +284,6 @@ class MeasuredProfile:
         return float(np.trapezoid(depth, x))
 
     @property
-    def centre_um(self) -> float:
-        """Centre of the worn cross-section; NaN where nothing is worn."""
-        x, depth = self._worn
-        return float(np.trapezoid(x * depth, x)) / self.area_um2 if self.area_um2 > 0.0 else float("nan")
-
-    @property
     def _level_um(self) -> float:
         return EDGE * float(self.smooth_um.max())
 

@@ -148,9 +148,6 @@ def _between_ends(vary: Vary, kind: str, where: str) -> VariedInput:
     return VariedInput(vary.key, vary.low, vary.high, vary.scale == LOGARITHMIC)
 
 
-SAMPLED = (LATIN_HYPERCUBE, SOBOL)
-
-
 #: Columns of the evolution that a row holds of the last cycle besides depths, and with FIRST before it of the first.
 AT_END = (
     "max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "accumulated_energy_J",

@@ -118,6 +118,7 @@ def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
 RUNS = 30  #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
 FARTHEST = 3.0  #: Inputs farther than so many standard deviations from the middle are not drawn.
 DRAWS = 4000  #: Draws from the polynomials: intervals then scatter by some hundredths of their width.
+SEED = 1  #: Of all that is drawn.
 PHASES = 240  #: Phases of the loop that intervals are given at.
 
 #: Share of the loops' variance that principal components may leave out.
@@ -207,14 +208,13 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class LoopBand:
-    """A cycle's loop and its 95 % band at equal phases (PHASES,); `error` is the polynomials' [N]."""
+    """A cycle's loop and its 95 % band at equal phases (PHASES,)."""
 
     cycle: int
     displacement_um: Array
     nominal_N: Array
     low_N: Array
     high_N: Array
-    error_N: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,12 +261,12 @@ def _input(study: Study, name: str, size: float) -> Input:
     return Input(key, middle, size * middle)
 
 
-def sweep_of(study: Study, fidelity: str, runs: int = RUNS, seed: int = 1) -> tuple[Sweep, Array]:
+def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Array]:
     """The runs that tell, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
     from scipy.stats import norm, qmc
 
     inputs = inputs_of(study)
-    drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(seed)).random(runs)
+    drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(SEED)).random(runs)
     inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))
     deviations = np.vstack([np.zeros(len(inputs)), norm.ppf(inside)])
     points = np.array([[one.at(z) for one, z in zip(inputs, row, strict=True)] for row in deviations.tolist()])
@@ -279,21 +279,12 @@ def sweep_of(study: Study, fidelity: str, runs: int = RUNS, seed: int = 1) -> tu
     return Sweep(name, study, Design(LATIN_HYPERCUBE, factors, shares, points), fidelity, True), deviations
 
 
-def run_uncertain(
-    study: Study,
-    output: Path,
-    engine: Engine,
-    *,
-    fidelity: str = "quick",
-    observer: SweepObserver | None = None,
-    runs: int = RUNS,
-    seed: int = 1,
-) -> Uncertainty:
+def run_uncertain(study: Study, output: Path, engine: Engine, observer: SweepObserver | None = None) -> Uncertainty:
     """Make the runs that OUTPUT does not hold yet, and say what 95 % of tests lie between.
     Raises StudyError if the study states no scatter, or the run in the middle failed, or too many others did, and
     whatever `run_sweep` raises.
     """
-    sweep, deviations = sweep_of(study, fidelity, runs, seed)
+    sweep, deviations = sweep_of(study, "quick")
     rows = run_sweep(sweep, output, engine, observer).rows
     if rows[1].figures is None:
         raise StudyError(f"the run of the study {study.name!r} as it is failed: {rows[1].failure}.")
@@ -301,15 +292,13 @@ def run_uncertain(
     if len(complete) < 2 * (deviations.shape[1] + 1):
         raise StudyError(f"only {len(complete)} of {len(rows)} runs came to an end, which tells no interval.")
     at = deviations[[number - 1 for number in complete]]
-    drawn = np.clip(np.random.default_rng(seed).standard_normal((DRAWS, at.shape[1])), -FARTHEST, FARTHEST)
+    drawn = np.clip(np.random.default_rng(SEED).standard_normal((DRAWS, at.shape[1])), -FARTHEST, FARTHEST)
     results = [output / RESULTS / f"{number:06d}" / RESULT_FILE_NAME for number in complete]
     return Uncertainty(
         study,
         inputs_of(study),
-        tuple(
-            _interval(name, at, [rows[n] for n in complete], drawn, seed) for name in _varying(rows[1], complete, rows)
-        ),
-        tuple(_bands(results, study.conditions.frequency_Hz, at, drawn, seed)),
+        tuple(_interval(name, at, [rows[n] for n in complete], drawn) for name in _varying(rows[1], complete, rows)),
+        tuple(_bands(results, study.conditions.frequency_Hz, at, drawn)),
         len(rows),
         len(rows) - len(complete),
     )
@@ -328,20 +317,20 @@ def _varying(nominal: SweepRow, complete: Sequence[int], rows: Mapping[int, Swee
     return [name for name in found if name in last] + [name for name in found if name not in last]
 
 
-def _interval(name: str, at: Array, rows: Sequence[SweepRow], drawn: Array, seed: int) -> Interval:
+def _interval(name: str, at: Array, rows: Sequence[SweepRow], drawn: Array) -> Interval:
     values = np.array([(row.figures or {})[name] for row in rows], dtype=float)
     model = fitted(at, values)
-    low, median, high = np.percentile(_drawn(model, drawn, seed), PERCENTILES).tolist()
+    low, median, high = np.percentile(_drawn(model, drawn), PERCENTILES).tolist()
     return Interval(name, float(values[0]), low, median, high, model.error)
 
 
-def _drawn(model: Surrogate, drawn: Array, seed: int) -> Array:
-    """Values at the draws, with what the polynomial misses."""
-    missed = np.random.default_rng(seed + 1).standard_normal(len(drawn))
+def _drawn(model: Surrogate, drawn: Array, component: int = 0) -> Array:
+    """Values at the draws, with what the polynomial misses, in each component of a loop something else."""
+    missed = np.random.default_rng(SEED + 10 * component + 1).standard_normal(len(drawn))
     return model.at(drawn) + model.error * missed
 
 
-def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array, seed: int) -> list[LoopBand]:
+def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array) -> list[LoopBand]:
     """Bands of the first and the last loop that all runs logged."""
     loops = [{loop.cycle: loop for loop in read_result(path).loops} for path in results]
     common = sorted(set.intersection(*(set(one) for one in loops)))
@@ -354,19 +343,18 @@ def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array
             own = loop.time_s * frequency_Hz
             displacement.append(np.interp(phase, own, loop.displacement_um, period=1.0))
             force.append(np.interp(phase, own, loop.tangential_force_N, period=1.0))
-        bands.append(_band(cycle, displacement[0], np.array(force), at, drawn, seed))
+        bands.append(_band(cycle, displacement[0], np.array(force), at, drawn))
     return bands
 
 
-def _band(cycle: int, displacement_um: Array, forces: Array, at: Array, drawn: Array, seed: int) -> LoopBand:
+def _band(cycle: int, displacement_um: Array, forces: Array, at: Array, drawn: Array) -> LoopBand:
     """The band by principal components of the loops, each with a polynomial of its own."""
     mean = forces.mean(axis=0)
     left, size, shapes = np.linalg.svd(forces - mean, full_matrices=False)
     kept = int(np.searchsorted(np.cumsum(size**2) / max(float(np.sum(size**2)), 1e-300), 1.0 - LEFT_OUT)) + 1
-    total, variance = np.tile(mean, (len(drawn), 1)), 0.0
+    total = np.tile(mean, (len(drawn), 1))
     for place in range(min(kept, size.size)):
         model = fitted(at, left[:, place] * size[place])
-        total += np.outer(_drawn(model, drawn, seed + 10 * (place + 1)), shapes[place])
-        variance += model.error**2 / PHASES
+        total += np.outer(_drawn(model, drawn, place + 1), shapes[place])
     low, high = np.percentile(total, (PERCENTILES[0], PERCENTILES[-1]), axis=0)
-    return LoopBand(cycle, displacement_um, forces[0], low, high, float(np.sqrt(variance)))
+    return LoopBand(cycle, displacement_um, forces[0], low, high)

@@ -86,7 +86,7 @@ def line_contact_rows(level: Level) -> tuple[Row, ...]:
     )
 
 
-def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> solvers.ContactProblem:
+def cylinder_on_flat(element_mm: float) -> solvers.ContactProblem:
     """A cylindrical pad on a wide flat specimen, both 8 mm high, meshed with `element_mm` under the contact."""
     pad = build_planar(pad_geometry(element_mm))
     specimen = build_planar(PlanarGeometry(Flat(), 8.0, 8.0, pad.geometry.along))
@@ -95,7 +95,7 @@ def cylinder_on_flat(element_mm: float, *, friction: float = FRICTION) -> solver
         upper=solvers.place(upper, upper=True, axis_angle_rad=0.0),
         lower=solvers.place(lower, upper=False, axis_angle_rad=0.0),
         holder=solvers.Holder(LOAD_N_per_mm),
-        friction=friction,
+        friction=FRICTION,
         wear=solvers.WearRates(),
     )
 

@@ -284,9 +284,9 @@ def _of_another_kind(unit: str, channel: str) -> bool:
     return unit in KNOWN_UNITS and unit not in RAW_UNITS and unit not in units_of(channel) and not counted
 
 
-def _values(file: GuessedFile, place: int, key: str = "time_s") -> Array:
+def _values(file: GuessedFile, place: int) -> Array:
     try:
-        return file.read({key: {"column": file.references[place]}})[key]
+        return file.read({"time_s": {"column": file.references[place]}})["time_s"]
     except RecordError:
         return np.array([])
 
