@@ -12,8 +12,10 @@ import pytest
 
 from tests.studies import COARSE, WEARING
 from tests.test_planar_study import TABLES
+from wirewear import lives
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
+from wirewear.simulation import simulate
 from wirewear.study import study_from_tables
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.page import _lines, front, indices, write_table
@@ -224,3 +226,18 @@ def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
     load = study.conditions.normal_load_N_per_mm
     assert weak["max_tangential_force_N"] == pytest.approx(0.3 * load, rel=1e-3)
     assert strong["max_tangential_force_N"] == pytest.approx(0.6 * load, rel=1e-3)
+
+
+@pytest.mark.seconds
+def test_a_row_has_the_life_of_the_body_that_cracks_first_and_none_where_no_crack_begins() -> None:
+    strength = {"tensile_strength_MPa": 800.0, "averaging_length_um": 40.0}
+    tables = deepcopy(TABLES) | {"wear": {}, "log": {"loop_cycles": [1]}, "life": strength}
+    tables["specimen"]["bulk"] = {"axial_stress_MPa": 300.0, "axial_stress_amplitude_MPa": 300.0}
+    tables["conditions"] |= {"displacement_amplitude_um": 1.5, "cycles": 1}
+    study = study_from_tables(tables, "study.toml")
+    figures = run_case(study, {}, "quick", 1, None).figures or {}
+    assert tuple(figures) == figures_named(study.body_names, life=True)
+    both = [life.cycles for life in lives(simulate(study, fidelity="quick"))]
+    assert figures["cycles_to_initiation"] == min(both) < max(both)
+    unending = study_from_tables(tables | {"life": strength | {"endurance_cycles": 1.0}}, "study.toml")
+    assert (run_case(unending, {}, "quick", 1, None).figures or {})["cycles_to_initiation"] is None
