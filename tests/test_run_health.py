@@ -16,7 +16,7 @@ from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.mending import of_own_definitions
 from wirewear.records import check_record
-from wirewear.simulation.contact_forces import at_mid_stroke, mean_pressures, pressure_figures
+from wirewear.simulation.contact_forces import at_mid_stroke, forces_on, mean_pressures, pressure_figures
 from wirewear.simulation.tally import Counters, area_mismatch, bends, energy_mismatch, judge, mirrored_mismatch
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
@@ -72,6 +72,13 @@ def cycle(problem: ContactProblem) -> CycleTrace:
 
 def test_a_closed_cycle_of_symmetric_bodies_is_its_own_mirror_image(problem: ContactProblem, cycle: CycleTrace) -> None:
     assert mirrored_mismatch(problem, cycle) < 1e-6
+
+
+def test_recorded_forces_stretch_the_rigs_spring_as_far_as_its_holder_stands(
+    problem: ContactProblem, cycle: CycleTrace
+) -> None:
+    for forces in forces_on(problem, cycle, 1, 8, ("moving", "fixed")):
+        assert RIG_N_per_mm * forces.holder_x_um == pytest.approx(1e3 * forces.tangential_force_N, abs=1e-4)
 
 
 def test_mirror_error_is_the_share_of_the_load_that_stands_elsewhere(
