@@ -11,13 +11,15 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from tests.diagnosis_cases import record, states
+from geometry.arrays import Array
+from tests.diagnosis_cases import nominal, record, states
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
 from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
+from wirewear.fitting.fast_fit import LoopsOfTests, fast_fit, figures_of_model
 from wirewear.fitting.report import fit_json
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
 from wirewear.views.diagnosis_values import estimates
@@ -125,3 +127,25 @@ def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
     assert told.exit_code == 0, told.output
     for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
         assert f"wirewear: {stage}\n" in told.stderr
+
+
+def test_running_in_and_compliance_are_found_as_surely_as_their_covariance_says() -> None:
+    """Of the model's own figures that scatter by 1 %: misfit and distances from the truth are χ², over their freedoms."""
+    true, cycles = np.array([math.log(0.5), math.log(0.7), math.log(2000.0), 8.0]), np.geomspace(1.0, 1e5, 6)
+    exact = figures_of_model(states(), nominal(), true, cycles, 128)
+    scatter = 0.01 * exact
+    figures = exact + scatter * np.random.default_rng(4).standard_normal((3, *exact.shape))
+    loops = LoopsOfTests((1, 2, 3), cycles, figures, scatter, np.full((3, 6, 2), np.nan), 128)
+    found = fast_fit(states(), nominal(), loops)
+    assert 0.5 < found.misfit / (found.points - true.size) < 2.0
+
+    def distance(coordinates: Array, tests: int) -> float:
+        return (
+            float((coordinates - true) @ np.linalg.solve(3.0 / tests * found.covariance, coordinates - true))
+            / true.size
+        )
+
+    assert 0.2 < distance(found.coordinates, 3) < 2.4
+    assert 0.4 < np.mean([distance(own, 1) for own in found.repeats]) < 2.0
+    assert found.friction.at(2000.0) == pytest.approx(0.7 - 0.2 / math.e, rel=0.02)
+    assert found.compliance_um_per_N == pytest.approx(8.0, rel=0.01)
