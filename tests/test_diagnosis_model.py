@@ -208,6 +208,7 @@ def test_evidence_counts_by_what_the_best_leaves(misfit: float) -> None:
     known = weigh(none, fits(2, (-1.0, -4.0)), (), (), 1.0, 2.0)
     scaled = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 9.0 * misfit, -4.5 * misfit)
     found = weigh(scaled, fits(2, (-1.0 * misfit, -4.0 * misfit)), (), (), misfit, 2.0)
+    assert sum(known.probabilities.values()) + known.outside == pytest.approx(1.0)
     assert found.outside == pytest.approx(known.outside)
     for names, probability in known.probabilities.items():
         assert found.probabilities[names] == pytest.approx(probability)
