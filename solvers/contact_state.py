@@ -89,7 +89,7 @@ class ContactState:
 
 @dataclass(frozen=True)
 class IncrementReport:
-    """What one increment did and how well it was solved.
+    """What one increment did and how well it was solved; all but the drive is nothing where the bodies do not touch.
 
     drive: at its end, mm.  tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
     iterations: Newton steps.  pairings: times that the surfaces were paired.  active: nodes in contact.
@@ -103,23 +103,23 @@ class IncrementReport:
     """
 
     drive: float
-    tangential_force: float
-    normal_force: float
-    friction_work: float
-    iterations: int
-    pairings: int
-    active: int
-    sticking: int
-    contact_area: float
-    max_pressure: float
-    inner_pressure: float
-    half_width_x: float
-    half_width_y: float
-    force_error: float
-    penetration: float
-    complementarity: float
-    slip_direction_error: float
-    elastic_slip: float
+    tangential_force: float = 0.0
+    normal_force: float = 0.0
+    friction_work: float = 0.0
+    iterations: int = 0
+    pairings: int = 0
+    active: int = 0
+    sticking: int = 0
+    contact_area: float = 0.0
+    max_pressure: float = 0.0
+    inner_pressure: float = 0.0
+    half_width_x: float = 0.0
+    half_width_y: float = 0.0
+    force_error: float = 0.0
+    penetration: float = 0.0
+    complementarity: float = 0.0
+    slip_direction_error: float = 0.0
+    elastic_slip: float = 0.0
 
 
 @dataclass(frozen=True)

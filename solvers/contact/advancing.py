@@ -237,26 +237,7 @@ def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[
         core=np.zeros_like(state.core),
         slip_share=np.zeros_like(state.slip_share),
     )
-    return apart, IncrementReport(
-        drive=drive,
-        tangential_force=0.0,
-        normal_force=0.0,
-        friction_work=0.0,
-        iterations=0,
-        pairings=0,
-        active=0,
-        sticking=0,
-        contact_area=0.0,
-        max_pressure=0.0,
-        inner_pressure=0.0,
-        half_width_x=0.0,
-        half_width_y=0.0,
-        force_error=0.0,
-        penetration=0.0,
-        complementarity=0.0,
-        slip_direction_error=0.0,
-        elastic_slip=0.0,
-    )
+    return apart, IncrementReport(drive)
 
 
 def opened(

@@ -1,16 +1,13 @@
 """Stresses in a half-space under round contacts and in a half-plane under line contacts (N, mm, MPa).
 
-The half-space is z >= 0, z into the body. A pressure acts along +z, a shear traction along +x. Stresses (..., 6) are in
-the order xx, yy, zz, xy, yz, xz, tension positive.
+Both are z >= 0, z into the body, the half-plane in plane strain. A pressure acts along +z, a shear traction along +x.
+Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
 
 The potential of a traction √(a² − r²) is that of sources on a complex line, (π/2) ∫ (a² + (ζ − z)²) / √(r² + ζ²) dζ/i
 from ζ = z − ia to z + ia (its value on the surface, π² (2a² − r²) / 4, is Hertz's). All potentials of Boussinesq and
 Cerruti (Johnson, Contact Mechanics, 1985, section 3.2) follow by integrating and differentiating under the integral. It
 is taken along a half circle in the right half plane, where nothing is singular, by the double exponential rule, which
 endures the root at the contact's edge (Takahasi & Mori, Publ. RIMS 9 (1974) 721).
-
-The half-plane is z >= 0, z into the body, in plane strain. A pressure acts along +z, a shear traction along +x.
-Stresses (..., 6) are in the order xx, yy, zz, xy, yz, xz, tension positive.
 
 Cattaneo–Mindlin partial slip after Johnson (1985), 7.2, 7.4, under constant normal load, in forces per unit length.
 Displacements are left out: those of a loaded half-plane depend on the point of reference.
@@ -43,15 +40,8 @@ def hertz_stress(
 
     Raises ValueError for a radius that is not positive, or a point above the surface.
     """
-    return sliding_stress(
-        x_mm,
-        y_mm,
-        z_mm,
-        contact_radius_mm=contact_radius_mm,
-        peak_pressure_MPa=peak_pressure_MPa,
-        peak_shear_MPa=0.0,
-        poissons_ratio=poissons_ratio,
-    )
+    sizes = {"contact_radius_mm": contact_radius_mm, "peak_pressure_MPa": peak_pressure_MPa, "peak_shear_MPa": 0.0}
+    return sliding_stress(x_mm, y_mm, z_mm, **sizes, poissons_ratio=poissons_ratio)
 
 
 def sliding_stress(
@@ -105,26 +95,14 @@ def partial_slip_stress(
     require_positive(contact_radius_mm=contact_radius_mm, stick_radius_mm=stick_radius_mm)
     if stick_radius_mm > contact_radius_mm:
         raise ValueError(f"the stick radius {stick_radius_mm:g} mm exceeds the contact's, {contact_radius_mm:g} mm")
+
+    def sliding(radius_mm: float, pressure_MPa: float, shear_MPa: float) -> Array:
+        sizes = {"contact_radius_mm": radius_mm, "peak_pressure_MPa": pressure_MPa, "peak_shear_MPa": shear_MPa}
+        return sliding_stress(x_mm, y_mm, z_mm, **sizes, poissons_ratio=poissons_ratio)
+
     shear = friction * peak_pressure_MPa
-    whole = sliding_stress(
-        x_mm,
-        y_mm,
-        z_mm,
-        contact_radius_mm=contact_radius_mm,
-        peak_pressure_MPa=peak_pressure_MPa,
-        peak_shear_MPa=shear,
-        poissons_ratio=poissons_ratio,
-    )
-    centre = sliding_stress(
-        x_mm,
-        y_mm,
-        z_mm,
-        contact_radius_mm=stick_radius_mm,
-        peak_pressure_MPa=0.0,
-        peak_shear_MPa=shear * stick_radius_mm / contact_radius_mm,
-        poissons_ratio=poissons_ratio,
-    )
-    return whole - centre
+    centre = sliding(stick_radius_mm, 0.0, shear * stick_radius_mm / contact_radius_mm)
+    return sliding(contact_radius_mm, peak_pressure_MPa, shear) - centre
 
 
 @cache
@@ -345,21 +323,11 @@ def line_partial_slip_stress(
     require_positive(half_width_mm=half_width_mm, stick_half_width_mm=stick_half_width_mm)
     if stick_half_width_mm > half_width_mm:
         raise ValueError(f"the stick half-width {stick_half_width_mm:g} mm exceeds the contact's, {half_width_mm:g} mm")
+
+    def sliding(middle_mm: float, half_mm: float, pressure_MPa: float, shear_MPa: float) -> Array:
+        sizes = {"half_width_mm": half_mm, "peak_pressure_MPa": pressure_MPa, "peak_shear_MPa": shear_MPa}
+        return line_stress(np.asarray(x_mm, float) - middle_mm, z_mm, **sizes, poissons_ratio=poissons_ratio)
+
     shear = friction * peak_pressure_MPa
-    whole = line_stress(
-        x_mm,
-        z_mm,
-        half_width_mm=half_width_mm,
-        peak_pressure_MPa=peak_pressure_MPa,
-        peak_shear_MPa=shear,
-        poissons_ratio=poissons_ratio,
-    )
-    middle = line_stress(
-        np.asarray(x_mm, float) - stick_centre_mm,
-        z_mm,
-        half_width_mm=stick_half_width_mm,
-        peak_pressure_MPa=0.0,
-        peak_shear_MPa=shear * stick_half_width_mm / half_width_mm,
-        poissons_ratio=poissons_ratio,
-    )
-    return whole - middle
+    middle = sliding(stick_centre_mm, stick_half_width_mm, 0.0, shear * stick_half_width_mm / half_width_mm)
+    return sliding(0.0, half_width_mm, peak_pressure_MPa, shear) - middle

@@ -5,8 +5,6 @@ radius R pressed by d into a half-space of modulus E* and moved to and fro by ±
 around it until the annulus just touches. By the method of dimensionality reduction the worn shape depends on d and c
 alone (Popov, Scientific Reports 4 (2014) 3749; Dimaki, Dmitriev, Chai & Popov, Int. J. Solids Struct. 51 (2014) 4215).
 Units N, mm, MPa; u0 and d are those of the contact: the drive and the approach less what the bodies' bulk gives way.
-
-In N, mm, MPa.
 """
 
 import math
