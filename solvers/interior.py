@@ -2,15 +2,12 @@
 
 The same stiffness, grip and symmetry as in `solvers.condensation`, so the patch moves as its compliance says. Forces
 are taken apart into parts even and odd about each mirror plane. Each has a factor of the piece on one side, made when
-the first such force comes and kept for all states to come.
+the first such force comes and kept for all states to come: Cholesky factors by the nested substructures of
+`solvers.condensation`, of which here every front is kept, to solve for any number of right-hand sides.
 
-Cholesky factors of a large sparse matrix by nested substructures, kept to solve for any number of right-hand sides.
-
-The elimination is that of `solvers.condensation`; here every front's factor is kept, which a Schur complement need
-not do.
-
-When the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J. Appl. Mech. 20 (1953)
-327). For a small step the contact is then a joint over the width on which it bears load, and the problem is linear.
+Of bodies that stick: when the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J.
+Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width on which it bears load, and the
+problem is linear.
 """
 
 from dataclasses import dataclass, field

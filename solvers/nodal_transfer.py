@@ -1,7 +1,7 @@
 """Transfer between the nodes of two grids, and from a contact's nodes to a patch's: weights at few nodes each.
 
-A product of hat functions is then integrated along one axis and along the other apart: a row of the transfer is the
-outer product of a row along each.
+Where the grids' axes lie along one another, a product of hat functions is integrated along one axis and along the
+other apart: a row of the transfer is the outer product of a row along each.
 """
 
 from __future__ import annotations

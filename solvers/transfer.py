@@ -1,13 +1,13 @@
 """Surfaces carried over to another patch grid, with worn depth and energies kept, or flattened before any wear.
 
-The bilinear field is projected in L2 onto the new grid's bilinear fields. Both grids are rectilinear, so the projection
-is that along one axis followed by that along the other, and all integrals of products of hat functions are exact.
-The projection conserves the integral (the worn volume, the energy) and is second-order accurate, but may undershoot
-next to kinks, where depth must not become negative. There the difference between it and the projection with lumped
-mass, which is a mean of the old field and never negative, is limited as in flux-corrected transport (Zalesak,
-J. Comput. Phys. 31 (1979) 335; for projections: Farrell et al., Comput. Methods Appl. Mech. Eng. 198 (2009) 2632):
-what one node does not give, its neighbour does not receive, so the integral stays. A projection that is nowhere
-negative is left as it is; that onto the same grid returns the field itself.
+The bilinear field of depth or energy is projected in L2 onto the new grid's bilinear fields. Both grids are
+rectilinear, so the projection is that along one axis followed by that along the other, and all integrals of products of
+hat functions are exact. The projection conserves the integral (the worn volume, the energy) and is second-order
+accurate, but may undershoot next to kinks, where depth must not become negative. There the difference between it and
+the projection with lumped mass, which is a mean of the old field and never negative, is limited as in flux-corrected
+transport (Zalesak, J. Comput. Phys. 31 (1979) 335; for projections: Farrell et al., Comput. Methods Appl. Mech. Eng.
+198 (2009) 2632): what one node does not give, its neighbour does not receive, so the integral stays. A projection that
+is nowhere negative is left as it is; that onto the same grid returns the field itself.
 
 A body is flattened wherever the other one presses on it during the stroke. The rest of the shapes then conform
 within the overlap, as after plastic contact without pile-up (Johnson, Contact Mechanics (1985), ch. 6).
