@@ -28,9 +28,9 @@ OPTIONS = (
     "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1",
 )  # fmt: skip
 
-#: Elements that reach beyond a phone's screen, apart from those within something that scrolls.
+#: Elements that reach beyond the screen, apart from those within something that scrolls.
 TOO_WIDE = """[...document.querySelectorAll("section *, p, h2, table")]
-    .filter(e => e.getBoundingClientRect().right > 391 && !e.closest(".scroll, clipPath, [clip-path]"))
+    .filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !e.closest(".scroll, clipPath, [clip-path]"))
     .map(e => e.outerHTML.slice(0, 80))"""
 
 
@@ -154,3 +154,15 @@ def browser() -> Iterator[Page]:
             except subprocess.TimeoutExpired:
                 process.kill()
                 process.wait()
+
+
+def amiss(path: Path) -> list[str]:
+    """What is wider than a desktop's or a phone's screen on a page, or goes wrong there; unknown without a Chromium."""
+    if CHROMIUM is None:
+        return []
+    with browser() as page:
+        found: list[str] = []
+        for width in (1200, 390):
+            page.open(path, width, 844, phone=width < 500)
+            found += page.value(TOO_WIDE)
+        return found + page.problems

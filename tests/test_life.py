@@ -9,6 +9,7 @@ from click.testing import CliRunner
 
 from geometry import Elastic
 from geometry.arrays import Array
+from tests.browser import amiss
 from wirewear.base.errors import StudyError
 from wirewear.faces import cli
 from wirewear.interior.criteria import LifeCurve
@@ -217,6 +218,7 @@ def test_a_study_is_run_and_its_page_says_where_a_pulled_flat_cracks(
     assert found["cycles_low"] < found["cycles_to_initiation"] < found["cycles_high"]
     assert found["averaged"]
     page = (tmp_path / "out" / "life.html").read_text(encoding="utf-8")
+    assert amiss(tmp_path / "out" / "life.html") == []
     assert "estimates" in page
     assert NOT_AVERAGED not in page
     again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]

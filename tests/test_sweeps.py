@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests.browser import amiss
 from tests.studies import COARSE, WEARING
 from tests.test_planar_study import TABLES
 from wirewear import lives
@@ -18,7 +19,7 @@ from wirewear.base.errors import RunError, StudyError
 from wirewear.simulation import simulate
 from wirewear.study import study_from_tables
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
-from wirewear.sweeps.page import _lines, front, indices, write_table
+from wirewear.sweeps.page import _lines, front, indices, write_sweep, write_table
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named, run_case
 
@@ -85,6 +86,12 @@ def asked(sweep_file: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) ->
 def files(folder: Path, sweep: Sweep, engine: Engine) -> dict[str, bytes]:
     paths = write_table(folder, sweep, run_sweep(sweep, folder, engine).rows)
     return {path.name: path.read_bytes() for path in paths}
+
+
+@pytest.mark.seconds
+def test_the_page_of_a_sweep_fits_every_screen(asked: Sweep, tmp_path: Path) -> None:
+    *_, page = write_sweep(tmp_path, run_sweep(asked, tmp_path / "runs", InPlace()))
+    assert amiss(page) == []
 
 
 # Designs

@@ -30,7 +30,11 @@ FILES = (
     ("", "`result.h5`", "everything computed, below"),
     ("", "`checkpoint.h5`", "where `--resume` goes on; gone once the run is complete"),
     ("", "`vtk/scar_<wire>.pvd`", "the worn surfaces over the cycles, for ParaView"),
-    ("`wirewear show`", "`pictures/*.png`", "the pictures; `--format svg` or `pdf`, `--paper` for a journal, `--animation` adds a GIF"),
+    (
+        "`wirewear show`",
+        "`pictures/*.png`",
+        "the pictures; `--format svg` or `pdf`, `--paper` for journals, `--animation`",
+    ),
     ("`wirewear mesh`", "`moving.vtu`, `fixed.vtu`, `mesh.png`", "meshes with their named surfaces"),
     ("`wirewear compare`", "`comparison.html`", "simulation and experiment side by side, with its pictures"),
     ("", "`differences.csv`, `differences.json`", "every difference, in units and in scatters"),

@@ -29,8 +29,9 @@ _SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"  #: The variable that has faults of the 
 def main() -> None:
     """Entry point of the console script."""
     prepare_streams()
-    # Without a home, matplotlib would speak of its own folders.
+    # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
     # What is loaded here stays: looking through it for garbage, now or later, finds none.
     gc.disable()
     try:
