@@ -58,6 +58,7 @@ def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind:
     assert "Source:" in (kind.__doc__ or "") or "Sensors" in (kind.__doc__ or "")
     assert isinstance(kind.seam, effects.Seam)
     assert kind.signature
+    assert (kind.__doc__ or "").startswith(kind.title() or " ")
     assert set(kind.confused_with) <= set(effects.all_effects())
 
 

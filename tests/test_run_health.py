@@ -79,6 +79,8 @@ def test_recorded_forces_stretch_the_rigs_spring_as_far_as_its_holder_stands(
 ) -> None:
     for forces in forces_on(problem, cycle, 1, 8, ("moving", "fixed")):
         assert RIG_N_per_mm * forces.holder_x_um == pytest.approx(1e3 * forces.tangential_force_N, abs=1e-4)
+        approach_um = 1e3 * pressed(problem)[0].holder_z
+        assert forces.holder_z_um == pytest.approx(np.full(len(forces.phase), approach_um), rel=0.05)
 
 
 def test_mirror_error_is_the_share_of_the_load_that_stands_elsewhere(
