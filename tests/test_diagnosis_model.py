@@ -45,7 +45,6 @@ def test_each_predicts_sizes_and_places_every_number_that_it_lists() -> None:
         one, count = part.observable, len(part.sites)
         predicted = one.predict(course, part.sites)
         assert predicted.shape == one.solver_error(loops, part.sites).size.shape == (count,)
-        assert one.free_size(nominal(), predicted).shape == (count,)
         assert set(one.zone(part.sites, 60.0)) <= {zone.name for zone in one.zones}
         assert one.smoothness(part.sites, Scale(60.0, 1.24)).along.shape == (count,)
 

@@ -13,15 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import WirewearError, read_record
-from wirewear.diagnosis.infer.covariance import (
-    OWN,
-    SCATTER,
-    SHARED,
-    components,
-    derivatives,
-    wandering,
-    wandering_apart,
-)
+from wirewear.diagnosis.infer.covariance import OWN, SCATTER, SHARED, components, derivatives
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
@@ -103,8 +95,6 @@ def pair_of(
     for scatter in (SCATTER, SHARED) if scattered else ():
         columns = derivatives(states, setup, thin, scatter)
         fixed = fixed + columns @ columns.T
-    if scattered:
-        fixed = fixed + (1.0 + wandering_apart(setup, observed)) * wandering(states, setup, thin)
     parts: dict[str, Array] = {}
     for name_of_own, block in found.items():
         key = WITH.get(name_of_own, name_of_own)

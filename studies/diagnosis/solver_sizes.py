@@ -50,7 +50,6 @@ ENTRIES: Mapping[str, tuple[str, ...]] = {
     "plateau": ("observe.plateau.slope_share",),
     "energy": ("observe.evolution.slope_share",),
     "hooks": ("model.numerical.hooks.whole",),
-    "sides": ("model.numerical.hooks.side",),
 }
 
 KEPT = ("compliance",)  #: Freedoms that keep their sizes: of how wires are held, which is alike in all pairs.

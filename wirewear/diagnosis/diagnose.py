@@ -16,16 +16,7 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.sets import Classes, joined, masses, next_measurement, plausible
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
-from wirewear.diagnosis.infer.weighing import (
-    Weighed,
-    classes_of,
-    force_zero,
-    relevant,
-    undetectable,
-    unrecognised,
-    weigh,
-    without,
-)
+from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
 from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
@@ -38,15 +29,7 @@ from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, estimates, forms
-from wirewear.views.diagnosis_wording import (
-    Diagnosed,
-    of_laws,
-    of_scatter,
-    of_the_record,
-    of_unrecognised,
-    of_zero,
-    sentence_of,
-)
+from wirewear.views.diagnosis_wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.model.setup import Setup
@@ -247,8 +230,6 @@ def judged(
     gains = gains_of(found.distortions) if leaves else {}
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
     weighed = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains, found.rival)
-    failing = unrecognised((*found.singles, *found.pairs), found.problem.layout.cycles)
-    weighed = without(weighed, failing)
     where = places(found.problem, found.covariance, setup)
     explained = _leading(found, weighed)
     # What is detected by an explanation is as large as that makes it: specimens and noise may hide it place by place.
@@ -277,7 +258,6 @@ def judged(
     if verdict == "unexplained":
         resembles = resemblances(found.problem, found.distortions, found.best.log_evidence)
     known = masses(((cause.effect, cause.probability) for cause in causes), equivalent)
-    unnamed = failing.get(found.best.names, ()) if verdict == "unexplained" else ()
     diagnosis = Diagnosis(
         record=record.name,
         model=study.name,
@@ -296,7 +276,7 @@ def judged(
             *(f"the further record {other.name!r} is taken in" for other in further),
             *of_zero(force_zero(found.problem, found.covariance, best, len(observed.repeats))),
             *of_scatter(found.covariance.contradicted),
-            *(of_unrecognised(unnamed) if unnamed else of_laws(_of_fit(best, 1.0, dispersion))),
+            *of_laws(_of_fit(best, 1.0, dispersion)),
             *of_the_record(record, setup, observed, shrink, wrong),
         ),
         resembles=resembles,

@@ -104,10 +104,6 @@ _TANGENTIAL_TO_NORMAL = 1.21
 
 _WORN_AWAY = 1e-6  # Of a rough layer that has worn in, less than this share is as good as none.
 
-# A layer that keeps more of its height over a record is a spring by another name. Springs left out of the library were
-# fitted as layers that keep 0.8 to 0.9 (T1_twentieth), laws of other form keep a half.
-_MOST_KEPT = 0.7
-
 
 @dataclass(frozen=True)
 class RoughnessCompliance(Effect[ContactLaw]):
@@ -165,10 +161,6 @@ class RoughnessCompliance(Effect[ContactLaw]):
             compliance_um_per_N=chain.compliance_um_per_N + added,
             rough_um=chain.rough_um + self.spreading * height_um,
         )
-
-    def recognised_between(self, first_cycle: float, last_cycle: float) -> bool:
-        """Whether the layer wears in between them."""
-        return self._height_um.at(last_cycle) <= _MOST_KEPT * self._height_um.at(first_cycle)
 
     @property
     def _height_um(self) -> Course:

@@ -249,10 +249,6 @@ class Effect(ABC, Generic[T]):
         values = np.broadcast_to(np.array(changed), columns.shape)
         return replace(chain, **dict(zip(view.columns, values.T, strict=True)))
 
-    def recognised_between(self, first_cycle: float, last_cycle: float) -> bool:  # noqa: ARG002
-        """Whether it does, between two cycles, what tells it from another effect; it does unless it says otherwise."""
-        return True
-
     @classmethod
     def parameters(cls) -> dict[str, Parameter]:
         """Its parameters by name."""

@@ -23,7 +23,6 @@ FORMAT = 1
 _KNOWN = constants("report.values")
 
 #: By how much intervals are wider than their fit says, so that as many hold as they state: of some effects, of others.
-_STRETCHED: Mapping[str, float] = constants("report.values.stretched").all()
 _STRETCH = _KNOWN.number("stretch")
 
 Verdict = Literal["no_gap", "explained", "ambiguous", "unexplained"]
@@ -42,7 +41,7 @@ def estimates(candidate: Candidate, coordinates: Array, deviations: Array, dispe
 
     Held ones are as expected, and what follows them is as unknown.
     """
-    found, stretch = {}, _STRETCHED.get(candidate.kind.name, _STRETCH)
+    found, stretch = {}, _STRETCH
     for i, (name, parameter) in enumerate(candidate.parameters.items()):
         spread = stretch * deviations[i] * dispersion**0.5
         reach = 1.96 * float(np.hypot(spread, candidate.unknown_spread(name)))

@@ -16,7 +16,7 @@ from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
-from wirewear.diagnosis.model.candidates import effect_of, unforeseen
+from wirewear.diagnosis.model.candidates import unforeseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
@@ -318,12 +318,3 @@ def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
                     f"{figure(estimate.value)} ({figure(low)} to {figure(high)}){unit}"
                 )
     return tuple(notes)
-
-
-def of_unrecognised(failing: Sequence[str]) -> tuple[str, ...]:
-    """A note for each candidate that fits best, but does not do within the record what it is named for."""
-    return tuple(
-        f"{plain(name)} fits best, but does not show what tells it from other causes "
-        f"({all_effects()[effect_of(name)].signature}): it is not named"
-        for name in failing
-    )

@@ -7,7 +7,7 @@ along loops and over cycles; each observable says how large it is (`Observable.s
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,7 +19,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.channels import Amplitude
+from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import Layout, Observations, Part
 from wirewear.effects import Effect
@@ -29,22 +29,14 @@ WITHIN = 1.96
 
 _HOOKS, _SMOOTH = constants("model.numerical.hooks"), constants("model.numerical.smooth")
 
-#: Shares of the force that slopes cause by which hooks differ as a whole, and at one end of the stroke from the other.
-HOOK, SIDE = _HOOKS.each("whole", "side")
+#: Share of the force that slopes cause by which hooks differ as a whole.
+HOOK = _HOOKS.number("whole")
 
-#: Hooks as a whole differ over this difference of the cycles' logarithm.
-HOOK_REACH = _HOOKS.number("whole_reach")
+#: The remainder is correlated over this difference of the cycles' logarithm.
+LASTING_REACH = _SMOOTH.number("lasting_reach")
 
-#: Share of the remainder's variance that passes from one logged cycle to the next, as ripples of worn surfaces do; both
-#: shares are correlated over these differences of the cycles' logarithm.
-PASSING = _SMOOTH.number("passing")
-PASSING_REACH, LASTING_REACH = _SMOOTH.each("passing_reach", "lasting_reach")
-
-#: Correlation of both branches under a turn of the loop: of solvers' differences, of a free difference.
-TURNED, FREE_TURNED = _SMOOTH.each("turned", "free_turned")
-
-#: Ripples are alike at both ends of the stroke by this share of what lasting differences are.
-PASSING_TURNED = _SMOOTH.number("passing_turned")
+#: Correlation of both branches of smooth differences under a turn of the loop.
+TURNED = _SMOOTH.number("turned")
 
 
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
@@ -56,14 +48,18 @@ def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array
 
 def tolerated(states: WearStates, setup: Setup, layout: Layout, tolerance: Mapping[str, float]) -> Array:
     """Covariance (n, n) of differences that are within a record's tolerance, of any smooth shape."""
-    predicted = np.nan_to_num(layout.observed(simulate(states, setup, layout.cycles)))
-    size = np.zeros(len(layout))
+    size = whole_sizes(setup, layout, np.nan_to_num(layout.observed(simulate(states, setup, layout.cycles))))
     for part in layout:
         # A tolerated volume says nothing of the shape of a profile, of which solvers have errors of their own.
-        if not (part.observable.of_scars and part.observable.unit == "um"):
-            whole = part.observable.whole(setup, predicted[part.rows])
-            size[part.rows] = tolerance.get(part.observable.tolerance, 0.0) / WITHIN * whole
+        known = not (part.observable.of_scars and part.observable.unit == "um")
+        size[part.rows] *= tolerance.get(part.observable.tolerance, 0.0) / WITHIN if known else 0.0
     return smooth_covariance(layout, size, Scale(setup.amplitude_um, setup.plateau_force_N))
+
+
+def whole_sizes(setup: Setup, layout: Layout, predicted: Array) -> Array:
+    """What differences (n,) are relative to, at predicted values (n,)."""
+    whole = [part.observable.whole(setup, predicted[part.rows]) for part in layout]
+    return np.concatenate([np.zeros(0), *whole])
 
 
 #: Where scatters and freedoms that are relative stand in a setup.
@@ -98,66 +94,47 @@ def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
 
 
 #: Names of components that are no observable's.
-HOOKS, SIDES, OWN = "hooks", "sides", "own"
+HOOKS, OWN = "hooks", "own"
 
 
 def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Array]:
     """The remainder's parts (n, n): what is smooth of each observable, by its name, and what all have in common.
 
-    `HOOKS` differ as a whole, `SIDES` by the ends of the stroke; `OWN` is what the reading of a loop makes unsure.
+    `HOOKS` differ as a whole; `OWN` is what the reading of a loop makes unsure.
     """
     loops = ModelLoops(setup, simulate(states, setup, layout.cycles))
     walls = derivatives(states, setup, layout, {"slope_factor": 1.0})[:, 0]
     shape = (len(layout), len(layout))
     found: dict[str, Array] = {OWN: np.zeros(shape)}
-    hooks, sides = walls.copy(), np.zeros(len(layout))
+    hooks = walls.copy()
     for part in layout:
         rows, error = part.rows, part.observable.solver_error(loops, part.sites)
         if error.size.any():
             smooth = found.setdefault(part.observable.name, np.zeros(shape))
-            smooth[rows, rows] = smooth_block(part, error.size, loops.scale, TURNED)
+            smooth[rows, rows] = smooth_block(part, error.size, loops.scale)
         if error.own is not None:
             found[OWN][rows, rows] += np.diag(error.own**2)
         if error.common is not None:
             found[OWN][rows, rows] += np.outer(error.common, error.common)
         hooks[rows] *= error.hooked
-        if error.wall is not None:
-            sides[rows] = hooks[rows] * error.wall
-    found[HOOKS] = HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, HOOK_REACH)
-    # In one cycle, ripples of worn surfaces may make the wall at one end of the stroke steeper than that at the other.
-    found[SIDES] = SIDE**2 * np.outer(sides, sides) * alike(layout.cycle, PASSING_REACH)
+    found[HOOKS] = HOOK**2 * np.outer(hooks, hooks) * alike(layout.cycle, LASTING_REACH)
     return found
 
 
 def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
     """Covariance (n, n) of smooth differences of those sizes (n,), as solvers have them."""
-    return _blocks(layout, lambda part: smooth_block(part, size[part.rows], scale, TURNED))
+    covariance = np.zeros((len(layout), len(layout)))
+    for part in layout:
+        covariance[part.rows, part.rows] = smooth_block(part, size[part.rows], scale)
+    return covariance
 
 
-def free_covariance(layout: Layout, setup: Setup, predicted: Array, share: float) -> Array:
-    """Covariance (n, n) of a difference of any smooth shape, as large as that share of the loop."""
-    scale = Scale(setup.amplitude_um, setup.plateau_force_N)
-
-    def block(part: Part) -> Array:
-        size = share * part.observable.free_size(setup, predicted[part.rows])
-        return smooth_block(part, size, scale, FREE_TURNED)
-
-    return _blocks(layout, block)
-
-
-def smooth_block(part: Part, size: Array, scale: Scale, turned: float) -> Array:
-    """Covariance (m, m) of one observable: smooth along branches and over the logarithm of cycles.
-
-    `turned` is the correlation of both branches under a turn of the loop by 180°.
-    """
+def smooth_block(part: Part, size: Array, scale: Scale) -> Array:
+    """Covariance (m, m) of one observable: smooth along branches and over the logarithm of cycles."""
     sites = part.sites
     smooth = part.observable.smoothness(sites, scale)
     other = np.outer(sites.branch, sites.branch) < 0
-    lasting, passing = (alike(sites.cycle, reach) for reach in (LASTING_REACH, PASSING_REACH))
-    turned *= smooth.turned
-    # Ripples are no more alike at both ends than they are lasting.
-    trend = (1.0 - PASSING) * lasting * np.where(other, -turned, 1.0)
-    trend += PASSING * passing * np.where(other, -turned * PASSING_TURNED, 1.0)
+    trend = alike(sites.cycle, LASTING_REACH) * np.where(other, -TURNED * smooth.turned, 1.0)
     kernel = trend * np.exp(-0.5 * (smooth.along[:, None] - smooth.along) ** 2)
     kernel = np.where(smooth.family[:, None] == smooth.family, kernel, 0.0)
     # Nothing is known to be smooth to the last digit.
@@ -171,21 +148,10 @@ def alike(cycle: IntArray, reach: float) -> Array:
     return correlation
 
 
-def _blocks(layout: Layout, block_of: Callable[[Part], Array]) -> Array:
-    covariance = np.zeros((len(layout), len(layout)))
-    for part in layout:
-        covariance[part.rows, part.rows] = block_of(part)
-    return covariance
-
-
 _OF_REPEATABILITY = constants("infer.repeatability")
 
-#: The expected noise counts as so many numbers, and its variance is off by a factor between these.
+#: The expected noise counts as so many numbers.
 EXPECTED_NUMBERS = _OF_REPEATABILITY.number("expected_numbers")
-LEAST, MOST = _OF_REPEATABILITY.pair("factors")
-
-#: Squares of deviates count up to this one: a misread number says nothing of the others.
-MOST_SQUARED = _OF_REPEATABILITY.number("most_squared")
 
 _KNOWN = constants("infer.covariance")
 
@@ -200,12 +166,8 @@ PRIOR_REPEATS = _KNOWN.number("prior_repeats")
 STATED_REPEATS = _KNOWN.number("stated_repeats")
 LEAST_STATED, CONTRADICTED = _KNOWN.each("least_stated", "contradicted")
 
-#: Within a test the stroke wanders by this share, before looking, over this difference of the cycles' logarithm: so
-#: much in every test alike, as the drive does, and so much in each.
-DRIFT, DRIFT_REACH = _KNOWN.each("drift", "drift_reach")
-
 #: A sensor's zero is the same unknown in all repeats.
-SHARED: Mapping[str, float] = constants("infer.covariance.shared").all()
+SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "amplitude", "force_offset")}
 
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")
@@ -225,7 +187,7 @@ class Told:
     @property
     def factor(self) -> float:
         """On the variance, pooled with the expectation of one."""
-        return float(np.clip(1.0 + self.more / (EXPECTED_NUMBERS + self.weight), LEAST, MOST))
+        return 1.0 + self.more / (EXPECTED_NUMBERS + self.weight)
 
 
 def noise_factors(observed: Observations, scattered: Array) -> Array:
@@ -246,7 +208,8 @@ def told_by_repeats(observed: Observations, scattered: Array) -> dict[str, Told]
     for seen, apart, noise in _contrasts(observed):
         inverse = np.linalg.inv(noise + scattered[np.ix_(seen, seen)])
         own = np.diag(inverse)
-        squares = np.minimum((inverse @ apart) ** 2 / own, MOST_SQUARED)
+        # A misread number says nothing of the others.
+        squares = np.minimum((inverse @ apart) ** 2 / own, OUTLYING**2)
         share = np.sum((inverse @ noise) * inverse, axis=1) / own
         for part in observed.layout:
             here = (seen >= part.rows.start) & (seen < part.rows.stop)
@@ -305,12 +268,10 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
     numerical = solver_covariance(states, setup, layout)
     within = tolerated(states, setup, layout, observed.tolerance)
-    wander = wandering(states, setup, layout)
-    common = shared @ shared.T + wander
+    common = shared @ shared.T
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
-    scattered = per_repeat @ per_repeat.T + wandering_apart(setup, observed) * wander
-    scattered = scattered + off_centre(states, setup, observed)
+    scattered = per_repeat @ per_repeat.T + off_centre(states, setup, observed)
     known = noise_factors(observed, scattered)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for repeat, values in enumerate(observed.values):
@@ -413,30 +374,8 @@ def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) ->
     return factors
 
 
-def wandering_apart(setup: Setup, observed: Observations) -> float:
-    """Variance by which one repeat's stroke wanders beside others', over `wandering`; estimated like a scatter."""
-    amplitude = observed.layout.of_kind(Amplitude)
-    factor = 1.0
-    if (count := len(observed.values)) > 1 and amplitude.any():
-        values = np.ma.masked_invalid(observed.values[:, amplitude])
-        apart = values - values.mean(axis=0)
-        wander = apart - apart.mean(axis=1)[:, None]
-        noise2 = np.ma.masked_invalid(observed.noise[:, amplitude] ** 2)
-        seen2 = float(np.ma.filled((wander**2).mean() * count / (count - 1) - noise2.mean(), 0.0))
-        share2 = max(seen2, 0.0) / (DRIFT * setup.amplitude_um) ** 2
-        factor = float(_pooled(np.asarray((count - 1) * share2), count))
-    return factor**2
-
-
 def off_centre(states: WearStates, setup: Setup, observed: Observations) -> Array:
     """Covariance (n, n) of one repeat by the middles of its loops, each of which noise moves as a whole."""
     moved = derivatives(states, setup, observed.layout, {"displacement_offset_um": observed.centre_error_um})[:, 0]
     cycle = observed.layout.cycle
     return np.asarray(np.outer(moved, moved) * (cycle[:, None] == cycle))
-
-
-def wandering(states: WearStates, setup: Setup, layout: Layout) -> Array:
-    """Covariance (n, n) of a stroke that wanders during a test: repeats cannot tell what the drive does in each."""
-    stroke = derivatives(states, setup, layout, {"amplitude": DRIFT})[:, 0]
-    covariance: Array = np.outer(stroke, stroke) * alike(layout.cycle, DRIFT_REACH)
-    return covariance

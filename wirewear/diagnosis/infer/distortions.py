@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.infer.covariance import LASTING_REACH
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.infer.shapes import Branches, Family, Shape
@@ -31,7 +32,7 @@ SIZES = _KNOWN.numbers("sizes")
 _STEP = _KNOWN.number("step")
 
 #: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
-REACH, KNOTS = _KNOWN.number("reach"), _KNOWN.count("knots")
+KNOTS = _KNOWN.count("knots")
 
 #: Share of a developing distortion's variance that stays the same throughout.
 LASTING = _KNOWN.number("lasting")
@@ -249,5 +250,5 @@ def _in_time(
 def _kernel(time: Array, lasting: float) -> Array:
     """Covariance (k, k) of a size over logarithms of cycles (k,)."""
     apart = np.abs(time[:, None] - time)
-    kernel: Array = lasting + (1.0 - lasting) * np.exp(-apart / REACH) + 1e-9 * np.eye(time.size)
+    kernel: Array = lasting + (1.0 - lasting) * np.exp(-apart / LASTING_REACH) + 1e-9 * np.eye(time.size)
     return kernel

@@ -43,14 +43,8 @@ _KNOWN = constants("infer.families")
 #: Lengths of what passes after a reversal, shares of the amplitude of which the contact has slid.
 LENGTHS = _KNOWN.numbers("lengths")
 
-#: Friction that creeps before it slides, as Dahl's does, resembles a holder that slips: by up to so much log evidence.
-MICRO_SLIP = _KNOWN.number("micro_slip")
-
-#: What solvers differ in beside the learned sizes resembles two families more than others: by up to so much of it.
-SOLVERS = _KNOWN.number("solvers")
-
-#: What a mesh's own walls lend to families that are odd in the place.
-WALLS = _KNOWN.number("walls")
+#: What friction laws and solvers lend to families that resemble them, in log evidence.
+LENT = _KNOWN.number("lent")
 
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
@@ -72,7 +66,7 @@ FAMILIES: tuple[Family, ...] = (
     _sensor(
         "distortion of the displacement channel, odd in the displacement",
         (displacement_read(between_ends(3)), displacement_read(between_ends(5))),
-        allowed=SOLVERS,
+        allowed=LENT,
     ),
     _sensor(
         "distortion of the displacement channel, even in the displacement",
@@ -85,7 +79,7 @@ FAMILIES: tuple[Family, ...] = (
     ),
     _sensor("gain of the displacement channel that changes over the test", column="gain"),
     _sensor("zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
-    _holder("holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=MICRO_SLIP),
+    _holder("holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=LENT),
     _holder("holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
     _holder("holder whose compliance changes over the test", column="compliance_um_per_N", scale="compliance"),
     _contact(
@@ -97,9 +91,9 @@ FAMILIES: tuple[Family, ...] = (
         "friction that differs along the stroke from one side to the other",
         (resisting(on_the_rig(1)), resisting(on_the_rig(3))),
         develops=True,
-        allowed=WALLS,
+        allowed=LENT,
     ),
-    _contact("friction that passes after each reversal", tuple(map(since, LENGTHS)), develops=True, allowed=SOLVERS),
+    _contact("friction that passes after each reversal", tuple(map(since, LENGTHS)), develops=True, allowed=LENT),
     _contact("friction that changes over the test", column="friction"),
     _loading(
         "load that differs along the stroke, alike on both sides of its middle",
@@ -114,13 +108,13 @@ FAMILIES: tuple[Family, ...] = (
         "force that follows the place, as slopes of a surface make it",
         (resisting(in_travel(1)), resisting(in_travel(3)), resisting(in_travel(5)), resisting(on_the_rig(2))),
         develops=True,
-        allowed=WALLS,
+        allowed=LENT,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
     _loading(
         "load that swings in time with the drive",
         (loaded(in_travel(2)), loaded(later), loaded(fast)),
-        allowed=WALLS,
+        allowed=LENT,
         counts=False,
     ),
 )

@@ -7,7 +7,7 @@ themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -15,7 +15,7 @@ from scipy.linalg import solve_triangular
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance, free_covariance
+from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
@@ -32,9 +32,6 @@ ITERATIONS, _SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("s
 
 #: A search begins at the best of its starts, and at others whose cost is within this factor.
 _COMPARABLE = _KNOWN.number("comparable")
-
-#: Log evidence that solver differences were seen to add to an effect on gap-free records, by its name.
-ADDED: Mapping[str, float] = constants("infer.inference.added").all()
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,8 +168,6 @@ def fit(
     hessian = jacobian.T @ jacobian + np.eye(z.size)
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
-    if known is None:
-        evidence -= sum(ADDED.get(candidate.name, 0.0) for candidate in candidates)
     found = middle + root @ z
     spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)
     return Fit(candidates, found, spread, applied(candidates, problem.setup, found), distance2, evidence)
@@ -240,12 +235,6 @@ def _whitening(covariance: Array) -> tuple[Array, float]:
     factor = np.linalg.cholesky(correlation)
     inverse = solve_triangular(factor, np.eye(scale.size), lower=True)
     return inverse / scale, 2.0 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
-
-
-def free_difference(problem: Problem, covariance: Array, size: float) -> Array:
-    """Covariance (n, n) with a smooth difference of any shape, of that share of the plateau force."""
-    setup = problem.setup
-    return covariance + free_covariance(problem.layout, setup, problem.predicted(setup), size)
 
 
 def separation(problem: Problem, one: Fit, other: Fit, known: Fit | None = None) -> float:

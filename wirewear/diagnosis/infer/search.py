@@ -15,7 +15,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, fit
-from wirewear.diagnosis.infer.weighing import Remainder, distances, remainder_of
+from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -30,10 +30,6 @@ PAIR_GAIN = _KNOWN.number("pair_gain")
 #: Pairs whose log evidence lies so far below that of the best are left out.
 _PAIRS_WITHIN = _KNOWN.number("pairs_within")
 
-#: The covariance is taken anew around an explanation that gains this much; one that then gains less than before, and no
-#: more than a small gap's, is judged by errors of solvers without a gap: larger hooks would make room for themselves.
-_CLEAR, _SMALL = _KNOWN.each("clear", "small")
-
 #: Steps of a search that only screens; second effects that are then fitted jointly with the first, and so many that are
 #: for what they explain alone.
 _SCREENING, _SECONDS, _LIKELY = _KNOWN.count("screening"), _KNOWN.count("seconds"), _KNOWN.count("likely")
@@ -41,9 +37,8 @@ _SCREENING, _SECONDS, _LIKELY = _KNOWN.count("screening"), _KNOWN.count("seconds
 #: Distortions are tried beside so many of the likeliest explanations, and beside none.
 _DISTORTED = _KNOWN.count("distorted")
 
-#: Scars alone: log evidence that a second effect must gain there, where few effects show; an effect shows whose
-#: coordinates a fit moves by so much.
-PAIR_GAIN_OF_SCARS, _SHOWN = _KNOWN.each("pair_gain_of_scars", "shown")
+#: Scars alone: an effect shows whose coordinates a fit moves by so much.
+_SHOWN = _KNOWN.number("shown")
 
 #: Scars alone: coordinates from which joint fits begin, and their steps.
 _PLACES, _FEW_ITERATIONS = _KNOWN.numbers("places"), _KNOWN.count("few_iterations")
@@ -92,37 +87,31 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     around: list[tuple[str, ...]] = [()]
     # An explanation is judged by the covariance around it: taken anew until the leader stays, or leads for the second
     # time.
-    while best.log_evidence > none.log_evidence + _CLEAR and best.names not in around:
-        first, gained = best, best.log_evidence - none.log_evidence
+    while best.log_evidence > none.log_evidence + NOTICEABLE and best.names not in around:
+        first = best
         around.append(first.names)
         problem, covariance = problem_around(states, setup, first.setup, observed, first.candidates)
         none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
         best = _best(none, singles)
-        if best.log_evidence - none.log_evidence < min(_SMALL, gained):
-            problem, covariance = problem_around(
-                states, setup, first.setup, observed, first.candidates, errors_around=setup
-            )
-            none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
-            best = _best(none, singles)
     tried: list[Fit] = []
     pairs: list[Fit] = []
     if best.candidates:
         alone = problem, covariance, none, singles
         tried = _pair_fits(problem, none, singles)
-        pairs = _enough(problem, singles, tried)
+        pairs = _enough(singles, tried)
         if pairs:
             problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates)
             none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
             single = _best(none, singles)
             pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
-            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + _gain(problem)]
+            pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
         if not pairs:
             problem, covariance, none, singles = alone
     chosen, beside = leading(none, (*singles, *pairs))
     distorted = distortions(problem, beside)
     rival = chosen.log_evidence
     distortion = max((one.log_evidence for one in distorted if one.family.counts), default=-np.inf)
-    if chosen.candidates and not pairs and distortion > rival + _CLEAR:
+    if chosen.candidates and not pairs and distortion > rival + NOTICEABLE:
         # A second effect that is too small to be named may be what a distortion imitates.
         rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
@@ -136,15 +125,10 @@ def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
 
 
 def problem_around(
-    states: WearStates,
-    setup: Setup,
-    around: Setup,
-    observed: Observations,
-    effects: Sequence[Candidate] = (),
-    errors_around: Setup | None = None,
+    states: WearStates, setup: Setup, around: Setup, observed: Observations, effects: Sequence[Candidate] = ()
 ) -> tuple[Problem, Covariance]:
     """A record as a problem, its covariance taken around a setup with these effects in it."""
-    covariance = estimate(states, errors_around or around, observed)
+    covariance = estimate(states, around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
@@ -165,10 +149,10 @@ def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
     return fit(problem, one.candidates, starts, iterations=_SCREENING if hopeless else ITERATIONS)
 
 
-def _enough(problem: Problem, singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
+def _enough(singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
     """Those of pairs (best first) that gain enough over their better half."""
     alone = max(one.log_evidence for one in singles)
-    enough = [one for one in pairs if one.log_evidence > alone + _gain(problem)]
+    enough = [one for one in pairs if one.log_evidence > alone + PAIR_GAIN]
     return [one for one in enough if enough[0].log_evidence - one.log_evidence < _PAIRS_WITHIN]
 
 
@@ -207,10 +191,6 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
     for one in sorted(found, key=lambda one: -one.merit):
         best.setdefault(one.names, one)
     return [*best.values()]
-
-
-def _gain(problem: Problem) -> float:
-    return PAIR_GAIN_OF_SCARS if _of_scars_alone(problem) else PAIR_GAIN
 
 
 def _of_scars_alone(problem: Problem) -> bool:

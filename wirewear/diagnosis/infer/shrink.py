@@ -15,13 +15,13 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance
-from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit, free_difference
+from wirewear.diagnosis.infer.covariance import Covariance, smooth_covariance, whole_sizes
+from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
-from wirewear.diagnosis.observe.observable import AlongBranch
+from wirewear.diagnosis.observe.observable import AlongBranch, Scale
 from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
 from wirewear.diagnosis.observe.scars import ProfileDepths
@@ -345,9 +345,10 @@ def _share(before: float, after: float, floor: float) -> float:
 
 def _free_prediction(problem: Problem, covariance: Covariance, train: BoolArray, base: Array) -> Array:
     """Residual that a Gaussian process of any smooth shape, fitted on the training cycles, expects elsewhere."""
-    total = free_difference(problem, covariance.total, _FREE_SIZE)
-    prior = total - covariance.total
-    block = total[np.ix_(train, train)]
+    setup = problem.setup
+    size = _FREE_SIZE * whole_sizes(setup, problem.layout, base)
+    prior = smooth_covariance(problem.layout, size, Scale(setup.amplitude_um, setup.plateau_force_N))
+    block = (covariance.total + prior)[np.ix_(train, train)]
     expected: Array = prior[:, train] @ np.linalg.solve(block, (problem.mean - base)[train])
     return expected
 

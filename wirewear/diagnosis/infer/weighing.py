@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import e, expm1, hypot, log, log1p, sqrt
@@ -34,9 +34,9 @@ PRIOR_PAIR = _KNOWN.number("prior_pair")
 #: Log evidences are divided by this: the covariance is not known well enough to believe in every unit of chi-square.
 TEMPERATURE = _KNOWN.number("temperature")
 
-#: Log evidence that a distortion must lead the library by: on tests unlike those that solver differences were learned
-#: on, known effects and records without a gap are led by so much.
-UNLEARNED = _KNOWN.number("unlearned")
+#: Log evidence that an explanation must gain to be noticed, and that a distortion must lead the library by: on tests
+#: unlike those that solver differences were learned on, known effects and records without a gap are led by so much.
+NOTICEABLE = _KNOWN.number("noticeable")
 
 #: A class of effects accounts for a gap alone from this probability on.
 SURE = _KNOWN.number("sure")
@@ -81,13 +81,8 @@ class Weighed:
     def refuted(self, names: tuple[str, ...]) -> Weighed:
         """The probability of an explanation, and of all that cannot be told from it, given to a cause of no library."""
         own = self._classes(names)
-        return self.given_outside([one for one in self.probabilities if self._classes(one) == own])
-
-    def given_outside(self, explanations: Collection[tuple[str, ...]]) -> Weighed:
-        """The probability of some explanations given to a cause of no library."""
-        kept = {names: 0.0 if names in explanations else p for names, p in self.probabilities.items()}
-        moved = sum(self.probabilities.get(names, 0.0) for names in explanations)
-        return replace(self, probabilities=kept, outside=self.outside + moved)
+        kept = {one: 0.0 if self._classes(one) == own else p for one, p in self.probabilities.items()}
+        return replace(self, probabilities=kept, outside=self.outside + self.mass(names))
 
     def _classes(self, names: tuple[str, ...]) -> tuple[tuple[str, ...], ...]:
         return tuple(sorted(map(self.class_of, names)))
@@ -163,7 +158,7 @@ def weigh(
     A cause outside the library is what leaves more of the best explanation than chance would, of which `log_surprise`
     is the log Bayes factor, or what a distortion explains beside one of the explanations: `gains` are the log evidences
     that each family adds to those beside which it was tried; it must lead the best explanation, and `rival`, by more
-    than `UNLEARNED`.
+    than `NOTICEABLE`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -187,7 +182,7 @@ def weigh(
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
         # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be believed
         # together with whatever effect happens to lead.
-        led = UNLEARNED + max(rival - evidences[best], 0.0)
+        led = NOTICEABLE + max(rival - evidences[best], 0.0)
         outside = np.logaddexp(
             outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - led) / temperature)
         )
@@ -250,40 +245,6 @@ def force_zero(problem: Problem, covariance: Covariance, one: Fit, repeats: int)
     column = derivatives(problem.states, one.setup, problem.layout, {"force_offset": expected})[:, 0]
     deviations = float((problem.whitening @ column) @ problem.whitened(one.setup))
     return ForceZero(deviations * expected * problem.setup.load_N, deviations)
-
-
-def unrecognised(fits: Iterable[Fit], cycles: Array) -> dict[tuple[str, ...], tuple[str, ...]]:
-    """Those effects of each fit that do not do, within these cycles, what tells them from others.
-
-    Loops of one cycle or of none show no course: of them there are none.
-    """
-    if np.unique(cycles).size < 2:
-        return {}
-    first, last = float(cycles.min()), float(cycles.max())
-    found = {
-        one.names: tuple(
-            candidate.name
-            for candidate, coordinates, _ in one.parts()
-            if not candidate.effect(coordinates).recognised_between(first, last)
-        )
-        for one in fits
-    }
-    return {names: members for names, members in found.items() if members}
-
-
-def without(weighed: Weighed, failing: Mapping[tuple[str, ...], Sequence[str]]) -> Weighed:
-    """Probabilities with those of explanations that are not recognised given to a cause of no library.
-
-    What such an explanation fits by is there, but it is not what it is named for. `failing` are its effects that do not
-    do what they are named for. One that shares its class with an effect that does keeps its probability: the class
-    stays right.
-    """
-    bare = {
-        names
-        for names, members in failing.items()
-        if any(all((other,) in failing for other in weighed.class_of(one) if other != one) for one in members)
-    }
-    return weighed.given_outside(bare)
 
 
 def log_surprise(p_value: float) -> float:

@@ -13,6 +13,7 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.inference import Problem
+from wirewear.diagnosis.infer.weighing import NOTICEABLE
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe import AlongBranch
 from wirewear.diagnosis.observe.observable import Observable
@@ -213,9 +214,6 @@ _ALIKE = constants("infer.resembling")
 #: Families less probable than this are not listed; of several, so many are.
 LEAST_LISTED, MOST_LISTED = _ALIKE.number("least_listed"), _ALIKE.count("most_listed")
 
-#: A family stands out if it raises the log evidence of the best explanation by this.
-LEAST_GAIN = _ALIKE.number("least_gain")
-
 #: A distortion is there in cycles and places where it has this share of its largest size.
 PRESENT = _ALIKE.number("present")
 
@@ -250,7 +248,7 @@ def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidenc
         if one.family.name not in best or one.log_evidence > best[one.family.name].log_evidence:
             best[one.family.name] = one
     ordered = sorted(best.values(), key=lambda one: -one.log_evidence)
-    if not ordered or ordered[0].log_evidence - best_log_evidence < LEAST_GAIN:
+    if not ordered or ordered[0].log_evidence - best_log_evidence < NOTICEABLE:
         return ()
     logs = np.array([one.log_evidence for one in ordered])
     weights = np.exp(logs - np.logaddexp.reduce(logs))

@@ -35,8 +35,8 @@ _ODD = np.stack([readings.POSITIONS**power for power in ODD_POWERS])
 _EVEN = np.stack([readings.POSITIONS**power for power in EVEN_POWERS])
 _LIFT = np.stack([readings.POSITIONS**power for power in LIFT_POWERS])
 
-#: What is steeper towards the ends of the stroke, and what is higher there, without a mean over it.
-_ENDS, _TILT = readings.POSITIONS**4 - 0.2, readings.POSITIONS**2 - 1.0 / 3.0
+#: What is steeper towards the ends of the stroke, without a mean over it.
+_ENDS = readings.POSITIONS**4 - 0.2
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,7 +123,7 @@ def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
         slip_um=slip[at],
         energy_mJ=energy[at],
         volume_um3=chain.worn_um3,
-        scars=_scars(states, setup, end, float(slip[-1]), 0.0 if layer is None else float(layer.worn_under_um[-1])),
+        scars=_scars(states, end, float(slip[-1]), 0.0 if layer is None else float(layer.worn_under_um[-1])),
         skew=_skews(states, end, slip[-1:]),
         profiles=states.profiles(setup, end, float(slip[-1])),
     )
@@ -190,10 +190,6 @@ def _contact(
         drop, springs = drop + setup.normal_spring_N_per_um * layer.approach_um, springs + layer.springs_um_per_N
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
     angle = np.arctan(chain.friction)[:, None] + setup.angle_rise * (angle_rad @ _EVEN)
-    # Without a scar, all solvers agree on the same friction at every position.
-    worn = np.clip((decades + 2.0) / 3.0, 0.0, 1.0)[:, None]
-    angle = angle + setup.angle_tilt * worn * _TILT
-    angle = angle + setup.angle_trend * np.maximum(decades, 0.0)[:, None]
     along = load[:, None] + lift @ _LIFT
     force = along * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
@@ -264,13 +260,13 @@ def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
     return np.asarray(0.5 * (read.max(axis=1) - read.min(axis=1)))
 
 
-def _scars(states: WearStates, setup: Setup, last: Chain, slip: float, worn_under_um: float) -> Array:
+def _scars(states: WearStates, last: Chain, slip: float, worn_under_um: float) -> Array:
     """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire at a chain's one moment, by geometric similarity."""
     volume = float(last.worn_um3[0])
     row, share = _places(states, states.similar(np.array([volume]), np.array([slip])))
     figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
     size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
-    scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0]) * np.array([1.0, setup.scar_factor, 1.0, 1.0])
+    scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0])
     scaled *= 1.0 + last.retained_fraction * _CONCENTRATION
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
     total = scaled[:, 0].sum()

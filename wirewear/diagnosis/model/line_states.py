@@ -20,7 +20,7 @@ from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model import loop_states
 from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.study.faces import Face
 
@@ -32,8 +32,12 @@ if TYPE_CHECKING:
 
 _KNOWN = constants("model.line_states")
 
-#: Standard deviations of the fast model's numerical freedoms on line contacts.
-LINE_FREEDOMS: Mapping[str, float] = constants("model.line_states.freedoms").all()
+#: Standard deviations of the fast model's numerical freedoms on line contacts: slopes as of wires, and the stiffness.
+LINE_FREEDOMS: Mapping[str, float] = {
+    "slope_factor": NUMERICAL["slope_factor"],
+    "tip_factor": NUMERICAL["tip_factor"],
+    "stick_factor": _KNOWN.number("stick_factor"),
+}
 
 #: Shares of the rise between which a branch is fitted, and past how many travels of full slip it slides for certain.
 _STUCK, _SLIDES_PAST = _KNOWN.pair("stuck"), _KNOWN.number("slides_past")
@@ -174,10 +178,7 @@ class LineStates(WearStates):
         changed = self._changed(setup, last, np.array([slip_um]))
         before = worn_line(changed.plain)
         after = before if changed == changed.plain else worn_line(changed)
-        return {
-            body: self._profile(own, area, slip_um, setup.scar_factor, before, after)
-            for body, own in self.bodies.items()
-        }
+        return {body: self._profile(own, area, slip_um, before, after) for body, own in self.bodies.items()}
 
     def _changed(self, setup: Setup, chain: Chain, slip_um: Array) -> WornLineContact:
         """The contact with a chain's bed and supply of oxygen, rounded so that equal ones are computed once."""
@@ -196,7 +197,7 @@ class LineStates(WearStates):
         return replace(self.contact, **rounded)
 
     def _profile(
-        self, own: WornProfiles, area_um2: float, slip_um: float, deeper: float, before: WornLine, after: WornLine
+        self, own: WornProfiles, area_um2: float, slip_um: float, before: WornLine, after: WornLine
     ) -> tuple[Array, Array]:
         half = 1e3 * before.half_width_at(1e-6 * area_um2)
         at = np.log(max(area_um2, 1e-9))
@@ -206,7 +207,7 @@ class LineStates(WearStates):
         wider = 1.0 + own.beyond * (slip_um - own.slip_um) / half
         x = half * wider * own.place
         lost = own.share * area_um2
-        depth = shape * lost / (half * wider) * deeper
+        depth = shape * lost / (half * wider)
         if after is not before:
             depth = transformed(x, depth, before, after, 1e-6 * area_um2)
         return x, depth

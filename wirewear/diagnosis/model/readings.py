@@ -118,7 +118,7 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
     # A time, the same at all moments, is a phase of the drive.
-    if lag := 2.0 * np.pi * setup.frequency_Hz * float(np.mean(chain.lag_s)) + setup.apart:
+    if lag := 2.0 * np.pi * setup.frequency_Hz * float(np.mean(chain.lag_s)):
         read = late_places(setup, read, lag)
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))

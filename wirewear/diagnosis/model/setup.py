@@ -72,14 +72,12 @@ class Setup:
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the bodies differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep, apart,
-            angle_rise, angle_tilt, angle_trend, scar_factor: numerical freedoms of the fast model: the scar's slopes,
+        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep,
+            angle_rise: numerical freedoms of the fast model: the scar's slopes,
             their relative change per decade of wear, those of its ends and their change per decade, its length, the
             contact's stiffness and its relative change per decade, the logarithm of its micro-slip's order over
-            Mindlin's, the share of friction not yet mobilised where it begins to slide, how far the branches lie apart,
-            as the phase [rad] of a displacement that lags, the share that counts of the friction that a scar adds,
-            friction at its ends once worn and its change per decade of wear [rad], depths of the scars against the
-            volume.
+            Mindlin's, the share of friction not yet mobilised where it begins to slide, the share that counts of the
+            friction that a scar adds.
     """
 
     amplitude_um: float
@@ -114,11 +112,7 @@ class Setup:
     stick_trend: float = 0.0
     micro_slip: float = 0.0
     creep: float = 0.0
-    apart: float = 0.0
     angle_rise: float = 1.0
-    angle_tilt: float = 0.0
-    angle_trend: float = 0.0
-    scar_factor: float = 1.0
 
     @classmethod
     def nominal(cls, study: Study, drive: Literal["sensor", "stroke"]) -> Setup:

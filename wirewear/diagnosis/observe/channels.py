@@ -16,11 +16,6 @@ from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import OfLoops, Site, Sites, Zone, rows_of
 from wirewear.diagnosis.observe.reading import Reading
 
-_OF_NORMAL_FORCE = constants("observe.normal_force")
-
-#: A difference of free shape between both branches may be so large a share of the load.
-FREE_SHARE = _OF_NORMAL_FORCE.number("free_share")
-
 _KNOWN = constants("observe.normal_along")
 
 #: The middle of the stroke reaches so far, its ends begin there, as shares of the amplitude.
@@ -68,7 +63,6 @@ class NormalForceByDirection(_OfNormalForce):
 
     name = "normal_direction"
     words, unit = "normal force, forward less backward", "N"
-    free_share = FREE_SHARE
     zones = (Zone("normal_direction", "normal force by direction"),)
 
     def read(self, loop: ReducedLoop, site: Site) -> tuple[float, float]:  # noqa: ARG002
@@ -125,10 +119,6 @@ class _AlongStroke(OfLoops):
         both = np.isfinite(one) & np.isfinite(other)
         found: Array = 0.5 * np.subtract(one, other, out=np.zeros_like(one), where=both).sum(axis=1)
         return found[rows_of(course, sites)]
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """A share of the load."""
-        return np.full(predicted.size, FREE_SHARE * setup.load_N)
 
 
 def _medians(values: Array, chosen: BoolArray) -> Array:

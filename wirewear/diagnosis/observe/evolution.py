@@ -8,9 +8,19 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
-from wirewear.diagnosis.observe.observable import ModelLoops, Observable, Site, Sites, SolverSize, Zone, rows_of
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING
+from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
+from wirewear.diagnosis.observe.observable import (
+    FORCE_ERROR,
+    SLOPE_SHARE,
+    ModelLoops,
+    Observable,
+    Site,
+    Sites,
+    SolverSize,
+    Zone,
+    rows_of,
+)
 from wirewear.diagnosis.observe.reading import Reading, spread_cycles
 from wirewear.loops.sensor import enclosed_areas
 
@@ -21,32 +31,24 @@ MOST_CYCLES, FAR = _KNOWN.count("most_cycles"), _KNOWN.number("far")
 
 #: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it, and
 #: by more than so many of their deviations.
-NEIGHBOURS, JUMP, OUTLYING = _KNOWN.count("neighbours"), _KNOWN.number("jump"), _KNOWN.number("outlying")
-
-#: Solver differences of the largest force: share of what slopes add.
-SLOPE_SHARE = _KNOWN.number("slope_share")
+NEIGHBOURS, JUMP = _KNOWN.count("neighbours"), _KNOWN.number("jump")
 
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
 #: By so many deviations that changes over a test: on a flat plateau more samples are near the largest than at a wall.
 PEAK_BIAS, PEAK_VARIES = _KNOWN.each("peak_bias", "peak_varies")
 
-#: Forces are known within this share of the plateau, where a slip amplitude is read at Q = 0 on a shelf.
-FORCE_ERROR = _KNOWN.number("shelf_error")
 
+#: A column tells its own noise by at least so many figures.
+FEWEST = _KNOWN.count("fewest")
 
-#: A column tells its own noise by at least so many figures, less than it is by this factor, as a few loops are read
-#: badly; nothing is known better than that, relative.
-FEWEST, LEAST, OWN_SHARE = _KNOWN.count("fewest"), _KNOWN.number("least_noise"), _KNOWN.number("own_share")
+#: By how much, relative, the program that read an evolution may define a figure otherwise.
+ERROR = _KNOWN.number("figure_error")
 
 
 class EvolutionFigure(Observable):
-    """One column of an evolution, which tells its own noise.
-
-    `error`, relative, is by how much the program that read all of it may define the figure otherwise.
-    """
+    """One column of an evolution, which tells its own noise."""
 
     column: ClassVar[str]
-    error: ClassVar[float]
 
     @abstractmethod
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
@@ -69,12 +71,12 @@ class EvolutionFigure(Observable):
                 for place, cycle in enumerate(sites.cycle):
                     here = np.flatnonzero(part.columns["cycle"] == cycle)
                     values[place] = figures[here[0]] if here.size else np.nan
-        noise = (self.error if share is None else share) * np.abs(values)
+        noise = (ERROR if share is None else share) * np.abs(values)
         return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
 
     def common_error(self, reading: Reading, sites: Sites) -> Array:
         """By how much another program may define it otherwise, and what a drive that repeats itself always misses."""
-        defined = self.error * _usual_figures(reading, self.column, sites)
+        defined = ERROR * _usual_figures(reading, self.column, sites)
         return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
 
     def missed(self, reading: Reading) -> float:  # noqa: ARG002
@@ -85,10 +87,6 @@ class EvolutionFigure(Observable):
         """The same of computed loops."""
         return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
 
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """Its own."""
-        return np.abs(predicted)
-
 
 class Energy(EvolutionFigure):
     """Area of the loop."""
@@ -96,7 +94,7 @@ class Energy(EvolutionFigure):
     name = "energy"
     words, unit = "dissipated energy", "mJ"
     zones = (Zone("energy", "energy (evolution)"),)
-    column, error = "dissipated_energy_mJ", _KNOWN.number("energy_error")
+    column = "dissipated_energy_mJ"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
         """Area."""
@@ -113,7 +111,7 @@ class SlipAmplitude(EvolutionFigure):
     name = "slip"
     words, unit = "slip amplitude", "um"
     zones = (Zone("slip", "slip amplitude (evolution)"),)
-    column, error = "slip_amplitude_um", _KNOWN.number("slip_error")
+    column = "slip_amplitude_um"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
         """Half width."""
@@ -138,7 +136,7 @@ class LargestForce(EvolutionFigure):
     name = "force"
     words, unit = "largest tangential force", "N"
     zones = (Zone("force", "largest force (evolution)"),)
-    column, error = "max_tangential_force_N", _KNOWN.number("force_error")
+    column = "max_tangential_force_N"
 
     def of_loops(self, displacement_um: Array, force_N: Array) -> Array:  # noqa: ARG002
         """Max |Q|."""
@@ -173,7 +171,7 @@ def own_noise(cycles: Array, figures: Array) -> float | None:
     share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
     away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
     deviates = away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
-    return max(OWN_SHARE * 1.4826 * float(np.median(np.abs(deviates))), LEAST)
+    return max(1.4826 * float(np.median(np.abs(deviates))), LEAST_NOISE)
 
 
 def _chord_error_um(reading: Reading) -> float:

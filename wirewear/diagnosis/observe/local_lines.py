@@ -24,7 +24,7 @@ FEW_NEAR = _KNOWN.count("few_near")
 #: A straight line between two samples may miss a curved stick branch by this share of their distance.
 CHORD_ERROR = _KNOWN.number("chord_error")
 
-#: Deviations from which on samples of a branch are outliers.
+#: Deviations from which on a sample, a figure or a harmonic is none of its noise's.
 OUTLYING = _KNOWN.number("outlying")
 
 #: The knee is where the share of the rise leads the travel, in this many amplitudes, the most.

@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.observe.local_lines import ObservedBranch, force_at, knee_index
+from wirewear.diagnosis.observe.local_lines import OUTLYING, ObservedBranch, force_at, knee_index
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop
@@ -34,8 +34,6 @@ MOST_HARMONICS, SAMPLES_A_HARMONIC = (
     _OF_MOTION_OF_LOOPS.count("samples_a_harmonic"),
 )
 
-#: A harmonic belongs to the motion if it stands out of its noise by so many deviations: a sine stays one.
-STANDING_OUT = _OF_MOTION_OF_LOOPS.number("standing_out")
 
 _KNOWN = constants("observe.measured_loops")
 
@@ -50,8 +48,8 @@ LAST_SAMPLES = _KNOWN.count("last_samples")
 MIDDLE, LATEST_KNEE = _KNOWN.each("middle", "latest_knee")
 FEWEST_SAMPLES = _KNOWN.count("fewest_samples")
 
-#: Nothing is known better than these shares of it: a channel, an amplitude.
-LEAST_NOISE, LEAST_AMPLITUDE_ERROR = _KNOWN.each("least_noise", "least_amplitude_error")
+#: Nothing is known better than this share of it.
+LEAST_NOISE = _KNOWN.number("least_noise")
 
 _OF_NOISE = constants("observe.noise_of_samples")
 
@@ -65,9 +63,6 @@ SAMPLES_A_DEGREE = _OF_NOISE.count("samples_a_degree")
 
 #: Harmonics of a drive about which the noise of few displacements is taken.
 DRIVE_HARMONICS = _OF_NOISE.count("drive_harmonics")
-
-#: Deviations at which samples are clipped where noise is told from shape: on a branch, and of the normal force.
-CLIPPED, NORMAL_OUTLYING = _OF_NOISE.each("clipped", "normal_outlying")
 
 
 def harmonics_of(time_s: Array, period_s: float, displacement_um: Array) -> ComplexArray:
@@ -91,7 +86,7 @@ def motion_of(loops: Sequence[ComplexArray], noise: float) -> FastMotion:
     count = min(one.size for one in loops)
     stacked = np.stack([one[:count] for one in loops])
     common = np.median(stacked.real, axis=0) + 1j * np.median(stacked.imag, axis=0)
-    common[1:] *= np.abs(common[1:]) > STANDING_OUT * noise * np.sqrt(0.5 * np.pi / len(loops))
+    common[1:] *= np.abs(common[1:]) > OUTLYING * noise * np.sqrt(0.5 * np.pi / len(loops))
     return FastMotion(np.asarray(common[: int(np.flatnonzero(common)[-1]) + 1]))
 
 
@@ -186,7 +181,7 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         cycle=loop.cycle,
         branches=(branches[0], branches[1]),
         amplitude_um=amplitude,
-        amplitude_error_um=max(error, LEAST_AMPLITUDE_ERROR * amplitude),
+        amplitude_error_um=max(error, LEAST_NOISE * amplitude),
         # Each tip has that error of its own.
         centre_error_um=error / float(np.sqrt(2.0)),
         mid_force_N=mid,
@@ -248,7 +243,7 @@ def _normal(sliding: list[Array], noise_N: float | None, stretch: float) -> tupl
     means = []
     for values in sliding:
         centre, spread = _usual(values)
-        means.append(float(values[np.abs(values - centre) < NORMAL_OUTLYING * spread].mean()))
+        means.append(float(values[np.abs(values - centre) < OUTLYING * spread].mean()))
     noise = spread if noise_N is None else noise_N
     return (means[0], means[1]), float(stretch * noise / np.sqrt(values.size) + LEAST_NOISE * abs(means[0]))
 
@@ -301,7 +296,7 @@ def _force_noise(
         design = np.polynomial.chebyshev.chebvander(place, degree)
         rest = q - design @ np.linalg.lstsq(design, q, rcond=None)[0]
         spread = 1.4826 * float(np.median(np.abs(rest)))
-        parts.append((design, np.clip(rest, -CLIPPED * spread, CLIPPED * spread)))
+        parts.append((design, np.clip(rest, -OUTLYING * spread, OUTLYING * spread)))
     return correlated_noise(parts, stated.tangential_force_N, rounding_N)
 
 
@@ -314,7 +309,7 @@ def _noise_of_another(normal_N: Sequence[Array], clean: CleanLoop, stated: Noise
     for values in normal_N:
         centre, spread = _usual(values)
         design = np.stack([np.ones(values.size), np.linspace(-1.0, 1.0, values.size)], axis=1)
-        parts.append((design, np.clip(values, centre - NORMAL_OUTLYING * spread, centre + NORMAL_OUTLYING * spread)))
+        parts.append((design, np.clip(values, centre - OUTLYING * spread, centre + OUTLYING * spread)))
     if parts:
         return correlated_noise(parts, stated.normal_force_N)
     if not clean.smoothed:

@@ -13,6 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
+from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.loops import LoopError
 from wirewear.loops.noise import outliers, sample_noise, spikes
 from wirewear.records import AnyRecord, MeasuredLoop
@@ -35,9 +36,6 @@ LEAST_ADVANTAGE = _KNOWN.number("least_advantage")
 #: about alike: lines that happen to follow a displacement cut the corners of the force. Half as long, they leave a mean
 #: square smaller by less than this (seen of correlated noise: up to 2.2; of curves that lines follow by chance: 2.4).
 MOST_LEFT, MOST_UNLIKE, MOST_GAINED = _KNOWN.each("most_left", "most_unlike", "most_gained")
-
-#: Samples further from the lines than so many deviations are outliers.
-OUTLYING = _KNOWN.number("outlying")
 
 #: A corner is known from samples that weigh at least so much together.
 LEAST_WEIGHT = _KNOWN.number("least_weight")
@@ -93,7 +91,7 @@ class _Lines:
         return found
 
     def squares(self, values: Array, noise: float) -> float:
-        """Sum of squares that the lines leave of samples (n,), in units of their noise; an outlier counts as 5²."""
+        """Sum of squares that the lines leave of samples (n,), in units of their noise; an outlier counts as one."""
         rest = (values - self.hats @ (self.inverse @ values)) / noise
         return float(np.minimum(rest**2, OUTLYING**2).sum())
 

@@ -26,8 +26,12 @@ from wirewear.diagnosis.observe.reading import Reading
 
 _OF_DIFFERENCES = constants("observe.differences")
 
-#: Share of a solver difference that is not smooth from one level to the next.
-ROUGH = _OF_DIFFERENCES.number("rough")
+#: Share of a solver difference that is not smooth from one level to the next; over which share of the amplitude, of the
+#: force or of a scar's half-width it is alike; and how large it is, a share of the force that slopes add.
+ROUGH, REACH, SLOPE_SHARE = _OF_DIFFERENCES.each("rough", "reach", "slope_share")
+
+#: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
+FORCE_ERROR = _OF_DIFFERENCES.number("force_error")
 
 
 @dataclass(frozen=True)
@@ -128,14 +132,12 @@ class SolverSize:
         size: (n,) what is smooth over cycles and along branches (`Observable.smoothness`).
         own: (n,) each number's own; none if left out.
         common: (n,) by which one unknown moves all of them together; none if left out.
-        wall: (n,) at which end of the stroke ripples of the scar move the number: +1, −1, or 0 for both alike.
         hooked: whether hooks that solvers compute larger or smaller move the number.
     """
 
     size: Array
     own: Array | None = None
     common: Array | None = None
-    wall: Array | None = None
     hooked: bool = True
 
 
@@ -220,7 +222,6 @@ class Observable(ABC):
         sides: what the measurement is of the model if their difference is positive, and if it is negative.
         simulated: whether loops of a full simulation with few increments show it as a rig's do.
         of_scars: whether it is read from scars, not loops.
-        free_share: of `whole`, a standard deviation of a difference of free shape as large as the loop.
     """
 
     name: ClassVar[str]
@@ -230,7 +231,6 @@ class Observable(ABC):
     sides: ClassVar[tuple[str, str]] = ("above", "below")
     simulated: ClassVar[bool] = False
     of_scars: ClassVar[bool] = False
-    free_share: ClassVar[float] = 1.0
 
     @abstractmethod
     def sites(self, reading: Reading) -> list[Site]:
@@ -266,10 +266,6 @@ class Observable(ABC):
                 return np.abs(predicted)
             case _:
                 return np.ones(predicted.size)
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:
-        """Standard deviation (n,) of a difference of free shape as large as the loop, at predicted values (n,)."""
-        return self.free_share * self.whole(setup, predicted)
 
     @property
     def tolerance(self) -> str:

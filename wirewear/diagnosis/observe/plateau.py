@@ -27,19 +27,13 @@ PAST_KNEE = _KNOWN.number("past_knee")
 #: The end of a branch begins at this share of the amplitude.
 TIP = _KNOWN.number("tip")
 
-#: Solver differences: share of the force that slopes add.
-SLOPE_SHARE = _KNOWN.number("slope_share")
-
-#: They are alike over this share of the amplitude.
-REACH = _KNOWN.number("reach")
-
 #: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
-WALL_PLACE, REACH_WALL, ROUGH_WALL = _KNOWN.each("wall_place", "reach_wall", "rough_wall")
+WALL_PLACE, REACH_WALL = _KNOWN.each("wall_place", "reach_wall")
 
 _OF_KNEE_PEAK = constants("observe.knee_peak")
 
-#: Solver differences: shares of the peak that slopes make, and of how high walls are there.
-PEAK_SHARE, WALL_SHARE = _OF_KNEE_PEAK.each("peak_share", "wall_share")
+#: Solver differences: share of the peak that slopes make, and of how high walls are there.
+PEAK_SHARE = _OF_KNEE_PEAK.number("peak_share")
 
 #: Walls are high where slopes raise the force by this share of it.
 WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
@@ -87,7 +81,7 @@ class PlateauForce(observable.ByLocalLines):
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Ripples of the worn surface."""
-        return observable.SolverSize(SLOPE_SHARE * loops.rise_N(sites), wall=np.sign(sites.level))
+        return observable.SolverSize(observable.SLOPE_SHARE * loops.rise_N(sites))
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:
         """The end of the stroke is one of its own."""
@@ -101,9 +95,8 @@ class PlateauForce(observable.ByLocalLines):
         """Smooth along the stroke, least at the walls."""
         along = self.along(sites) / scale.amplitude_um
         beyond = np.maximum(np.abs(along) - WALL_PLACE, 0.0)
-        lengths = np.sign(along) * ((np.abs(along) - beyond) / REACH + beyond / REACH_WALL)
-        rough = np.where(beyond > 0.0, ROUGH_WALL, observable.ROUGH)
-        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=lengths, rough=rough)
+        lengths = np.sign(along) * ((np.abs(along) - beyond) / observable.REACH + beyond / REACH_WALL)
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=lengths)
 
 
 class KneePeak(observable.OfLoops):
@@ -134,7 +127,7 @@ class KneePeak(observable.OfLoops):
         rise = loops.rise_N(sites)
         high = rise / (1.0 + rise / (WALL_HEIGHT * loops.scale.force_N))
         size = PEAK_SHARE * np.abs(self.predict(loops.course, sites))
-        return observable.SolverSize(np.hypot(size, WALL_SHARE * high), wall=-sites.branch.astype(float))
+        return observable.SolverSize(np.hypot(size, PEAK_SHARE * high))
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """Each branch has its knee at a wall of its own."""

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
-from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.observe import channels
@@ -165,9 +164,6 @@ class Layout:
         return np.concatenate([np.zeros(0), *(part.observable.predict(course, part.sites) for part in self)])
 
 
-#: Variance by which repeats of an observable differ over that of the noise they are read with, where it is not one.
-READ_WITHIN: Mapping[str, float] = constants("observe.read_within").all()
-
 #: Entry point group in which a package names its subclasses of `Observable`.
 ENTRY_POINT_GROUP = "wirewear.observables"
 
@@ -247,7 +243,6 @@ def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -
         for part in layout:
             values[row, part.rows], noise[row, part.rows] = part.observable.measure(reading, repeat, part.sites)
             alike[row, part.rows, part.rows] = part.observable.alike(reading, repeat, part.sites)
-            noise[row, part.rows] *= READ_WITHIN.get(part.observable.name, 1.0) ** 0.5
     common = _common(reading, layout)
     missing = ~(np.isfinite(values) & np.isfinite(noise) & (noise > 0.0))
     values[missing], noise[missing] = np.nan, np.nan

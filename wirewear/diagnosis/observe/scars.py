@@ -10,8 +10,8 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, crossings, scar_figures, scar_skew
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe import observable
+from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.records import MeasuredProfile, MeasuredScar
 
@@ -20,16 +20,13 @@ _KNOWN = constants("observe.scars")
 #: A map knows depths within this; figures of a scar that is hardly deeper mean little.
 DEPTH_ERROR_um = _KNOWN.number("depth_error")
 
-#: Error of a profilometer's figures, relative; of a skew in rad, and what a shallow scar adds to it in units of its
-#: relative error of depth.
+#: Error of a profilometer's figures, zeros and depths, relative; of a skew in rad, and what a shallow scar adds to that
+#: in units of its relative error of depth.
 FIGURE_ERROR = _KNOWN.number("figure_error")
 SKEW_ERROR, SHALLOW_SKEW = _KNOWN.each("skew_error", "shallow_skew")
 
 #: The least points of a map.
 FEWEST_POINTS = _KNOWN.count("fewest_points")
-
-#: A difference of free shape may be so large in the logarithm of figures, in skews.
-FREE_FIGURE, FREE_SKEW = _KNOWN.each("free_figure", "free_skew")
 
 
 class _OfScars(observable.Observable):
@@ -51,7 +48,6 @@ class ScarFigures(_OfScars):
 
     name = "scar"
     words, unit = "scar", "relative"
-    free_share = FREE_FIGURE
     zones = (observable.Zone("scar", "scars"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
@@ -84,7 +80,6 @@ class ScarSkew(_OfScars):
 
     name = "skew"
     words, unit = "skew of the scar", "rad"
-    free_share = FREE_SKEW
     zones = (observable.Zone("skew", "skew of the scars"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
@@ -140,18 +135,14 @@ PLACES, BIN = _PROFILES.numbers("places"), _PROFILES.number("bin")
 #: A profile's middle lies half-way between the places with this share of its depth; its half-width is told at that one.
 HALF_DEPTH, EDGE = _PROFILES.each("half_depth", "edge")
 
-#: Degree of the curve about which roughness is told; nothing is known better than this share of the depth.
-ROUGH_DEGREE, LEAST_ERROR = _PROFILES.count("rough_degree"), _PROFILES.number("least_error")
+#: Degree of the curve about which roughness is told.
+ROUGH_DEGREE = _PROFILES.count("rough_degree")
 
-#: Solver differences: share of the depth, and by how much places differ, in half-widths; alike over so many of these.
-DEPTH_SHARE, ASIDE, REACH = _PROFILES.each("depth_share", "aside", "reach")
+#: Solver differences: by how much places differ, in half-widths.
+ASIDE = _PROFILES.number("aside")
 
-#: The flat beside the scar begins so far out; a zero is known no better than this share of the depth.
+#: The flat beside the scar begins so far out.
 OUTSIDE, FEWEST_OUTSIDE = _PROFILES.number("outside"), _PROFILES.count("fewest_outside")
-UNKNOWN_ZERO = _PROFILES.number("unknown_zero")
-
-#: A difference of free shape may be so large a share of the depth.
-FREE_SHARE = _PROFILES.number("free_share")
 
 #: Where the middle of a scar ends, and its flanks.
 MIDDLE, FLANK = _PROFILES.each("middle", "flank")
@@ -194,7 +185,7 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
     half = max(0.5 * (ends[1] - ends[0]), 1e-6)
     inside = np.abs(x) < half
     rough = depth - smooth
-    rough_um = max(float(np.std(rough[inside])) if inside.any() else 0.0, LEAST_ERROR * deepest)
+    rough_um = max(float(np.std(rough[inside])) if inside.any() else 0.0, LEAST_NOISE * deepest)
     outside = np.abs(x) > OUTSIDE * half
     off = 0.0
     if np.count_nonzero(outside) >= FEWEST_OUTSIDE:
@@ -203,7 +194,7 @@ def read_profile(profile: MeasuredProfile) -> ReadProfile:
         rough_um = max(rough_um, float(depth[outside].std()))
         rough = np.where(outside, depth - depth[outside].mean(), rough)
     alike = float(np.corrcoef(rough[:-1], rough[1:])[0, 1]) if np.ptp(rough) > 0.0 else 0.0
-    return ReadProfile(x, depth, half, deepest, rough_um, max(off, UNKNOWN_ZERO * deepest), max(alike, 0.0))
+    return ReadProfile(x, depth, half, deepest, rough_um, max(off, FIGURE_ERROR * deepest), max(alike, 0.0))
 
 
 class ProfileDepths(observable.Observable):
@@ -267,13 +258,9 @@ class ProfileDepths(observable.Observable):
             half = _half_width(sites.level[own])
             at = sites.level[own]
             walls = ASIDE * half * np.interp(at, x, slope, left=0.0, right=0.0)
-            share = DEPTH_SHARE * np.interp(at, x, depth, left=0.0, right=0.0)
-            size[own] = np.sqrt(walls**2 + share**2 + (LEAST_ERROR * float(depth.max())) ** 2)
+            share = FIGURE_ERROR * np.interp(at, x, depth, left=0.0, right=0.0)
+            size[own] = np.sqrt(walls**2 + share**2 + (LEAST_NOISE * float(depth.max())) ** 2)
         return observable.SolverSize(size, hooked=False)
-
-    def free_size(self, setup: Setup, predicted: Array) -> Array:  # noqa: ARG002
-        """A share of the largest depth."""
-        return np.full(predicted.size, FREE_SHARE * max(float(np.abs(predicted).max(initial=0.0)), 1e-6))
 
     def zone(self, sites: observable.Sites, amplitude_um: float) -> NDArray[np.str_]:  # noqa: ARG002
         """By the place over the scar's half-width."""
@@ -283,7 +270,8 @@ class ProfileDepths(observable.Observable):
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:  # noqa: ARG002
         """Smooth along each body's scar."""
         family = np.array([BODIES.index(body) for body in sites.wire], dtype=np.intp)
-        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=places_of(sites) / REACH, family=family)
+        along = places_of(sites) / observable.REACH
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along, family=family)
 
     def common_error(self, reading: Reading, sites: observable.Sites) -> Array:
         """What the zero of the profiles may be off by."""

@@ -22,23 +22,8 @@ FORCES = _KNOWN.numbers("forces")
 #: one sample may catch any place: none is read within this share of the force.
 FEW_SAMPLES, SHELF_SHARE = _KNOWN.count("few_samples"), _KNOWN.number("shelf_share")
 
-#: Solver differences: share of the scar's rise at the tip, where a branch begins.
-TIP_SHARE = _KNOWN.number("tip_share")
-
-#: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
-FORCE_ERROR = _KNOWN.number("force_error")
-
-#: Share of what a branch travels within the window of a reading by which a corner there misleads it.
-CORNER = _KNOWN.number("corner")
-
-#: Differences are alike over this share of the plateau force.
-REACH = _KNOWN.number("reach")
-
 #: Displacements are read from at most so many samples on a side.
 STICK_NEAR = constants("observe.local_lines").count("stick_near")
-
-#: A difference of free shape may be so large a share of the amplitude.
-FREE_SHARE = _KNOWN.number("free_share")
 
 _OF_SHELF = constants("observe.shelf")
 
@@ -57,7 +42,6 @@ class Stick(observable.ByLocalLines):
 
     name = "stick"
     words, unit = "displacement at equal force", "um"
-    free_share = FREE_SHARE
     zones = (observable.Zone("stick", "stick, after a reversal", "just after a reversal"),)
     sides = ("ahead of", "behind")
     simulated = True
@@ -86,14 +70,10 @@ class Stick(observable.ByLocalLines):
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Where a branch turns under another force, it lies elsewhere as a whole."""
-        turned = TIP_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
-        crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
-        # A local line is no corner: that of a shelf is read beside its place.
-        cornered = CORNER * loops.travel_um(sites, FORCE_WINDOW * loops.scale.force_N)
+        turned = observable.SLOPE_SHARE * loops.rise_N(sites) * loops.stick_compliance_um_per_N(sites)
+        crossing = loops.travel_um(sites, observable.FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
         # A drive that repeats itself leaves every branch at the same place of a shelf.
-        return observable.SolverSize(
-            turned, np.hypot(crossing, cornered), crossing * sites.branch, wall=-sites.branch.astype(float)
-        )
+        return observable.SolverSize(turned, crossing, crossing * sites.branch)
 
     def along(self, sites: observable.Sites) -> Array:
         """Force in the branch's direction."""
@@ -101,7 +81,8 @@ class Stick(observable.ByLocalLines):
 
     def smoothness(self, sites: observable.Sites, scale: observable.Scale) -> observable.Smoothness:
         """Smooth over the force."""
-        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=sites.level / scale.force_N / REACH)
+        along = sites.level / scale.force_N / observable.REACH
+        return replace(observable.Smoothness.of_whole_loops(len(sites)), along=along)
 
 
 def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
@@ -137,7 +118,6 @@ class ShelfTravel(observable.OfLoops):
 
     name = "shelf"
     words, unit = "travel without force", "um"
-    free_share = FREE_SHARE
     zones = (observable.Zone("shelf", "shelf, where the force is zero", "after a reversal"),)
 
     def sites(self, reading: Reading) -> list[observable.Site]:
