@@ -22,7 +22,7 @@ from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.diagnose import concluded
-from wirewear.diagnosis.infer.covariance import estimate, with_forms
+from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
@@ -158,8 +158,7 @@ def test_whitened_residuals_of_gap_free_records_are_standard_deviates_at_most() 
     for seed in (2, 3, 4):
         one = independent_record(seed=seed)
         observed, setup = reduce(one), nominal_setup(nominal_study(one), "sensor")
-        believed = estimate(frozen_states(), setup, observed)
-        covariance = with_forms(frozen_states(), setup, observed.layout, believed, fitted=0)
+        covariance = estimate(frozen_states(), setup, observed)
         whitened = Problem.of(frozen_states(), setup, observed.layout, covariance).whitened(setup)
         assert float((whitened**2).mean()) < 1.3
         assert abs(whitened).max() < 4.5

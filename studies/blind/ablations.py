@@ -19,7 +19,6 @@ from typing import Any
 from unittest.mock import PropertyMock, patch
 
 import click
-import numpy as np
 from rich import box
 from rich.table import Table
 
@@ -102,7 +101,6 @@ PARTS = (
     Part("less misfit counts for no more", partial(patch.object, JUDGING, "LEAST_DISPERSION", 1.0)),
     Part("no surprise by what is left over", _given(5, 0.0)),
     Part("no families of distortions", _given(6, {})),
-    Part("no unnamed second effect beside families", _given(7, -np.inf)),
     Part("a slipping holder is allowed nothing", changed=_unallowed),
     Part(
         "held-out cycles need not bear it out",

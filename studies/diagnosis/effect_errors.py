@@ -22,12 +22,11 @@ from scipy.linalg import cho_factor, cho_solve
 
 from wirewear import RecordError, WirewearError, read_record
 from wirewear.base.reading import read_json
-from wirewear.diagnosis.infer.covariance import form_columns, smooth_covariance, solver_covariance
+from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covariance
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.mending import read_at_corners
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects
@@ -93,7 +92,7 @@ def _true_effects(truth: Path) -> list[tuple[str, dict[str, float]]]:
 
 
 def _pair_of(path: Path, effect: str, parameters: dict[str, float]) -> EffectPair:
-    record, _ = read_at_corners(read_record(path))
+    record = read_record(path)
     study = nominal_study(record)
     states = WearStates.of_run(nominal_run(study))
     nominal = nominal_setup(study, record.tables.conditions.drive)
@@ -104,8 +103,6 @@ def _pair_of(path: Path, effect: str, parameters: dict[str, float]) -> EffectPai
     layout = observed.layout.taken(keep)
     before, after = (layout.observed(simulate(states, setup, layout.cycles)) for setup in (nominal, changed))
     fixed = solver_covariance(states, changed, layout) + np.diag(observed.noise[0, keep] ** 2)
-    for column in form_columns(states, changed, layout).values():
-        fixed = fixed + np.outer(column, column)
     for name, value in parameters.items():
         up, down = (
             layout.observed(

@@ -19,7 +19,6 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
-from wirewear.diagnosis.observe.mending import read_at_corners, without_spikes
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
 from wirewear.records import RecordTables
 
@@ -55,11 +54,11 @@ def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
     """All pairs that a folder of records makes; `scattered` if their specimens scatter as one expects of a rig."""
     for path in sorted(path.parent for path in folder.glob("*/experiment.toml")):
         try:
-            record, _ = read_at_corners(read_record(path))
+            record = read_record(path)
             study = nominal_study(record)
             states = WearStates.of_run(nominal_run(study))
             setup = nominal_setup(study, record.tables.conditions.drive)
-            observed = reduce(without_spikes(record))
+            observed = reduce(record)
             yield pair_of(path.name, test_of(record.tables), states, setup, observed, scattered=scattered)
         except WirewearError as problem:
             click.echo(f"{path.name}: {problem}")

@@ -22,7 +22,7 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.mending import mended
+from wirewear.diagnosis.observe.mending import of_own_definitions
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.kinds import kind_of
@@ -44,7 +44,7 @@ def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
         StudyError, SolverError: the nominal model cannot be run.
     """
     record = record.of_block()
-    own, _ = mended(record)
+    own, _ = of_own_definitions(record)
     observed = reduce(own)
     nominal = beginning_of(record, None).run(None)
     return replace(nominal, setup=replace(nominal.setup, motion=observed.motion)), observed
@@ -187,7 +187,7 @@ def _begun(
     with stage("checking the record"):
         checked = remarks_told(record)
     with stage("reducing the loops"):
-        record, notes = mended(record)
+        record, notes = of_own_definitions(record)
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
@@ -229,7 +229,7 @@ def judged(
     surprise = found.remainder.log_surprise if leaves else 0.0
     gains = gains_of(found.distortions) if leaves else {}
     misfit = max(found.remainder.misfit, LEAST_DISPERSION)
-    weighed = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains, found.rival)
+    weighed = weigh(found.none, found.singles, found.pairs, classes, misfit, surprise, gains)
     where = places(found.problem, found.covariance, setup)
     explained = _leading(found, weighed)
     # What is detected by an explanation is as large as that makes it: specimens and noise may hide it place by place.

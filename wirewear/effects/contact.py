@@ -220,8 +220,6 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         logarithmic=True,
     )
 
-    # Not found: a bed that is full from the start is a spring.
-    filling: float = form(exponent(0.6), found=False)
     # A line contact's bed is computed along its profile, and stays a share of the depth: it has neither of these. Even
     # beds and gathered ones shear by V^0.2 more as they wear (contacts smaller than the scar), ejected ones less.
     growth: float = form(added("power of the worn volume in the bed's shear", -0.2, 0.4), contacts=AT_A_POINT)
@@ -248,7 +246,7 @@ class ThirdBodyLayer(Effect[ContactLaw]):
         retained = self.retained_fraction * _kept(self.retained_fraction * depth_um / self.full_um)
         scars = scar2_um4 / chain.fresh_area_um2**2
         largest = _SPREADING * retained * per_area2 / shear_N_per_um2
-        shear = largest * (scars / (scars + 1.0)) ** self.filling * ((scars + 1.0) / _GROWN) ** self.growth
+        shear = largest * scars / (scars + 1.0) * ((scars + 1.0) / _GROWN) ** self.growth
         return replace(
             chain,
             retained_fraction=chain.retained_fraction + retained,

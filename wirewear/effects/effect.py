@@ -281,12 +281,6 @@ class Effect(ABC, Generic[T]):
         return {one.name: one.metadata["form"] for one in known if _meant(one.metadata["contacts"], contact)}
 
     @classmethod
-    def found_forms(cls, contact: str | None = None) -> dict[str, Parameter]:
-        """Those of its forms that a fit looks for."""
-        found = {field.name for field in fields(cls) if field.metadata.get("found", False)}
-        return {name: described for name, described in cls.forms(contact).items() if name in found}
-
-    @classmethod
     def answer_to(cls, measurement: Measurement) -> str:
         """What a measurement would show if this effect were at work; empty if that is not known."""
         return next((answer.text for answer in cls.answers if answer.measurement == measurement), "")

@@ -149,14 +149,13 @@ def choice(*words: str) -> Any:
 AT_A_POINT = ("crossed-wires", "ball-on-flat", "point-contact")
 
 
-def form(described: Parameter, *, found: bool = True, contacts: tuple[str, ...] = ()) -> Any:
+def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> Any:
     """A field of an effect's data class that says in which form it acts; neutral is that of its source.
 
-    Files do not know it; it is uncertain as far as laws of other forms differ. A fit looks for it, unless it is not to
-    be `found`: then it only widens what the effect may look like. Kinds of contact that `contacts` does not name lack
-    it, if it names any.
+    Files do not know it; it is uncertain as far as laws of other forms differ, and a fit looks for it. Kinds of contact
+    that `contacts` does not name lack it, if it names any.
     """
-    return field(default=described.neutral, metadata={"form": described, "found": found, "contacts": contacts})
+    return field(default=described.neutral, metadata={"form": described, "contacts": contacts})
 
 
 def exponent(deviation: float) -> Parameter:

@@ -20,9 +20,9 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.local_lines import OUTLYING
+from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import Layout, Observations, Part
-from wirewear.effects import Effect
 
 #: Standard deviations of what honest models and rigs differ by that a tolerance is: nineteen of twenty stay within it.
 WITHIN = 1.96
@@ -161,10 +161,9 @@ SCATTER: Mapping[str, float] = constants("infer.covariance.scatter").all()
 #: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
 PRIOR_REPEATS = _KNOWN.number("prior_repeats")
 
-#: What the owner states of it counts as so many, and never as less than this share of what is expected; repeats that
-#: would scatter so by less than this chance contradict it.
+#: What the owner states of it counts as so many; repeats that would scatter so by less than this chance contradict it.
 STATED_REPEATS = _KNOWN.number("stated_repeats")
-LEAST_STATED, CONTRADICTED = _KNOWN.each("least_stated", "contradicted")
+CONTRADICTED = _KNOWN.number("contradicted")
 
 #: A sensor's zero is the same unknown in all repeats.
 SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "amplitude", "force_offset")}
@@ -263,7 +262,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     """The covariance around one setup; the repeats' scatter is estimated from them and the expectation, pooled."""
     layout = observed.layout
     stated = observed.stated_scatter
-    sizes = {name: max(stated.get(name, size), LEAST_STATED * size) for name, size in SCATTER.items()}
+    sizes = {name: max(stated.get(name, size), LEAST_NOISE * size) for name, size in SCATTER.items()}
     per_repeat = derivatives(states, setup, layout, sizes)
     shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
     numerical = solver_covariance(states, setup, layout)
@@ -271,7 +270,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     common = shared @ shared.T
     factors, chances = _scatter_factors(observed, per_repeat, [name in stated for name in sizes])
     per_repeat = per_repeat * factors
-    scattered = per_repeat @ per_repeat.T + off_centre(states, setup, observed)
+    scattered = per_repeat @ per_repeat.T
     known = noise_factors(observed, scattered)
     precision, weighted = np.zeros((len(layout), len(layout))), np.zeros(len(layout))
     for repeat, values in enumerate(observed.values):
@@ -309,44 +308,6 @@ def with_model_error(
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
 
 
-def with_forms(states: WearStates, setup: Setup, layout: Layout, covariance: Covariance, fitted: int = 0) -> Covariance:
-    """The covariance with the freedom of form of the effects in a setup: their laws may differ.
-
-    Each form is one unknown that moves all observables along its derivative. Of the last `fitted` effects it is only
-    those that a fit does not look for.
-    """
-    columns = form_columns(states, setup, layout, fitted)
-    if not columns:
-        return covariance
-    stacked = np.column_stack(list(columns.values()))
-    extra = stacked @ stacked.T
-    return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)
-
-
-def form_columns(states: WearStates, setup: Setup, layout: Layout, fitted: int = 0) -> dict[tuple[str, str], Array]:
-    """Change (n,) of the observables by a deviation of each effect's form, by the effect's name and the form's.
-
-    Of the last `fitted` effects only forms count that a fit does not look for.
-    """
-    found = {}
-    for place, effect in enumerate(setup.effects):
-        if not isinstance(effect, Effect):
-            continue
-        sought = effect.found_forms(setup.contact_kind) if place >= len(setup.effects) - fitted else {}
-        for name, described in effect.forms(setup.contact_kind).items():
-            if name in sought:
-                continue
-            own, sides = getattr(effect, name), []
-            # Around a law that has nothing of it, its logarithm is taken around what one expects.
-            at = described.coordinate(own) if own > 0.0 or not described.logarithmic else 0.0
-            for side in (0.5, -0.5):
-                moved = replace(effect, **{name: described.value(at + side)})
-                effects = (*setup.effects[:place], moved, *setup.effects[place + 1 :])
-                sides.append(layout.observed(simulate(states, replace(setup, effects=effects), layout.cycles)))
-            found[effect.name, name] = np.nan_to_num(sides[0] - sides[1])
-    return found
-
-
 def _scatter_factors(observed: Observations, per_repeat: Array, stated: Sequence[bool]) -> tuple[Array, Array]:
     """Factors on sizes from the repeats' coordinates along their directions, pooled with what is expected or stated.
 
@@ -372,10 +333,3 @@ def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) ->
     """Factors on expected scatters from sums of squared deviates of so many repeats, pooled with the expectation."""
     factors: Array = np.sqrt((prior + squares) / (prior + count - 1))
     return factors
-
-
-def off_centre(states: WearStates, setup: Setup, observed: Observations) -> Array:
-    """Covariance (n, n) of one repeat by the middles of its loops, each of which noise moves as a whole."""
-    moved = derivatives(states, setup, observed.layout, {"displacement_offset_um": observed.centre_error_um})[:, 0]
-    cycle = observed.layout.cycle
-    return np.asarray(np.outer(moved, moved) * (cycle[:, None] == cycle))

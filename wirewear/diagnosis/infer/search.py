@@ -12,7 +12,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_forms, with_model_error
+from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, fit
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
@@ -49,10 +49,7 @@ _HOPELESS = _KNOWN.number("hopeless")
 
 @dataclass(frozen=True, eq=False)
 class Search:
-    """What was found: the problem with its covariance around the best explanation, and all fits.
-
-    `rival` is the highest log evidence within the library, of pairs too that gain too little to be named.
-    """
+    """What was found: the problem with its covariance around the best explanation, and all fits."""
 
     problem: Problem
     covariance: Covariance
@@ -61,7 +58,6 @@ class Search:
     pairs: tuple[Fit, ...]
     remainder: Remainder
     distortions: tuple[Distortion, ...]
-    rival: float
 
     @property
     def best(self) -> Fit:
@@ -109,13 +105,8 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
             problem, covariance, none, singles = alone
     chosen, beside = leading(none, (*singles, *pairs))
     distorted = distortions(problem, beside)
-    rival = chosen.log_evidence
-    distortion = max((one.log_evidence for one in distorted if one.family.counts), default=-np.inf)
-    if chosen.candidates and not pairs and distortion > rival + NOTICEABLE:
-        # A second effect that is too small to be named may be what a distortion imitates.
-        rival = max((rival, *(one.log_evidence for one in tried)))
     left = remainder_of(problem, chosen)
-    return Search(problem, covariance, none, tuple(singles), tuple(pairs), left, distorted, rival)
+    return Search(problem, covariance, none, tuple(singles), tuple(pairs), left, distorted)
 
 
 def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
@@ -132,9 +123,6 @@ def problem_around(
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
-    covariance = with_forms(
-        states, around, observed.layout, covariance, fitted=len(around.effects) - len(setup.effects)
-    )
     return Problem.of(states, setup, observed.layout, covariance), covariance
 
 
@@ -262,7 +250,6 @@ def updated(first: Search, states: WearStates, setup: Setup, observed: Observati
         pairs,
         max(lefts, key=lambda left: (left.log_surprise, left.misfit)),
         _together(distortions(first.problem, beside), seen),
-        chosen.log_evidence,
         (*(earlier.further if earlier else ()), problem),
         (*(earlier.before if earlier else ()), fits),
     )

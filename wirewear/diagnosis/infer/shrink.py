@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, smooth_covariance, whole_sizes
-from wirewear.diagnosis.infer.inference import Fit, Problem, applied, fit
+from wirewear.diagnosis.infer.inference import Fit, Problem, fit
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
@@ -46,9 +46,6 @@ CLEAR_GAP = _KNOWN.number("clear_gap")
 
 #: A scar shows one if it differs by so many scatters of one test.
 CLEAR_SCAR = _KNOWN.number("clear_scar")
-
-#: What an early fit leaves open is told by so many draws from it, and up to this quantile of them.
-_OPEN_DRAWS, _OPEN_QUANTILE = _KNOWN.count("open_draws"), _KNOWN.number("open_quantile")
 
 #: Size of the free smooth fit beside which a shrink is set.
 _FREE_SIZE = _KNOWN.number("free_size")
@@ -188,7 +185,6 @@ class Shrink:
     """Gap before and after in units of scatter, its floor, and the shrink with its 95 % interval.
 
     `predicted` is the shrink that the fit on all cycles expects. Placebos are None without a gap to shrink.
-    `reach` is the shrink that the rest of the record still allows with what a fit to it leaves open, at most.
     `scar_held_out` is whose scar was left out of the fit instead, where loops show no gap or there are none.
     """
 
@@ -202,7 +198,6 @@ class Shrink:
     best_wrong_effect: float | None
     free_smooth_fit: float | None
     scar_held_out: str = ""
-    reach: float | None = None
 
     @property
     def scar_words(self) -> str:
@@ -218,12 +213,8 @@ class Shrink:
 
     @property
     def supports(self) -> bool:
-        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it.
-
-        An early fit that leaves open how large an effect is does not refute what the whole record says of it.
-        """
-        told = self.shrink if self.reach is None else min(self.predicted, self.reach)
-        return not self.shows_gap or max(self.shrink, told) >= LEAST_SHRINK
+        """Whether the held-out cycles bear the explanation out, or show no gap by which to judge it."""
+        return not self.shows_gap or self.shrink >= LEAST_SHRINK
 
 
 def shrink_of(
@@ -246,7 +237,6 @@ def shrink_of(
         best_wrong_effect=None if wrong is None else left_out.share(left_out.squares_of(left_out.refit(wrong).setup)),
         free_smooth_fit=left_out.share(scores.squares(free)),
         scar_held_out=left_out.split.scar,
-        reach=left_out.reach(again, seed) if shrink < LEAST_SHRINK <= predicted else None,
     )
 
 
@@ -284,17 +274,6 @@ class _LeftOut:
     def squares_of(self, setup: Setup) -> Array:
         """Squared residuals under a setup."""
         return self.scores.squares(self.problem.predicted(setup))
-
-    def reach(self, again: Fit, seed: int) -> float:
-        """The largest shrink that a fit to the rest leaves open."""
-        random = np.random.default_rng(seed)
-        low, high = np.vstack([candidate.bounds() for candidate in again.candidates]).T
-        drawn = random.multivariate_normal(again.coordinates, again.spread, _OPEN_DRAWS).clip(low, high)
-        shrinks = [
-            self.share(self.squares_of(applied(again.candidates, self.problem.setup, coordinates)))
-            for coordinates in drawn
-        ]
-        return float(np.quantile(shrinks, _OPEN_QUANTILE))
 
     def share(self, squared: Array) -> float:
         """The shrink to such residuals."""

@@ -148,7 +148,6 @@ def weigh(
     dispersion: float,
     log_surprise: float,
     gains: Mapping[tuple[str, ...], Sequence[float]] | None = None,
-    rival: float = -np.inf,
 ) -> Weighed:
     """Probabilities of all explanations; log evidences are tempered, and divided by `dispersion`, the best's misfit.
 
@@ -157,8 +156,8 @@ def weigh(
 
     A cause outside the library is what leaves more of the best explanation than chance would, of which `log_surprise`
     is the log Bayes factor, or what a distortion explains beside one of the explanations: `gains` are the log evidences
-    that each family adds to those beside which it was tried; it must lead the best explanation, and `rival`, by more
-    than `NOTICEABLE`.
+    that each family adds to those beside which it was tried; it must lead the best explanation by more than
+    `NOTICEABLE`.
     """
     temperature = TEMPERATURE * dispersion
     explained = 1.0 - PRIOR_NONE - PRIOR_OUTSIDE
@@ -176,15 +175,12 @@ def weigh(
         prior = PRIOR_PAIR * explained / max(len(groups) * (len(groups) - 1) / 2, 1)
         logs[one.names] = np.log(prior) + one.log_evidence / temperature
     outside = -np.inf
-    evidences = {one.names: one.log_evidence for one in (none, *singles, *joint)}
-    best = max(evidences, key=lambda names: evidences[names])
     for names, added in (gains or {}).items():
         beside = np.log(PRIOR_OUTSIDE / (1.0 - PRIOR_OUTSIDE)) - np.log(len(added))
         # What it adds it adds to its own explanation, and with the belief in that: beside none it need not be believed
         # together with whatever effect happens to lead.
-        led = NOTICEABLE + max(rival - evidences[best], 0.0)
         outside = np.logaddexp(
-            outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - led) / temperature)
+            outside, logs[names] + beside + np.logaddexp.reduce((np.array(added) - NOTICEABLE) / temperature)
         )
     if log_surprise > 0.0:
         beside = np.log(PRIOR_OUTSIDE / explained) + np.log(np.expm1(log_surprise / TEMPERATURE))

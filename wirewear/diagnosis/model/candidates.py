@@ -57,7 +57,7 @@ class Candidate:
             {name: item for name, item in known.items() if (item.held_by is not None) is wanted}
             for wanted in (False, True)
         )
-        return cls(kind, free, held, chosen or {}, kind.found_forms(contact))
+        return cls(kind, free, held, chosen or {}, kind.forms(contact))
 
     @property
     def name(self) -> str:

@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.model import readings
-from wirewear.diagnosis.model.layered_wires import SHEAR_RATIO, remembered
+from wirewear.diagnosis.model.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
 from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import LAYER_MEMORY, WearStates
+from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
@@ -171,7 +171,7 @@ def _contact(
     decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
     tip = setup.tip_factor + setup.tip_trend * decades
     shape = setup.slope_factor + tip[:, None] * _ENDS
-    theta = (size * np.exp(setup.slope_trend * decades))[:, None] * (slope @ _ODD) * shape
+    theta = size[:, None] * (slope @ _ODD) * shape
     # What slopes are stretched by says nothing of how deep the scar is.
     there = (row, share) if setup.stretch == 1.0 else _places(states, similarity * setup.stretch**4)
     drop, lift = states.loads(*there, slip)
@@ -193,19 +193,7 @@ def _contact(
     along = load[:, None] + lift @ _LIFT
     force = along * np.tan(np.clip(theta + angle, -1.2, 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
-    if setup.creep:
-        force = force * (1.0 - setup.creep * _creeping(force, stiffness, slip))
     return readings.SlidingContact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
-
-
-def _creeping(force: Array, stiffness: Array, slip: Array) -> Array:
-    """What is left (n, m) of a deficit in friction as the contact slides on, 1 where it begins.
-
-    Under Dahl's law it fades over the travel that the initial stiffness takes for the whole rise from one friction to
-    the other (Dahl, Aerospace Report TOR-0158, 1968); Mindlin's and Iwan's contacts have none.
-    """
-    length = np.maximum(force[:, readings.END] + force[:, 0], 1e-6) / stiffness
-    return np.asarray(np.exp(-(1.0 + readings.POSITIONS) * (slip / length)[:, None]))
 
 
 @cache

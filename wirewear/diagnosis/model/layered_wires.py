@@ -62,6 +62,10 @@ _MARGIN, _LEAST_RADIUS = 1.08, 1.0
 _FLATTENINGS = np.array([0.0, 0.04, 0.12, 0.3, 0.6, 1.0])
 _FLAT_VOLUMES = np.array([0.0, 0.0025, 0.0075, 0.018, 0.036, 0.07, 0.14, 0.26, 0.48, 1.0])
 
+#: Power of the worn volume with which wear weighs in what a scar remembers of a layer: that which leaves least of the
+#: change of slopes of wires worn under six layers that wear in (`python -m studies.diagnosis.layer_memory`).
+LAYER_MEMORY = 2.0
+
 #: The largest volume over that of the deepest flat: by then little is left of it.
 _OUTWORN = 4.0
 

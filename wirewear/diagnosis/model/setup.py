@@ -72,9 +72,9 @@ class Setup:
         friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
         added_compliance_um_per_N: beside the rig's own, as solvers hold the bodies differently.
         displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, slope_trend, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip, creep,
+        slope_factor, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip,
             angle_rise: numerical freedoms of the fast model: the scar's slopes,
-            their relative change per decade of wear, those of its ends and their change per decade, its length, the
+            those of its ends and their change per decade, its length, the
             contact's stiffness and its relative change per decade, the logarithm of its micro-slip's order over
             Mindlin's, the share of friction not yet mobilised where it begins to slide, the share that counts of the
             friction that a scar adds.
@@ -104,14 +104,12 @@ class Setup:
     displacement_offset_um: float = 0.0
     force_offset_N: float = 0.0
     slope_factor: float = 1.0
-    slope_trend: float = 0.0
     tip_factor: float = 0.0
     tip_trend: float = 0.0
     stretch: float = 1.0
     stick_factor: float = 1.0
     stick_trend: float = 0.0
     micro_slip: float = 0.0
-    creep: float = 0.0
     angle_rise: float = 1.0
 
     @classmethod

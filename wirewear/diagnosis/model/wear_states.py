@@ -49,9 +49,6 @@ DEEPEST_um = _KNOWN.number("deepest_flattening")
 #: Rough layers are followed up to this height, and up to such a V R/δ⁴ at least.
 HIGHEST_um, _LEAST_WORN = _KNOWN.each("highest_layer", "least_followed")
 
-#: Power of the worn volume with which wear weighs in what a scar remembers of a layer.
-LAYER_MEMORY = _KNOWN.number("layer_memory")
-
 
 @dataclass(frozen=True, eq=False)
 class WearStates:

@@ -8,7 +8,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import (
     FORCE_ERROR,
@@ -29,13 +29,8 @@ _KNOWN = constants("observe.evolution")
 #: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
 MOST_CYCLES, FAR = _KNOWN.count("most_cycles"), _KNOWN.number("far")
 
-#: A figure is misread if it leaves the median of so many neighbours on either side by more than this share of it, and
-#: by more than so many of their deviations.
-NEIGHBOURS, JUMP = _KNOWN.count("neighbours"), _KNOWN.number("jump")
-
 #: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
-#: By so many deviations that changes over a test: on a flat plateau more samples are near the largest than at a wall.
-PEAK_BIAS, PEAK_VARIES = _KNOWN.each("peak_bias", "peak_varies")
+PEAK_BIAS = _KNOWN.number("peak_bias")
 
 
 #: A column tells its own noise by at least so many figures.
@@ -62,11 +57,11 @@ class EvolutionFigure(Observable):
         return [Site(cycle) for cycle in spread_cycles(far, MOST_CYCLES)]
 
     def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """The column without figures that were misread."""
+        """The column."""
         values, share = np.full(len(sites), np.nan), None
         for part in reading.evolution:
             if part.repeat == repeat and self.column in part.columns:
-                figures = without_jumps(part.columns[self.column])
+                figures = part.columns[self.column]
                 share = own_noise(part.columns["cycle"], figures)
                 for place, cycle in enumerate(sites.cycle):
                     here = np.flatnonzero(part.columns["cycle"] == cycle)
@@ -142,17 +137,6 @@ class LargestForce(EvolutionFigure):
         """Max |Q|."""
         return np.asarray(np.abs(force_N).max(axis=(1, 2)))
 
-    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
-        """The column; half the range of the forces becomes max |Q| by the loops' own middle, where it holds that."""
-        values, errors = super().measure(reading, repeat, sites)
-        errors = np.hypot(errors, PEAK_VARIES * reading.sample_noise_N)
-        loops = sorted((loop for loop in reading.loops if loop.repeat == repeat), key=lambda loop: loop.cycle)
-        if not loops or not _holds_half_ranges(reading, repeat):
-            return values, errors
-        off = np.abs([loop.off_centre_N for loop in loops])
-        known = np.log([max(loop.cycle, 1) for loop in loops])
-        return values + np.interp(np.log(np.maximum(sites.cycle, 1)), known, off), errors
-
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
         """A share of what slopes add at the end of the stroke."""
         return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
@@ -192,24 +176,6 @@ def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:
     return np.asarray(np.where(near, np.nan_to_num(figures), 0.0).sum(axis=1) / np.maximum(count, 1))
 
 
-def _holds_half_ranges(reading: Reading, repeat: int) -> bool:
-    """Whether the largest forces of an evolution are nearer to half the range of the loops than to max |Q|."""
-    ratios: list[tuple[float, float]] = []
-    for part in reading.evolution:
-        if part.repeat != repeat or LargestForce.column not in part.columns:
-            continue
-        cycles = np.log(np.maximum(part.columns["cycle"], 1.0))
-        for loop in reading.loops:
-            away = np.abs(cycles - np.log(max(loop.cycle, 1)))
-            if loop.repeat == repeat and away.min() < np.log(FAR):
-                figure = float(part.columns[LargestForce.column][int(np.argmin(away))])
-                ratios.append((figure - loop.half_range_N, abs(loop.off_centre_N)))
-    if not ratios:
-        return False
-    beyond, off = np.array(ratios).T
-    return bool(np.median(np.abs(beyond)) < np.median(np.abs(beyond - off)))
-
-
 def loop_area(x: Array, q: Array) -> Array:
     """Area of loops (n, 2, m) in mJ, (n,)."""
     return 1e-3 * enclosed_areas(x.reshape(len(x), -1), q.reshape(len(q), -1))
@@ -223,17 +189,3 @@ def half_width(x: Array, q: Array) -> Array:
         for xs, qs, m in zip(x, q, middle, strict=True)
     ]
     return 0.5 * np.array(width)
-
-
-def without_jumps(values: Array) -> Array:
-    """Figures over the cycles with NaN where one leaves its neighbours: a loop that was misread."""
-    kept = values.copy()
-    for i in range(values.size):
-        near = values[max(0, i - NEIGHBOURS) : i + NEIGHBOURS + 1]
-        near = near[np.isfinite(near)]
-        if near.size > NEIGHBOURS:
-            centre = float(np.median(near))
-            spread = 1.4826 * float(np.median(np.abs(near - centre)))
-            if abs(values[i] - centre) > OUTLYING * spread + JUMP * abs(centre):
-                kept[i] = np.nan
-    return kept

@@ -95,7 +95,7 @@ class ReducedLoop:
     """A clean measured loop as two branches, with the noise of one sample, and what counts of it in means.
 
     `harmonics` (k,) are those of its displacement over time. Displacements are measured from the middle between its
-    tips, which is known within `centre_error_um`.
+    tips.
     """
 
     repeat: int
@@ -103,7 +103,6 @@ class ReducedLoop:
     branches: tuple[ObservedBranch, ObservedBranch]
     amplitude_um: float
     amplitude_error_um: float
-    centre_error_um: float
     mid_force_N: float
     displacement_noise_um: float
     force_noise_N: float
@@ -127,11 +126,6 @@ class ReducedLoop:
     def off_centre_N(self) -> float:
         """Middle between the largest and the smallest force."""
         return 0.5 * sum(branch.sign * float(branch.force_N.max()) for branch in self.branches)
-
-    @property
-    def half_range_N(self) -> float:
-        """Half of what lies between the largest and the smallest force."""
-        return 0.5 * sum(float(branch.force_N.max()) for branch in self.branches)
 
     @property
     def half_width_um(self) -> float:
@@ -182,8 +176,6 @@ def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
         branches=(branches[0], branches[1]),
         amplitude_um=amplitude,
         amplitude_error_um=max(error, LEAST_NOISE * amplitude),
-        # Each tip has that error of its own.
-        centre_error_um=error / float(np.sqrt(2.0)),
         mid_force_N=mid,
         displacement_noise_um=noise_x,
         force_noise_N=noise_q * stretch,

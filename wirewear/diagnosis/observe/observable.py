@@ -23,6 +23,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.reading import Reading
+from wirewear.records.tables import Tolerance
 
 _OF_DIFFERENCES = constants("observe.differences")
 
@@ -30,8 +31,8 @@ _OF_DIFFERENCES = constants("observe.differences")
 #: force or of a scar's half-width it is alike; and how large it is, a share of the force that slopes add.
 ROUGH, REACH, SLOPE_SHARE = _OF_DIFFERENCES.each("rough", "reach", "slope_share")
 
-#: Forces are known within this share of the plateau: a displacement read on a shelf may lie anywhere on it.
-FORCE_ERROR = _OF_DIFFERENCES.number("force_error")
+#: Forces are known within what laboratories calibrate to: a displacement read on a shelf may lie anywhere on it.
+FORCE_ERROR = Tolerance().force
 
 
 @dataclass(frozen=True)

@@ -199,8 +199,7 @@ class Observations:
     `alike` (r, n, n) is the correlation of each repeat's noise, where it is known of which samples a number comes.
     `common` (n, k) are unknowns that move all repeats alike, one for each observable that has one. `loops` are those
     used, for pictures; `notes` say what was left out. `stated_scatter` is what the owner knows of the scatter between
-    tests, by the model's names; `tolerance` is what counts as equal, relative. `motion` is that of the drive,
-    `centre_error_um` how well the middle of a loop is known.
+    tests, by the model's names; `tolerance` is what counts as equal, relative. `motion` is that of the drive.
     """
 
     layout: Layout
@@ -213,7 +212,6 @@ class Observations:
     stated_scatter: Mapping[str, float] = field(default_factory=dict)
     tolerance: Mapping[str, float] = field(default_factory=dict)
     motion: FastMotion = SINE
-    centre_error_um: float = 0.0
     alike: Array | None = None
 
     def noise_covariance(self, repeat: int, seen: NDArray[np.intp], factors: Array | float = 1.0) -> Array:
@@ -258,7 +256,6 @@ def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -
         _stated_scatter(record),
         record.tables.tolerance.model_dump(),
         common_motion(reading.loops),
-        float(np.median([loop.centre_error_um for loop in reading.loops])) if reading.loops else 0.0,
         alike[:, seen][:, :, seen],
     )
 

@@ -20,10 +20,9 @@ _KNOWN = constants("observe.scars")
 #: A map knows depths within this; figures of a scar that is hardly deeper mean little.
 DEPTH_ERROR_um = _KNOWN.number("depth_error")
 
-#: Error of a profilometer's figures, zeros and depths, relative; of a skew in rad, and what a shallow scar adds to that
-#: in units of its relative error of depth.
+#: Error of a profilometer's figures, zeros and depths, relative; that of a skew in units of the depth's relative error.
 FIGURE_ERROR = _KNOWN.number("figure_error")
-SKEW_ERROR, SHALLOW_SKEW = _KNOWN.each("skew_error", "shallow_skew")
+SHALLOW_SKEW = _KNOWN.number("shallow_skew")
 
 #: The least points of a map.
 FEWEST_POINTS = _KNOWN.count("fewest_points")
@@ -92,7 +91,7 @@ class ScarSkew(_OfScars):
         for scar in maps_of(reading, repeat):
             depth = above_ground(scar)
             values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, depth)
-            noise[sites.wire == scar.body] = np.hypot(SKEW_ERROR, _shallow(_figures(scar, depth)) * SHALLOW_SKEW)
+            noise[sites.wire == scar.body] = _shallow(_figures(scar, depth)) * SHALLOW_SKEW
         return values, noise
 
     def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:

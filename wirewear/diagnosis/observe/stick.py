@@ -30,9 +30,6 @@ _OF_SHELF = constants("observe.shelf")
 #: Forces up to this share of the plateau's count as none: the zero of a force may be off, or a guide lean.
 SHARE = _OF_SHELF.number("share")
 
-#: Noise of a force lies below that window by this factor, or the window is wider.
-DEVIATIONS = _OF_SHELF.number("deviations")
-
 #: Solver differences: share of the travel.
 TRAVEL_SHARE = _OF_SHELF.number("travel_share")
 
@@ -122,7 +119,7 @@ class ShelfTravel(observable.OfLoops):
 
     def sites(self, reading: Reading) -> list[observable.Site]:
         """Branches of few samples, in all repeats."""
-        level = max(SHARE * reading.force_N, DEVIATIONS * reading.sample_noise_N)
+        level = max(SHARE * reading.force_N, OUTLYING * reading.sample_noise_N)
         return [
             observable.Site(cycle, sign, level)
             for cycle in reading.cycles
