@@ -30,7 +30,7 @@ OF_THE_CODE = {
 
 
 #: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is told.
-UNTUNED = {"resolution", "definition", "least_data", "convention", "told"}
+UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "told"}
 
 #: Tuned numbers; there may be fewer, never more.
 TUNED = 60

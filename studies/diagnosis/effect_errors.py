@@ -27,6 +27,7 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.mending import read_at_corners
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects
@@ -92,7 +93,7 @@ def _true_effects(truth: Path) -> list[tuple[str, dict[str, float]]]:
 
 
 def _pair_of(path: Path, effect: str, parameters: dict[str, float]) -> EffectPair:
-    record = read_record(path)
+    record, _ = read_at_corners(read_record(path))
     study = nominal_study(record)
     states = WearStates.of_run(nominal_run(study))
     nominal = nominal_setup(study, record.tables.conditions.drive)

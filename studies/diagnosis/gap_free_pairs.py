@@ -19,6 +19,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
+from wirewear.diagnosis.observe.mending import read_at_corners
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
 from wirewear.records import RecordTables
 
@@ -54,7 +55,7 @@ def pairs_of(folder: Path, *, scattered: bool = False) -> Iterator[Pair]:
     """All pairs that a folder of records makes; `scattered` if their specimens scatter as one expects of a rig."""
     for path in sorted(path.parent for path in folder.glob("*/experiment.toml")):
         try:
-            record = read_record(path)
+            record, _ = read_at_corners(read_record(path))
             study = nominal_study(record)
             states = WearStates.of_run(nominal_run(study))
             setup = nominal_setup(study, record.tables.conditions.drive)

@@ -22,7 +22,7 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.mending import of_own_definitions
+from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.kinds import kind_of
@@ -44,7 +44,7 @@ def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
         StudyError, SolverError: the nominal model cannot be run.
     """
     record = record.of_block()
-    own, _ = of_own_definitions(record)
+    own, _ = mended(record)
     observed = reduce(own)
     nominal = beginning_of(record, None).run(None)
     return replace(nominal, setup=replace(nominal.setup, motion=observed.motion)), observed
@@ -187,7 +187,7 @@ def _begun(
     with stage("checking the record"):
         checked = remarks_told(record)
     with stage("reducing the loops"):
-        record, notes = of_own_definitions(record)
+        record, notes = mended(record)
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
