@@ -43,7 +43,7 @@ DRAWN = {
         "wirewear new --mapping runs/pictures/log/loops.csv --diameter 0.45",
         "wirewear import runs/pictures/log/mapping.toml --dry-run --output runs/pictures/log/a  # ../a_first_loop.png",
     ),
-    "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_mid-forward.png"),
+    "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mesh.png": ("wirewear mesh studies/steel_wires/study.toml --output runs/pictures/mesh  # mesh.png",),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
     "tribometers.png": ("python -m studies.tribometers.article --output runs/pictures/tribometers  # tribometers.png",),
