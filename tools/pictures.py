@@ -44,6 +44,7 @@ DRAWN = {
         "wirewear import runs/pictures/log/mapping.toml --dry-run --output runs/pictures/log/a  # ../a_first_loop.png",
     ),
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
+    "mechanism.png": ("python studies/rope_wires/mechanism.py --output runs/pictures/mechanism  # mechanism.png",),
     "mesh.png": ("wirewear mesh studies/steel_wires/study.toml --output runs/pictures/mesh  # mesh.png",),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
     "tribometers.png": ("python -m studies.tribometers.article --output runs/pictures/tribometers  # tribometers.png",),
