@@ -1,6 +1,7 @@
 """Experiment records of contacts at a point: written, read, checked, and imported from heights for any two bodies."""
 
 import dataclasses
+import tomllib
 from copy import deepcopy
 from pathlib import Path
 from typing import Any
@@ -146,6 +147,16 @@ def test_maps_of_two_bodies_that_touch_alike_are_judged_alike() -> None:
         texts = " ".join(problem.text for problem in check_record(record).problems)
         told.append(texts.replace("flat's", "lower body's").replace("ball's", "upper body's"))
     assert told[0] == told[1] != ""
+
+
+def test_lists_of_an_export_that_are_repeated_add_up(tmp_path: Path) -> None:
+    write_result(tmp_path / "result.h5", run_of("ball-on-flat"))
+    noises = ["--noise", "displacement_um=0.1", "--noise", "tangential_force_N=0.2,"]
+    call = ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record"), *noises]
+    assert (found := CliRunner().invoke(cli, call)).exit_code == 0, found.output
+    assert tomllib.loads((tmp_path / "record" / "experiment.toml").read_text(encoding="utf-8"))["noise"] == {
+        "displacement_um": 0.1, "tangential_force_N": 0.2, "normal_force_N": 0.0,
+    }  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", SHAPES)

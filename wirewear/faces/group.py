@@ -2,6 +2,7 @@
 
 import errno
 import os
+import re
 import sys
 import warnings
 from collections.abc import Iterator, Mapping
@@ -109,12 +110,20 @@ class _OneSentence(click.ClickException):
         click.echo(f"wirewear: {self.message}", err=True)
 
 
+#: What stands for click's names of the kinds of numbers.
+_NUMBERS = {"float": "number, with a point as decimal sign, such as 0.45", "integer": "whole number, such as 20"}
+
+
 class _Misused(_OneSentence):
     """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
 
     def __init__(self, error: click.UsageError) -> None:
         """Tell another's error."""
-        said = error.format_message()
+        said = re.sub(
+            r"is not a valid (float|integer)( range)?",
+            lambda found: f"is no {_NUMBERS[found[1]]}",
+            error.format_message(),
+        )
         super().__init__(f"{said[:1].lower()}{said[1:]}")
         wrong_value = isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter)
         self._context = None if wrong_value else error.ctx
@@ -269,6 +278,12 @@ scheduler_option = click.option(
     metavar="ADDRESS",
     help="Dask cluster, such as tcp://10.0.0.1:8786, instead of --jobs; its workers must see the same folders.",
 )
+
+
+def a_list(*names: str, told: str) -> Any:
+    """An option that takes a list; what it is given repeatedly adds up, to one text."""
+    joined, told = (lambda *given: ",".join(given[-1])), f"Separated by commas: {told}"
+    return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=told)
 
 
 @contextmanager

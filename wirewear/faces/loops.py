@@ -8,7 +8,18 @@ import click
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, default_output, most_memory, paper
+from wirewear.faces.group import (
+    Finite,
+    Given,
+    OutputFile,
+    OutputFolder,
+    a_list,
+    busy,
+    cli,
+    default_output,
+    most_memory,
+    paper,
+)
 from wirewear.study import FIDELITIES
 
 
@@ -81,9 +92,7 @@ def loops_command(
 
 @cli.command()
 @click.argument("study_path", metavar="STUDY.toml", type=Given())
-@click.option(
-    "--loads", metavar="LIST", default="", help="Normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]"
-)
+@a_list("--loads", told="normal loads in newtons.  [default: 0.5, 1, 1.5 × the study's]")
 @click.option(
     "--near", metavar="POINT", default="moving-wire", show_default=True, help="Or between-wires, between-holders."
 )

@@ -11,7 +11,7 @@ import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, Given, OutputFolder, busy, cli, most_memory, of_block, paper, stage
+from wirewear.faces.group import Finite, Given, OutputFolder, a_list, busy, cli, most_memory, of_block, paper, stage
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
@@ -110,9 +110,9 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
 @click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
-@click.option("--noise", metavar="LIST", default="", help="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
-@click.option("--gain", metavar="LIST", default="", help="displacement=1.02,tangential_force=0.98,normal_force=1")
-@click.option("--sensor", "sensor_list", metavar="LIST", default="", help="linear_um_per_N=0.5,lag_s=1e-4,...")
+@a_list("--noise", told="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
+@a_list("--gain", told="displacement=1.02,tangential_force=0.98,normal_force=1")
+@a_list("--sensor", "sensor_list", told="linear_um_per_N=0.5,lag_s=1e-4,...")
 @most_memory
 def export(
     result_path: Path,
