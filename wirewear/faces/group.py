@@ -5,7 +5,7 @@ import os
 import re
 import sys
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import partial
 from math import isfinite
@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 from click.core import ParameterSource
+from click.decorators import FC
 
 from wirewear.base.budget import MOST_MEMORY_GB
 from wirewear.base.errors import Quantity, WirewearError, tell_plainly
@@ -280,7 +281,7 @@ scheduler_option = click.option(
 )
 
 
-def a_list(*names: str, told: str) -> Any:
+def a_list(*names: str, told: str) -> Callable[[FC], FC]:
     """An option that takes a list; what it is given repeatedly adds up, to one text."""
     joined, told = (lambda *given: ",".join(given[-1])), f"Separated by commas: {told}"
     return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=told)
