@@ -73,7 +73,7 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
     branches = [branch for item in figures for branch in item.branches]
     few = sum(len(branch.samples) < RESOLVED for branch in branches)
     if any(item.regime == "partial slip" for item in figures):
-        yield False, "The coefficient of friction where loops are in partial slip: the largest Q/P is a lower bound."
+        yield False, "The coefficient of friction in partial slip: the largest force over load is a lower bound."
     if few > len(branches) // 2:
         yield (
             False,

@@ -241,7 +241,7 @@ def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Ite
         known = (one.friction_max.value for one in figures if one.friction_max is not None)
         largest = max(known, default=0.0)
         if largest > 3.0 * max(record.tables.stated.friction, 0.01):
-            text = f"the largest Q/P is {largest:.3g}, three times the stated friction: forces may be per millimetre."
+            text = f"the largest force over load is {largest:.3g}, three times the stated friction: is one per mm?"
             yield Remark("problem", "friction", text)
 
 
