@@ -119,7 +119,7 @@ def open_command(paths: tuple[Path, ...], output: Path, port: int, no_browser: b
     for path in paths:
         desk.take(path)
     with occupied(desk.folder, "open"), DeskServer(desk, port) as server:
-        click.echo(f"{server.url}\nKeep this running; Ctrl-C ends it.")
+        click.echo(f"Open this address in a browser: {server.url}\nKeep this running; Ctrl-C ends it.")
         if not no_browser:
             webbrowser.open(server.url)
         try:

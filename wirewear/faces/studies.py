@@ -42,8 +42,7 @@ def materials_command() -> None:
         table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
         if item.fatigue:
             told = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
-            read = "" if item.fatigue_verified else "source not read: "
-            table.add_row("", "fatigue", "", "", f"{told}; {read}{item.fatigue_source}")
+            table.add_row("", "fatigue", "", "", f"{told}; {item.fatigue_told}")
     wide_console(130).print(table)
 
 
@@ -165,7 +164,7 @@ def run(
 ) -> None:
     """Simulate a study, or each of its variants.
 
-    With --uncertain, some thirty quick runs tell between what 95 % of tests lie; the same command goes on with them.
+    With --uncertain, about thirty quick runs give the range in which 95 % of tests lie; the same command goes on.
     """
     from rich.console import Console
 

@@ -37,22 +37,23 @@ def sentence(life: BodyLife) -> str:
         peak = float(life.growth[1].max())
         why = ", for damage wears off faster than it grows" if life.damage.worn_mm(end).any() else ""
         return f"{life.called}: no crack begins{why}; the largest sum is {frame.figure(peak)}."
-    low, high = life.interval
-    between = f"{_cycles(low)} to {_cycles(high)}" if np.isfinite(high) else f"from {_cycles(low)} on, or never"
+    median, first, *last = _cycles(life.cycles, *filter(np.isfinite, life.interval))
+    between = f"{first} to {last[0]}" if last else f"from {first} on, or never"
     x, y = life.place_um
     where = f"x = {x:.0f} µm" + ("" if life.plane else f", y = {y:.0f} µm")
     deep = f"{life.depth_um:.1f} µm deep" if life.depth_um > 1e-2 else "at the surface"
     worn = f" under {life.worn_um:.1f} µm worn off" if life.worn_um > 1e-2 else ""
     angle = "" if life.plane_angle_deg is None else f", on a plane at {life.plane_angle_deg:.0f}° to the surface"
-    told = f"after {_cycles(life.cycles)} cycles (95 % of lives by the scatter of data: {between})"
+    told = f"after {median} cycles (95 % of lives by the scatter of data: {between})"
     how = f"a crack begins {told}"
     if life.begun.beyond:
         how = f"no crack begins within {counted(round(end))} cycles; if it went on as at its end, one would {told}"
     return f"{life.called}: {how}, at {where}, {deep}{worn}{angle}."
 
 
-def _cycles(cycles: float) -> str:
-    return counted(round(float(f"{cycles:.2g}"))) if cycles < 1e7 else f"{cycles:.1e}"
+def _cycles(*lives: float) -> list[str]:
+    """Lives of one sentence, all written alike."""
+    return [counted(float(f"{life:.2g}")) if max(lives) < 1e9 else f"{life:.1e}" for life in lives]
 
 
 def notes(life: BodyLife) -> list[str]:
@@ -60,8 +61,7 @@ def notes(life: BodyLife) -> list[str]:
     found = [] if life.averaged else [NOT_AVERAGED]
     if life.table.material is not None:
         item = material_named(life.table.material)
-        read = "" if item.fatigue_verified else " Their source was not read, or they are estimates."
-        found.append(f"Data of {item.name}: {item.fatigue_source}.{read}")
+        found.append(f"Data of {item.name}: {item.fatigue_told}.")
     return found
 
 

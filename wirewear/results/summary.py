@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
-from wirewear.results.scar import called, flagged
+from wirewear.results.scar import called, flagged, limit_of
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -44,7 +44,9 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
             table.add_row(Text(name), *(cell(result) for result in results))
         table.add_section()
     files = [Text(str(result.path), overflow="fold") for result in results if result.path]
-    return Group(table, Text("Results are in"), *files) if files else table
+    beyond = any(value > limit_of(name) for result in results for name, value in result.quality.items())
+    remedy = [Text("What is more than its limit mostly falls with a finer --fidelity or [mesh].")] if beyond else []
+    return Group(table, *remedy, *([Text("Results are in"), *files] if files else []))
 
 
 def _status(result: RunResult) -> str:

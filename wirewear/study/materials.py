@@ -30,6 +30,13 @@ class Material:
     fatigue_source: str = ""
     fatigue_verified: bool = True
 
+    @property
+    def fatigue_told(self) -> str:
+        """Whence its data of fatigue come, after what is to be said against them."""
+        measured = "fatigue_strength_coefficient_MPa" in dict(self.fatigue)
+        doubt = "the tests behind them were not read: " if measured else "estimates from the tensile strength: "
+        return f"{'' if self.fatigue_verified else doubt}{self.fatigue_source}"
+
 
 @cache
 def materials() -> tuple[Material, ...]:
