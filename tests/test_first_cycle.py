@@ -2,14 +2,17 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from rich.console import Console
 
 from tests.studies import steel_wires
+from tests.synthetic_results import result
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
 from wirewear.faces import cli
@@ -17,6 +20,7 @@ from wirewear.loops.sensor import enclosed_area
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
 from wirewear.results.scar import flagged, health, limit_of
+from wirewear.results.summary import summary
 from wirewear.simulation import simulate
 from wirewear.study import study_from_tables
 from wirewear.views.run_page import sentence
@@ -160,3 +164,7 @@ def test_the_command_and_its_json_flag_a_closure_by_the_limit_of_the_page() -> N
     assert not health([Judged({name: 1.1 * limit})])[0].sound
     assert flagged(name, 1.1 * limit).endswith("more than 2.0e-03")
     assert flagged(name, 0.9 * limit) == "1.8e-03"
+    for share in (0.9, 1.1):
+        console = Console(width=120, record=True, file=StringIO())
+        console.print(summary([replace(result(), quality={name: share * limit})]))
+        assert ("finer --fidelity" in console.export_text()) is (share > 1.0)

@@ -219,7 +219,7 @@ def test_a_study_is_run_and_its_page_says_where_a_pulled_flat_cracks(
     assert found["averaged"]
     page = (tmp_path / "out" / "life.html").read_text(encoding="utf-8")
     assert amiss(tmp_path / "out" / "life.html") == []
-    assert "estimates" in page
+    assert "Data of steel: estimates from the tensile strength: " in page
     assert NOT_AVERAGED not in page
     again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]
     stronger = CliRunner().invoke(cli, [*again, "--set", "tensile_strength_MPa=1200"])
