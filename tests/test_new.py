@@ -92,6 +92,34 @@ def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: Experime
     assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45").stderr
 
 
+@pytest.mark.parametrize(
+    ("recorded", "phase"), [((1, 10, 100, 1000, 10_000), 0.0), ((1, 2, 3, 20, 21, 150), 0.7), ((1, 10_000), 0.0)]
+)
+def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_tell_the_frequency(
+    tmp_path: Path, recorded: tuple[int, ...], phase: float
+) -> None:
+    random, turn = np.random.default_rng(2), 2.0 * np.pi * np.arange(200) / 200
+    lines = ["time [s];displacement [µm];tangential force [N]"]
+    for cycle in recorded:
+        x = 60.0 * np.sin(turn + phase) + 0.2 * random.standard_normal(turn.size)
+        force = np.tanh(3.0 * np.cos(turn + phase)) + 0.01 * random.standard_normal(turn.size)
+        time = ((cycle - 1) + turn / (2.0 * np.pi)) / 3.1
+        lines += [f"{t:.5f};{a:.4f};{q:.4f}" for t, a, q in zip(time, x, force, strict=True)]
+    (tmp_path / "log.csv").write_text("\n".join(lines), encoding="utf-8")
+    made = wirewear("new", "--mapping", tmp_path / "log.csv", "--diameter", "0.45", "--normal-load", "2")
+    assert made.exit_code == 0, made.output
+    guessed = tomllib.loads((tmp_path / "mapping.toml").read_text(encoding="utf-8"))["conditions"]
+    if len(recorded) == 2:
+        assert guessed["frequency_Hz"] == guessed["cycles"] == "?"
+        assert "some 3.1 a second, do not tell how many lie between them" in made.stdout
+        return
+    assert guessed["frequency_Hz"] == pytest.approx(3.1, rel=1e-5)
+    assert guessed["cycles"] == recorded[-1]
+    made = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
+    assert made.exit_code == 0, made.output
+    assert read_record(tmp_path / "record").cycles == recorded
+
+
 @pytest.mark.parametrize("noise", [0.0, 0.01, 0.03, 0.06])
 def test_a_guessed_amplitude_is_not_that_of_the_outermost_noisy_readings(tmp_path: Path, noise: float) -> None:
     random = np.random.default_rng(1)

@@ -12,6 +12,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.loops.cycles import split_cycles
+from wirewear.loops.drive import period_of, series
 from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, mapped_columns, shut
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.importing import drives_motion, loops_of
@@ -30,6 +31,9 @@ MOST_READ = 25  #: Loops that are analysed for it, from first to last: a second 
 #: Frequencies of fretting rigs, from creeping drives to piezos; numbers without a unit beyond are no seconds.
 _RIGS_Hz = 0.1, 1000.0
 
+#: Gaps in a log that may be off a whole number of cycles by this share of one are not counted.
+UNTOLD = 0.25
+
 
 def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
@@ -44,15 +48,18 @@ def conditions_of(
     remarks, signs = [], dict[str, float]()
     if {"displacement_um", "tangential_force_N"} <= closed.keys():
         _require_samples(text, columns)
-        found = frequency_of(columns, source)
+        found, doubt = frequency_of(columns, source)
         if "frequency_Hz" not in known and _without_unit(text) and found and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]:
             source["columns"]["time_s"]["unit"] = OPEN
             remarks.append(f"{found:g} cycles in a unit of the column of time are none a second: which unit is it?")
         asked = _open(source, "time_s")
-        told["frequency_Hz"] = known.get("frequency_Hz") or (OPEN if asked else found) or OPEN
-        cut_by = found if asked else told["frequency_Hz"]
+        doubtful = bool(doubt) and "frequency_Hz" not in known
+        told["frequency_Hz"] = known.get("frequency_Hz") or (OPEN if asked or doubtful else found) or OPEN
+        cut_by = found if asked or doubtful else told["frequency_Hz"]
         loops = _loops(text, source | {"columns": closed}, cut_by or OPEN, length_mm)
-        told["cycles"] = known.get("cycles") or _last_cycle(source, loops)
+        told["cycles"] = known.get("cycles") or (OPEN if doubtful else _last_cycle(source, loops))
+        if doubtful:
+            remarks.append(doubt)
         if "time_s" not in columns and "sample_rate_Hz" in source:
             remarks.append(f"the header's {source['sample_rate_Hz']:g} samples per second stand for a column of time")
         if 2 * sum(drives_motion(loop) for loop in loops) > len(loops):
@@ -94,14 +101,17 @@ def _loops(
     return [loop for loop in loops if loop.time_s.size]
 
 
-def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> float | None:
-    """Cycles a second: of a log of many cycles by their starts, of one by its length; None where no time is told."""
+def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> tuple[float | None, str]:
+    """Cycles a second: of a log of many cycles by their starts, of one by its length; None where no time is told.
+
+    And what stands against numbering cycles by it, if anything.
+    """
     x = columns["displacement_um"]
     time = columns.get("time_s")
     if time is None and "sample_rate_Hz" in source:
         time = np.arange(x.shape[0]) / float(source["sample_rate_Hz"])
     if time is None:
-        return None
+        return None, ""
     if x.ndim == 2 or (cycle := columns.get("cycle")) is None:
         own = time[: max(x.shape)] if x.ndim == 2 else time
         lengths = [own[np.isfinite(own)]] if x.ndim == 2 else None
@@ -111,12 +121,42 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> float | N
         known = np.isfinite(x) & np.isfinite(time)
         x, time = x[known], time[known]
         parts = split_cycles(x)
+        steps = np.diff(time)
+        usual = float(np.median(steps) * np.median([part.stop - part.start for part in parts]))
+        gaps = np.flatnonzero(steps > 0.5 * usual) + 1
+        if gaps.size:
+            return _across_gaps(np.split(x, gaps), np.split(time, gaps))
         if len(parts) > 2:
             starts = time[[part.start for part in parts]]
-            return _rounded(float(np.polyfit(np.arange(starts.size), starts, 1)[0]), 6)
+            return _rounded(float(np.polyfit(np.arange(starts.size), starts, 1)[0]), 6), ""
         lengths = [time[part] for part in parts]
     spans = [float(np.ptp(own)) * own.size / max(own.size - 1, 1) for own in lengths if own.size]
-    return _rounded(float(np.median(spans)), 6) if spans else None
+    return _rounded(float(np.median(spans)), 6) if spans else None, ""
+
+
+def _across_gaps(pieces: Sequence[Array], times: Sequence[Array]) -> tuple[float | None, str]:
+    """The same of displacements in pieces of a log: by their cycles, and where the next gap is known well enough to be
+    a whole number of these, by it.
+    """
+    whole = [(x[part], t[part]) for x, t in zip(pieces, times, strict=True) if x.size > 2 for part in split_cycles(x)]
+    periods = [period_of(t, x) for x, t in whole]
+    period = float(np.median(periods))
+    quarter, rest = np.percentile(periods, [25.0, 75.0])
+    unsure = max(float(rest - quarter), 0.5 * float(np.median(np.diff(whole[0][1])))) / period
+    starts, numbers = list[float](), [0]
+    for x, t in whole:
+        sine, cosine = np.linalg.lstsq(series(t, period, 1), x, rcond=None)[0][-1:-3:-1]
+        starts.append(float(t[0] - period * np.arctan2(cosine, sine) / (2.0 * np.pi)))
+        if len(starts) == 1:
+            continue
+        ahead = (starts[-1] - starts[-2]) / period
+        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead))) > UNTOLD:
+            about = _rounded(float(np.median(periods)), 3)
+            told = f"the cycles within the pieces of the log, some {about:g} a second, do not tell how many lie between"
+            return about, f"{told} them: --frequency does it, as exactly as it is known"
+        numbers.append(numbers[-1] + round(ahead))
+        period = float(np.polyfit(numbers, starts, 1)[0])
+    return _rounded(period, 7), ""
 
 
 def _rounded(period: float, digits: int) -> float | None:
