@@ -25,6 +25,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
+from wirewear.fitting import completed
 from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
@@ -59,12 +60,23 @@ class Nominal:
     limits: tuple[str, ...] = ()
 
 
+_NOT_STATED = (
+    "[stated] gives no {}: what the record itself tells stands in for it, or the wear of steel on steel, so that no gap "
+    "is seen there; state what you believed before the test to have it judged."
+)
+
+
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """A nominal model that is yet to be run: its study, and how that is done."""
+    """A nominal model that is yet to be run: the record with what it states, or its loops in its place, and its study.
 
+    assumed: a sentence that says what is not stated; empty where nothing is missing.
+    """
+
+    record: AnyRecord
     study: AnyStudy[Any]
     run: Callable[[ObserverOf | None], Nominal]
+    assumed: str = ""
 
 
 def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
@@ -78,7 +90,9 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
             f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
             f"kind {record.contact_kind}."
         )
+    record, unknown = completed(record) if model is None else (record, {})
     kind, tables = kind_of(record), record.tables
+    assumed = _NOT_STATED.format(" and ".join(unknown)) if unknown else ""
     study = nominal_study(record) if model is None else kind.checked_model(record, model)
 
     def run(observer_of: ObserverOf | None) -> Nominal:
@@ -88,9 +102,12 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
             states = replace(states, described=False)
             told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance"
             limits = (f"{told} are in doubt, which height_mm of [pad] and [specimen] would settle.",)
+        if unknown:
+            states = replace(states, unknown=unknown)
+            limits = (assumed, *limits)
         return Nominal(states, kind.setup(study, tables), limits)
 
-    return Beginning(study, run)
+    return Beginning(record, study, run, assumed)
 
 
 def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
@@ -187,7 +204,7 @@ def _begun(
     with stage("checking the record"):
         checked = remarks_told(record)
     with stage("reducing the loops"):
-        record, notes = mended(record)
+        record, notes = mended(beginning.record)
         observed = reduce(record)
     nominal = beginning.run(observer_of)
     observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))

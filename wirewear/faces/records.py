@@ -56,9 +56,11 @@ def diagnose_command(
         record = read_record(record_path).of_block(block)
         # Before a folder is made that nothing would come into.
         require_foreseen(record)
-        beginning_of(record, study)
+        beginning = beginning_of(record, study)
         others = [read_record(path) for path in further]
         require_of_one_rig(record, others)
+    if beginning.assumed:
+        click.echo(f"wirewear: {beginning.assumed}", err=True)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
             diagnosed = diagnose(

@@ -103,7 +103,25 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
     for body in tables.body_names:
         if (key := f"{tables.worn.name}_{body}") in given:
             scars += map(tables.placed, _surfaces(columns(key, tables.worn.columns), tables.worn, body))
-    return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned), folder)
+    loops, left_out = without_first_loading(loops)
+    return ExperimentRecord(tables, loops, evolution, tuple(scars), (*notes, *turned, *left_out), folder)
+
+
+def without_first_loading(loops: tuple[MeasuredLoop, ...]) -> tuple[tuple[MeasuredLoop, ...], tuple[str, ...]]:
+    """The loops without a repeat's first one where it begins at rest and others follow; and what was left out.
+
+    From rest, bodies are loaded along a branch that no later cycle has.
+    """
+    first: dict[int, MeasuredLoop] = {}
+    for loop in loops:
+        first.setdefault(loop.repeat, loop)
+    others = {loop.repeat for loop in loops if loop is not first[loop.repeat]}
+    out = [loop for loop in first.values() if loop.repeat in others and loop.begins_at_rest]
+    if not out:
+        return loops, ()
+    named = "; ".join(loop.name for loop in out)
+    note = f"loops that begin at rest are left out, as their first loading is no branch of a closed loop: {named}"
+    return tuple(loop for loop in loops if all(loop is not one for one in out)), (note,)
 
 
 def _data_file(folder: Path, files: Table, key: str) -> Path:

@@ -82,6 +82,11 @@ def _believed_block(tables: Any, block: CycleBlock) -> dict[str, Any]:
     return {"cycles": block.cycles, **values, **({"name": block.name} if block.name else {})}
 
 
+# Shares of a loop's force and stroke: within the first a test stands at rest, and beyond the last, which is what even
+# little slip leaves of the friction force, a cycle that began so does not close.
+_AT_REST, _ENDS_APART, _FEWEST_SAMPLES = 0.15, 0.3, 16
+
+
 @dataclass(frozen=True, eq=False)
 class MeasuredLoop:
     """One cycle of one repeat as the sensors read it, in the order of its samples.
@@ -111,6 +116,18 @@ class MeasuredLoop:
             channels.append(self.normal_force_N)
         keep: BoolArray = np.logical_and.reduce([np.isfinite(channel) for channel in channels])
         return self if keep.all() else self.taken(keep)
+
+    @property
+    def begins_at_rest(self) -> bool:
+        """Whether it goes from rest to one end first, as a test's first cycle may: it then ends at another force."""
+        whole = self.complete
+        x, q = whole.displacement_um, whole.tangential_force_N
+        if x.size < _FEWEST_SAMPLES:
+            return False
+        (x_low, x_high), (q_low, q_high) = (np.percentile(one, (1.0, 99.0)) for one in (x, q))
+        reach, force = 0.5 * (x_high - x_low), 0.5 * (q_high - q_low)
+        rests = abs(q[0]) < _AT_REST * force and abs(x[0] - 0.5 * (x_low + x_high)) < _AT_REST * reach
+        return bool(rests and abs(q[-1] - q[0]) > _ENDS_APART * force)
 
     def taken(self, keep: BoolArray) -> "MeasuredLoop":
         """The loop's samples that are to be kept."""

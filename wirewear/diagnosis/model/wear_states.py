@@ -76,6 +76,7 @@ class WearStates:
         stroke_um: to either side, along which the wires were moved; never less than the slip.
         full_slip: elastic displacement of the sliding contact over Q/K_c.
         along: curvature of the gap along the motion over that across (`Gap`).
+        unknown: relative standard deviations of what nobody has stated of the test, by the names of its scatter.
     """
 
     has_layers: ClassVar[bool] = True
@@ -99,6 +100,7 @@ class WearStates:
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
     full_slip: float = FULL_SLIP
     along: float = 1.0
+    unknown: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
