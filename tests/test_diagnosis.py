@@ -18,8 +18,9 @@ from tests.diagnosis_cases import CYCLES, NOISE_N, diagnosed, nominal, record, s
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
+from tests.test_records import EXAMPLES
 from wirewear.base.cache import code_hash
-from wirewear.diagnosis import Diagnosis
+from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate
@@ -35,7 +36,7 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Layout, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.diagnosis.observe.stick import Stick
-from wirewear.records import ExperimentRecord, MeasuredScar
+from wirewear.records import ExperimentRecord, MeasuredScar, read_record
 from wirewear.study import Study
 from wirewear.views.diagnosis_wording import Diagnosed
 
@@ -327,3 +328,15 @@ def test_a_crossing_angle_is_named_from_its_skew_and_undetectable_without_scars(
     assert low < 4.0 < high
     assert "crossing_angle_error" not in found.undetectable
     assert "crossing_angle_error" in diagnosed(record()).diagnosis.undetectable
+
+
+@pytest.mark.slow
+def test_a_record_that_states_nothing_of_friction_and_wear_is_diagnosed_by_what_it_tells_itself() -> None:
+    """The answer is that of the record which states both as they are."""
+    told = read_record(EXAMPLES / "rigid_stated_compliant_rig")
+    silent = told.tables.stated.model_copy(update={"friction": None, "energy_wear_coefficient_mm3_per_J": None})
+    tables = told.tables.model_copy(update={"stated": silent})
+    answer = diagnose(replace(told, tables=tables)).diagnosis
+    assert any(note.startswith("[stated] gives no friction and wear") for note in answer.notes)
+    spring = next(cause for cause in answer.causes if cause.effect == "tangential_compliance")
+    assert spring.parameters["stiffness_N_per_mm"].value == pytest.approx(167.0, rel=0.08)

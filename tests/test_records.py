@@ -13,10 +13,12 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from geometry.arrays import Array
 from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.faces import cli
+from wirewear.records import MeasuredLoop
 from wirewear.records.columns import Column, read_columns
 from wirewear.records.remarks import loop_statistics
 
@@ -73,6 +75,34 @@ def test_a_written_record_is_read_as_it_was(tmp_path: Path) -> None:
         for name, column in one_part.columns.items():
             np.testing.assert_array_equal(column, other_part.columns[name])
     assert not list((tmp_path / "copy").glob(".*"))
+
+
+def test_a_first_cycle_that_begins_at_rest_is_left_out_and_no_problem(tmp_path: Path) -> None:
+    """Of a slider on a spring: from rest it is loaded along a branch that no later cycle has."""
+    turns = np.arange(400) / 400.0
+    drive = 60.0 * np.sin(2.0 * np.pi * turns)
+
+    def forces(start: float) -> Array:
+        """Of a spring of 0.2 N/µm that slides at 1.2 N, from that force on."""
+        force, found = start, []
+        for step in np.diff(drive, prepend=0.0):
+            force = float(np.clip(force + 0.2 * step, -1.2, 1.2))
+            found.append(force)
+        return np.array(found)
+
+    example = read_record(EXAMPLES / "no_gap")
+    loops = tuple(
+        MeasuredLoop(repeat, cycle, turns / 3.0, drive, forces(start), None)
+        for repeat in (1, 2)
+        for cycle, start in ((1, 0.0), (10, 1.2), (100, 1.2))
+    )
+    read = read_record(write_record(tmp_path / "record", replace(example, loops=loops)))
+    assert read.cycles == (10, 100)
+    assert any("repeat 1, cycle 1; repeat 2, cycle 1" in note for note in read.notes)
+    assert "open loops" not in topics(tmp_path / "record")
+    # Where it is all there is, it stays.
+    alone = read_record(write_record(tmp_path / "alone", replace(example, loops=loops[::3])))
+    assert alone.cycles == (1,)
 
 
 @pytest.mark.seconds

@@ -61,8 +61,8 @@ class Nominal:
 
 
 _NOT_STATED = (
-    "[stated] gives no {}: what the record itself tells stands in for it, or the wear of steel on steel, so that no gap "
-    "is seen there; state what you believed before the test to have it judged."
+    "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "
+    "seen there; state what you believed before the test to have it judged."
 )
 
 
