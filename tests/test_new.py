@@ -253,6 +253,7 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     commands = (
         ["fit", "record", "--output", "fitted"],
         ["compare", "fitted/run", "record", "--output", "compared"],
+        ["diagnose", "record", "--output", "believed"],
         ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],
     )
     for command in commands:
@@ -265,6 +266,8 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
     assert "tangential_stiffness_N_per_mm = 1" in fitted
     assert "loop_cycles = [100, 1000, 10000, 100000]" in fitted
     assert (tmp_path / "compared" / "comparison.html").is_file()
+    believed = json.loads((tmp_path / "believed" / "diagnosis.json").read_text(encoding="utf-8"))
+    assert "tangential_compliance" in [cause["effect"] for cause in believed["causes"]]
     diagnosis = json.loads((tmp_path / "diagnosis" / "diagnosis.json").read_text(encoding="utf-8"))
     # The owner's rig was rigid in mind only: with the fitted one, little is left to explain.
     assert diagnosis["verdict"] in ("no_gap", "explained", "ambiguous")
