@@ -150,7 +150,9 @@ def toml_text(tables: Mapping[str, Any], prefix: str = "") -> str:
     for key, value in tables.items():
         if isinstance(value, Mapping) and value:
             name = f"{prefix}{key}"
-            inner.append(f"\n[{name}]\n{toml_text(value, f'{name}.')}")
+            # What holds tables alone needs no line of its own.
+            head = "" if all(isinstance(one, Mapping) and one for one in value.values()) else f"\n[{name}]\n"
+            inner.append(f"{head}{toml_text(value, f'{name}.')}")
     return "".join(f"{line}\n" for line in own) + "".join(inner)
 
 

@@ -327,9 +327,10 @@ class BodiesRecord(PointRecordTables):
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
-        """As they are."""
+        """As they are, without what is empty."""
         del label, length_mm
-        return {"contact": {"kind": cls.contact_kind}, "bodies": study["bodies"]}
+        stated = {name: {key: own for key, own in body.items() if own != []} for name, body in study["bodies"].items()}
+        return {"contact": {"kind": cls.contact_kind}, "bodies": stated}
 
     @property
     def of_study(self) -> dict[str, float | None]:

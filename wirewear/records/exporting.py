@@ -199,7 +199,10 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
         "conditions": {**known_of(conditions, stated), "drive": "stroke"},
         # What is ideal is not stated.
         "stated": {k: v for k, v in known_of(believed, stated).items() if v != believed.model_fields[k].default},
-        "noise": {name: getattr(sensor.noise, name) for name in Noise.model_fields},
+        # Nothing asks whether a noise of the normal force is none or not known.
+        "noise": {
+            name: own for name in Noise.model_fields if (own := getattr(sensor.noise, name)) or name != "normal_force_N"
+        },
         "metadata": {"source": "simulated"},
         "files": {"loops": "loops.csv"},
     }
