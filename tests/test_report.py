@@ -229,6 +229,16 @@ def test_a_stiffer_model_stands_out_by_many_scatters(noisy: ExperimentRecord, ru
     assert worst["measured stiffness"] > 20.0
 
 
+def test_repeats_that_agree_by_chance_scatter_no_less_than_their_loops_are_unsure(run: RunResult) -> None:
+    record = record_of_result(run, sensor=NOISY, repeats=4, seed=5, samples=256)
+    twins = [dataclasses.replace(loop, repeat=repeat) for loop in record.loops if loop.repeat == 1 for repeat in (1, 2)]
+    rows = [compare(run, dataclasses.replace(record, loops=tuple(loops), scars=(), evolution=())).differences
+            for loops in (record.loops, twins)]  # fmt: skip
+    true, chance = (next(row.scatter for row in own if row.quantity == "displacement amplitude δa") for own in rows)
+    assert true is not None
+    assert chance == pytest.approx(true, rel=0.3)
+
+
 def test_a_gain_of_the_sensor_shows_in_amplitude_slip_and_energy(run: RunResult) -> None:
     record = record_of_result(run, sensor=Sensor(displacement_gain=1.1))
     part = record.evolution[0].columns
