@@ -124,7 +124,8 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> tuple[flo
         steps = np.diff(time)
         usual = float(np.median(steps) * np.median([part.stop - part.start for part in parts]))
         gaps = np.flatnonzero(steps > 0.5 * usual) + 1
-        if gaps.size:
+        # A clock coarser than the samples tells no gaps.
+        if gaps.size and usual > 0.0:
             return _across_gaps(np.split(x, gaps), np.split(time, gaps))
         if len(parts) > 2:
             starts = time[[part.start for part in parts]]
