@@ -198,7 +198,7 @@ def test_options_of_wires_are_refused_for_line_contacts(
         ("--diameter 450e-6", "it looks like metres, which would be 0.45 here"),
         ("--diameter 0.45 --normal-load 20000", "it looks like millinewtons, which would be 20 here"),
         ("--diameter 0.45 --amplitude 0.06", "it looks like millimetres, which would be 60 here"),
-        ("--diameter 0,45", "'0,45' is no number, with a point as decimal sign, such as 0.45."),
+        ("--diameter 0,45", "'0,45' is no number: a point is the decimal sign, as in 0.45."),
         ("--cycles 1e4", "'1e4' is no whole number, such as 20."),
         ("--diameter nan", "--diameter is nan, but must be a finite number"),
         ("--length 10 --radius 40000", "--radius is 40000.0, but must lie between"),

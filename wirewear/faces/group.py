@@ -112,7 +112,7 @@ class _OneSentence(click.ClickException):
 
 
 #: What stands for click's names of the kinds of numbers.
-_NUMBERS = {"float": "number, with a point as decimal sign, such as 0.45", "integer": "whole number, such as 20"}
+_NUMBERS = {"float": "number: a point is the decimal sign, as in 0.45", "integer": "whole number, such as 20"}
 
 
 class _Misused(_OneSentence):

@@ -223,7 +223,11 @@ def _export_tables(result: Any, folder: Path, form: str) -> None:
 @cli.command(name="import")
 @click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
 @click.option("--output", metavar="RECORD", required=True, type=OutputFolder())
-@click.option("--dry-run", is_flag=True, help="Show the first loop, draw it as RECORD_first_loop.png; write no record.")
+@click.option(
+    "--dry-run",
+    is_flag=True,
+    help="Show the first loop, draw it (RECORD_first_loop.png) and worn surfaces; write no record.",
+)
 @click.pass_context
 def import_command(context: click.Context, mapping_path: Path, output: Path, dry_run: bool) -> None:
     """Turn a laboratory's files into an experiment record, as a mapping file describes them.
