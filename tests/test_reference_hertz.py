@@ -110,7 +110,9 @@ def test_only_the_annulus_outside_the_new_stick_circle_slips_back(ratio: float, 
     inner = reference.stick_radius_after_reversal(CONTACT, part * peak, peak)
     radius = np.linspace(inner, CONTACT.contact_radius_mm, 50)
     limit = reference.loading_traction(CONTACT, radius, CONTACT.limit_N)
-    np.testing.assert_allclose(reference.traction_after_reversal(CONTACT, radius, part * peak, peak), -limit, atol=1e-6)
+    # On the circle itself the root of a round-off is left of the traction that vanishes there.
+    reversed_by = reference.traction_after_reversal(CONTACT, radius, part * peak, peak)
+    np.testing.assert_allclose(reversed_by, -limit, rtol=1e-6, atol=1e-6)
     assert inner > float(reference.stick_radius(CONTACT, peak))
 
 
