@@ -145,7 +145,8 @@ def _range(field: FieldInfo, quantity: Quantity | None) -> str:
 
 def _written(field: FieldInfo) -> Any:
     """A field's default as a file states it."""
-    kind = TypeAdapter(Annotated[field.annotation, field])
+    adapted: Any = Annotated[field.annotation, field]
+    kind: TypeAdapter[Any] = TypeAdapter(adapted)
     return kind.dump_python(field.get_default(call_default_factory=True))
 
 

@@ -7,7 +7,9 @@ the last; wires that wear out in partial slip, beside the shape at which that en
 folder stay; all of them take about 13 minutes of CPU time.
 """
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -54,7 +56,7 @@ def errors_of(run: RunResult) -> dict[str, float]:
     return {name: sum(last[column] for column in columns) / limit - 1.0 for name, _, limit, _, columns in LIMITS}
 
 
-def rows(runs: dict[str, RunResult]) -> list[str]:
+def rows(runs: Mapping[str, RunResult]) -> list[str]:
     """Lines of the table in the docs."""
     found = [errors_of(run) for run in runs.values()]
     return [
@@ -63,7 +65,7 @@ def rows(runs: dict[str, RunResult]) -> list[str]:
     ]
 
 
-def fresh(runs: dict[str, RunResult]) -> Figure:
+def fresh(runs: Mapping[str, RunResult]) -> Figure:
     """The first cycle: pressure at mid-stroke beside Hertz's, and the loop beside Cattaneo and Mindlin's."""
     figure = style.new_figure(3.1)
     pressed, moved = figure.subplots(1, 2)
@@ -86,7 +88,7 @@ def fresh(runs: dict[str, RunResult]) -> Figure:
     return _finished(figure, pressed, moved)
 
 
-def levels(runs: dict[str, RunResult]) -> Figure:
+def levels(runs: Mapping[str, RunResult]) -> Figure:
     """The last cycle of every level beside the limits and their errors."""
     figure = style.new_figure(2.6)
     axes = figure.subplots()
@@ -95,7 +97,7 @@ def levels(runs: dict[str, RunResult]) -> Figure:
     axes.barh(places, [2.0 * each for each in known], left=[-each for each in known], height=0.7, color="#e2e2e2")
     for index, (level, run) in enumerate(runs.items()):
         found = 100.0 * np.array(list(errors_of(run).values()))
-        look = {"color": style.VARIANT_COLOURS[index], "linestyle": "", "marker": "osd"[index % 3]}
+        look: dict[str, Any] = {"color": style.VARIANT_COLOURS[index], "linestyle": "", "marker": "osd"[index % 3]}
         axes.plot(found, places, label=level, **look)
     axes.axvline(0.0, color=style.INK, linewidth=0.8)
     axes.set_yticks(places, [name for name, *_ in LIMITS])
@@ -104,7 +106,7 @@ def levels(runs: dict[str, RunResult]) -> Figure:
     return figure
 
 
-def worn_out(runs: dict[int, RunResult]) -> Figure:
+def worn_out(runs: Mapping[int, RunResult]) -> Figure:
     """Depth at all nodes and worn volume of wires in partial slip, beside the closed form of the shape at the end."""
     figure = style.new_figure(3.1)
     depths, volumes = figure.subplots(1, 2)
