@@ -10,7 +10,6 @@ import numpy as np
 from scipy.signal import lfilter
 
 from geometry.arrays import Array
-from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
@@ -18,6 +17,7 @@ from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.evolution import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
 from wirewear.views.diagnosis_wording import Diagnosed

@@ -22,7 +22,6 @@ from tests.test_records import EXAMPLES
 from wirewear.base.cache import code_hash
 from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.diagnosis.calibration import digest
-from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.model.candidates import nominal_setup
@@ -36,6 +35,7 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Layout, reduce
 from wirewear.diagnosis.observe.scars import ScarFigures
 from wirewear.diagnosis.observe.stick import Stick
+from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.records import ExperimentRecord, MeasuredScar, read_record
 from wirewear.study import Study
 from wirewear.views.diagnosis_wording import Diagnosed

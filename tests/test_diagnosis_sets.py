@@ -12,13 +12,13 @@ from scipy.stats import binom
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
-from wirewear.diagnosis.diagnose import judged, require_of_one_rig
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.sets import LEVEL, plausible
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of, weigh
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.record_diagnosis import judged, require_of_one_rig
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Tolerance
 from wirewear.views.diagnosis_values import Diagnosis

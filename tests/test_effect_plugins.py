@@ -18,8 +18,8 @@ from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example
 from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_of_result, run_study
 from wirewear.base.course import Course
-from wirewear.diagnosis.diagnose import diagnose
 from wirewear.diagnosis.model.candidates import library, unforeseen
+from wirewear.diagnosis.record_diagnosis import diagnose
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record

@@ -13,9 +13,9 @@ from geometry import Cylinder, Flat, RoundedFlat
 from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.diagnose import beginning_of
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
+from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.effects import Effect, effect_named
 from wirewear.faces import cli
 from wirewear.fitting import FittedTest, fit_record

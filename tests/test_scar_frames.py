@@ -12,12 +12,12 @@ from click.testing import CliRunner
 from tests.synthetic_results import bowl, result
 from tests.test_planar_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
-from wirewear.diagnosis.diagnose import concluded
 from wirewear.diagnosis.model.candidates import nominal_line_setup
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record

@@ -9,7 +9,6 @@ opened, so they are development records from then on, as frozen records are. Ans
 run goes on with the same command, by the same code only.
 """
 
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, replace
@@ -31,19 +30,17 @@ from wirewear import ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
+from wirewear.diagnosis import record_diagnosis as judging
 from wirewear.diagnosis.infer import weighing
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
-from wirewear.diagnosis.infer.where import Place, Relevance
+from wirewear.diagnosis.infer.where import Place, Relevance, relevance_of
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack
-
-#: The module that judges; the package gives its function the same name.
-JUDGING = sys.modules["wirewear.diagnosis.diagnose"]
 
 Change = Callable[[Search], Search]  #: What is taken out of a search before it is judged.
 
@@ -67,7 +64,7 @@ def _given(place: int, value: object) -> Callable[[], Any]:
         def weigh(*given: object) -> object:
             return whole(*given[:place], value, *given[place + 1 :])
 
-        with patch.object(JUDGING, "weigh", weigh):
+        with patch.object(judging, "weigh", weigh):
             yield
 
     return exchanged
@@ -75,14 +72,12 @@ def _given(place: int, value: object) -> Callable[[], Any]:
 
 def _tolerant(factor: float) -> Callable[[], Any]:
     """The judgement with all tolerances so many times as large."""
-    whole = JUDGING.relevance_of
 
-    def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
+    def tolerant(places: Sequence[Place], tolerance: Mapping[str, float], *, detected: bool) -> Relevance:
         wider = {name: factor * size for name, size in tolerance.items()}
-        found: Relevance = whole(places, wider, detected=detected)
-        return found
+        return relevance_of(places, wider, detected=detected)
 
-    return partial(patch.object, JUDGING, "relevance_of", relevance_of)
+    return partial(patch.object, judging, "relevance_of", tolerant)
 
 
 def _unallowed(found: Search) -> Search:
@@ -98,7 +93,7 @@ PARTS = (
     Part("tolerances are doubled", _tolerant(2.0)),
     Part("log evidences are not tempered", partial(patch.object, weighing, "TEMPERATURE", 1.0)),
     Part("a misfit tempers nothing further", _given(4, 1.0)),
-    Part("less misfit counts for no more", partial(patch.object, JUDGING, "LEAST_DISPERSION", 1.0)),
+    Part("less misfit counts for no more", partial(patch.object, judging, "LEAST_DISPERSION", 1.0)),
     Part("no surprise by what is left over", _given(5, 0.0)),
     Part("no families of distortions", _given(6, {})),
     Part("a slipping holder is allowed nothing", changed=_unallowed),
@@ -112,7 +107,7 @@ PARTS = (
 def answers_of(record: Path, left_out: Sequence[str]) -> dict[str, Any]:
     """The answers to a record by each part's words, and those of the baselines."""
     whole = diagnose(read_record(record), left_out=left_out)
-    with _remembered(Search, "apart"), _remembered(JUDGING, "shrink_of"), _remembered(JUDGING, "undetectable"):
+    with _remembered(Search, "apart"), _remembered(judging, "shrink_of"), _remembered(judging, "undetectable"):
         found = {part.words: _judged_without(part, whole) for part in PARTS}
     return found | baseline_answers(whole)
 
@@ -146,7 +141,7 @@ def _names(given: object) -> object:
 
 def _judged_without(part: Part, whole: Diagnosed) -> dict[str, Any]:
     with part.without():
-        again = JUDGING.judged(whole.record, whole.study, whole.states, whole.observed, part.changed(whole.search))
+        again = judging.judged(whole.record, whole.study, whole.states, whole.observed, part.changed(whole.search))
     told = again.diagnosis.to_json()
     return {key: told[key] for key in ("format", "verdict", "causes", "equivalent", "undetectable", "gap")}
 

@@ -22,10 +22,10 @@ from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
-from wirewear.diagnosis.diagnose import reduced_record
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.weighing import chance
+from wirewear.diagnosis.record_diagnosis import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.

@@ -15,8 +15,8 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, WirewearError, read_record
-from wirewear.diagnosis.diagnose import reduced_record
 from wirewear.diagnosis.infer.covariance import Told, estimate, told_by_repeats
+from wirewear.diagnosis.record_diagnosis import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 

@@ -1,19 +1,19 @@
 """Why simulation and rig disagree: where the gap lies, which effect causes it, how far it shrinks with that effect."""
 
-from wirewear.diagnosis.confirmation import calibrated, confirmed
-from wirewear.diagnosis.diagnose import diagnose
-from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
-from wirewear.views.diagnosis_wording import Diagnosed
+from typing import TYPE_CHECKING
+
+from geometry.late import loaded_late
+
+if TYPE_CHECKING:
+    from wirewear.diagnosis.confirmation import calibrated, confirmed
+    from wirewear.diagnosis.record_diagnosis import diagnose
+    from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
+    from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
+    from wirewear.views.diagnosis_wording import Diagnosed
 
 __all__ = [
-    "Cause",
-    "Diagnosed",
-    "Diagnosis",
-    "Estimate",
-    "calibrated",
-    "confirmed",
-    "diagnose",
-    "ten_lines",
+    "Cause", "Diagnosed", "Diagnosis", "Estimate", "calibrated", "confirmed", "diagnose", "ten_lines",
     "write_diagnosis",
-]
+]  # fmt: skip
+
+__getattr__ = loaded_late(__name__)

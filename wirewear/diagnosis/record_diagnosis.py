@@ -25,6 +25,7 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
+from wirewear.fitting import completed
 from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
@@ -89,8 +90,6 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
             f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
             f"kind {record.contact_kind}."
         )
-    from wirewear.fitting import completed  # which needs the fast model, and so this package
-
     record, unknown = completed(record) if model is None else (record, {})
     kind, tables = kind_of(record), record.tables
     assumed = _NOT_STATED.format(" and ".join(unknown)) if unknown else ""
