@@ -148,14 +148,18 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
     Raises RecordError if friction is not stated, and no loop slides as a whole.
     """
     friction = stated_friction(record.tables)
-    if friction is None:
-        try:
-            friction = round(_friction_of(loops_of_tests(record)), 3)
-        except RecordError as problem:
-            raise RecordError(f"[stated] gives no friction, and {problem}") from None
+    friction = _friction_told(record) if friction is None else friction
     last = record.tables.conditions.cycles
     cycles = [cycle for cycle in record.cycles if 1 <= cycle <= last]
     return believed_tables(record.tables, friction) | {"log": {"loop_cycles": cycles}}
+
+
+def _friction_told(record: AnyRecord) -> float:
+    """That of the loops of a record that states none."""
+    try:
+        return round(_friction_of(loops_of_tests(record)), 3)
+    except RecordError as problem:
+        raise RecordError(f"[stated] gives no friction, and {problem}") from None
 
 
 def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
@@ -167,7 +171,7 @@ def completed(record: AnyRecord) -> tuple[AnyRecord, dict[str, float]]:
     """
     tables, stated, unknown = record.tables, dict[str, float](), dict[str, float]()
     if stated_friction(tables) is None:
-        stated["friction"] = tables_of_record(record)["contact"]["friction"]
+        stated["friction"] = _friction_told(record)
         unknown["friction"] = 1.0
     if len(tables.missing) > len(unknown):
         worn, _, _ = wear.fitted_wear(record)

@@ -21,7 +21,6 @@ FLOOR = -30.0  #: Decimal logarithm of the share of life per cycle where there i
 _STEPS = (16, 400)
 _LEVELS = 4  #: Levels at which sums are kept, for each spacing of the depths of rates.
 _FINE = 400  #: Depths at which is known what a point gathers on its way to the surface.
-_UNWORN = 1e-3  #: A surface that recedes by less than this share of a spacing in as long as the run lasted rests.
 ENDLESS_cycles = 1e12  #: No test has lasted so long: longer lives are endless.
 _PER_LAYER = 4.0  #: Steps while the surface recedes by the uppermost spacing of depths.
 

@@ -264,9 +264,7 @@ def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covari
     stated = observed.stated_scatter
     sizes = {name: max(stated.get(name, size), LEAST_NOISE * size) for name, size in SCATTER.items()}
     per_repeat = derivatives(states, setup, layout, sizes)
-    shared = np.column_stack(
-        [derivatives(states, setup, layout, {**SHARED, **states.doubts, **states.unknown}), observed.common]
-    )
+    shared = np.column_stack([derivatives(states, setup, layout, {**SHARED, **states.doubts}), observed.common])
     numerical = solver_covariance(states, setup, layout)
     within = tolerated(states, setup, layout, observed.tolerance)
     common = shared @ shared.T

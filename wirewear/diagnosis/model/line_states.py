@@ -150,11 +150,12 @@ class LineStates(WearStates):
 
     @property
     def doubts(self) -> Mapping[str, float]:
-        """The compliance of bodies that are not described.
+        """And the compliance of bodies that are not described.
 
         Of what is positive and known in size alone, the standard deviation is the size itself: maximum entropy.
         """
-        return {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
+        own = {} if self.described else {"compliance": self.full_slip / float(self.stiffness_N_per_um[0])}
+        return {**self.unknown, **own}
 
     def model_error(self, kind: type[Effect[Any]]) -> float:
         """Profiles under a bed and a lack of oxygen are foreseen better than what both do to wires."""

@@ -144,7 +144,7 @@ class WearStates:
     @property
     def doubts(self) -> Mapping[str, float]:
         """Standard deviations of what is not stated and the same in all repeats."""
-        return {}
+        return self.unknown
 
     def model_error(self, kind: type[Effect[Any]]) -> float:
         """How far the fast model is off with an effect, relative to the change that it makes."""

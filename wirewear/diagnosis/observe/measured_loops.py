@@ -123,11 +123,6 @@ class ReducedLoop:
         return 1e-3 * abs(enclosed_area(x, q))
 
     @property
-    def off_centre_N(self) -> float:
-        """Middle between the largest and the smallest force."""
-        return 0.5 * sum(branch.sign * float(branch.force_N.max()) for branch in self.branches)
-
-    @property
     def half_width_um(self) -> float:
         """Half of the loop's width where the force is zero."""
         crossings = [
