@@ -35,8 +35,7 @@ def _begin(*_: object, **__: object) -> Any:
 BEGINNING = dict.fromkeys(
     (
         "wirewear.simulation.runs:cycle_through",
-        "wirewear.simulation.runs:condense_bodies",
-        "wirewear.planar.run:cycle_through",
+        "wirewear.simulation.plan:condense_bodies",
         "wirewear.fitting.sensor_calibration:contact_problem",
         "wirewear.simulation.together:run_side_by_side",
         "wirewear.base.engine:LocalProcesses.done",

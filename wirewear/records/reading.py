@@ -3,6 +3,7 @@
 import copy
 import hashlib
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from difflib import get_close_matches
@@ -112,16 +113,13 @@ def without_first_loading(loops: tuple[MeasuredLoop, ...]) -> tuple[tuple[Measur
 
     From rest, bodies are loaded along a branch that no later cycle has.
     """
-    first: dict[int, MeasuredLoop] = {}
-    for loop in loops:
-        first.setdefault(loop.repeat, loop)
-    others = {loop.repeat for loop in loops if loop is not first[loop.repeat]}
-    out = [loop for loop in first.values() if loop.repeat in others and loop.begins_at_rest]
+    counts, first = Counter(loop.repeat for loop in loops), {loop.repeat: loop for loop in reversed(loops)}
+    out = [own for own in loops if own is first[own.repeat] and counts[own.repeat] > 1 and own.begins_at_rest]
     if not out:
         return loops, ()
     named = "; ".join(loop.name for loop in out)
     note = f"loops that begin at rest are left out, as their first loading is no branch of a closed loop: {named}"
-    return tuple(loop for loop in loops if all(loop is not one for one in out)), (note,)
+    return tuple(loop for loop in loops if loop not in out), (note,)
 
 
 def _data_file(folder: Path, files: Table, key: str) -> Path:
