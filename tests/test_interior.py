@@ -295,9 +295,9 @@ def test_the_grip_holds_what_the_contact_gives(run: Run, wire: str) -> None:
 @pytest.mark.seconds
 def test_nodes_stand_in_the_worn_surface_in_sound_elements(run: Run) -> None:
     worn, fresh = (body_states(run, "fixed", CYCLE, [0], worn=worn)[0] for worn in (True, False))
-    patch = worn.body.wire.patch
+    patch = worn.body.patch
     middle = patch.nodes[patch.shape[0] // 2, patch.shape[1] // 2]
-    mesh, before = worn.body.wire.mesh, fresh.body.wire.mesh
+    mesh, before = worn.body.mesh, fresh.body.mesh
     assert mesh.points[middle, 2] - before.points[middle, 2] == pytest.approx(-1e-3 * DEPTH_um)
     assert mesh.scaled_jacobians().min() >= 0.2
     # Beneath a shallow bowl the stress is nearly that of the fresh wire under the same forces.
@@ -315,7 +315,7 @@ def test_stroke_and_its_mirror_image_give_mirrored_fields(run: Run) -> None:
 def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: Run) -> None:
     (state,) = body_states(run, "fixed", CYCLE, [0])
     cloud = integration_point_cloud(state)
-    assert cloud.n_points == 8 * len(state.body.wire.mesh.cells)
+    assert cloud.n_points == 8 * len(state.body.mesh.cells)
     assert cloud.point_data["stress_MPa"].shape == (cloud.n_points, 6)
     grid = body_grid(state)
     mean = cloud.point_data["von_mises_MPa"].reshape(-1, 8).mean(axis=1)

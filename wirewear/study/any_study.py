@@ -15,14 +15,14 @@ from wirewear.study.consistency import checked_tables, default_loop_cycles, inco
 from wirewear.study.keys import Table, values_in_no_variant
 from wirewear.study.layers import LayerTable
 from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
-from wirewear.study.tables import AnyTables, Log
+from wirewear.study.tables import CommonTables, Log
 
 LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.
 
 AnyTable = TypeVar("AnyTable", bound=Table)
 
 
-def with_values(tables: AnyTables, values: Mapping[str, Any], where: str) -> Any:
+def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> Any:
     """The tables with these values, checked as a file's are; None takes a key back to its default.
 
     A test of another length is recorded at the same cycles as far as it goes, and at its last.
@@ -36,7 +36,7 @@ def with_values(tables: AnyTables, values: Mapping[str, Any], where: str) -> Any
     return checked_tables(data, where)
 
 
-def value_at(tables: AnyTables, key: str) -> Any:
+def value_at(tables: CommonTables, key: str) -> Any:
     """What stands at a key with dots in it; None where there is none."""
     here: Any = tables.model_dump(mode="json")
     for part in key.split("."):
@@ -44,7 +44,7 @@ def value_at(tables: AnyTables, key: str) -> Any:
     return here
 
 
-def _as_far(tables: AnyTables, end: object) -> list[int]:
+def _as_far(tables: CommonTables, end: object) -> list[int]:
     """The cycles that are recorded up to another end; none, for the program to choose, where the end is no number."""
     logged = tables.log.loop_cycles
     if not isinstance(end, int) or logged == default_loop_cycles(tables.conditions.cycles):
@@ -66,7 +66,7 @@ def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
         here[last] = value
 
 
-Tables = TypeVar("Tables", bound=AnyTables)
+Tables = TypeVar("Tables", bound=CommonTables)
 
 
 @dataclass(frozen=True, repr=False)
@@ -321,7 +321,7 @@ def _changed(table: AnyTable, changes: Mapping[str, Any]) -> AnyTable:
     return table.model_copy(update=values)
 
 
-def _plain(tables: AnyTables) -> dict[str, Any]:
+def _plain(tables: CommonTables) -> dict[str, Any]:
     return tables.model_dump(mode="json", exclude_none=True)
 
 

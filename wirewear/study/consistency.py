@@ -12,7 +12,7 @@ from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.programme import CycleBlock, held_keys, logged_ends, placed, too_many
-from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, AnyTables, ContactTables, Log, StudyTables
+from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, CommonTables, ContactTables, Log, StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -41,7 +41,7 @@ def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, A
 
 def checked_tables(
     data: Mapping[str, Any], where: str, overrides: Mapping[str, Any] | None = None, prefix: str = ""
-) -> AnyTables:
+) -> CommonTables:
     """The tables, checked; `overrides` are those under `prefix`, for messages to name the right table.
     Raises StudyError, in one sentence, if they are no tables of a study.
     """
@@ -72,7 +72,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
     return True
 
 
-def inconsistency(tables: AnyTables) -> Inconsistency | None:
+def inconsistency(tables: CommonTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
     checks = (type(tables).contradiction, *_of_kind(tables.kind)[1], *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
@@ -109,7 +109,7 @@ def _wear(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
-def _layers(tables: AnyTables) -> Inconsistency | None:
+def _layers(tables: CommonTables) -> Inconsistency | None:
     stated = [layer for layers in tables.layers.values() for layer in layers]
     told = unfit_layers(stated, tables.contact.friction)
     return None if told is None else Inconsistency(("layers",), told)
@@ -172,12 +172,12 @@ def _explicit(tables: ContactTables) -> Inconsistency | None:
     return None
 
 
-def _programme(tables: AnyTables) -> Inconsistency | None:
+def _programme(tables: CommonTables) -> Inconsistency | None:
     told = too_many(tables.programme, tables.conditions.cycles)
     return None if told is None else Inconsistency(("programme",), told)
 
 
-def _held(tables: AnyTables) -> Inconsistency | None:
+def _held(tables: CommonTables) -> Inconsistency | None:
     held = held_keys(tables.conditions)
     if len(held) > 1:
         return Inconsistency(("conditions", held[0]), f"and {held[1]} are both given, but a drive holds one of them")
@@ -201,7 +201,7 @@ _OF_ALL: tuple[Check, ...] = (_layers, _programme, _held)
 _OF_A_POINT: tuple[Check, ...] = (_wear, _bulk, _holder, _effects, _explicit, _fidelities)
 
 #: Tables by kind of contact and the checks between them; a file of no kind is told so by those of crossed wires.
-_KINDS: dict[str, tuple[type[AnyTables], tuple[Check, ...]]] = {
+_KINDS: dict[str, tuple[type[CommonTables], tuple[Check, ...]]] = {
     CROSSED_WIRES: (StudyTables, _OF_A_POINT),
     "ball-on-flat": (BallOnFlatTables, _OF_A_POINT),
     "point-contact": (PointTables, _OF_A_POINT),
@@ -209,5 +209,5 @@ _KINDS: dict[str, tuple[type[AnyTables], tuple[Check, ...]]] = {
 }
 
 
-def _of_kind(asked: object) -> tuple[type[AnyTables], tuple[Check, ...]]:
+def _of_kind(asked: object) -> tuple[type[CommonTables], tuple[Check, ...]]:
     return next((own for kind, own in _KINDS.items() if asked == kind), _KINDS[CROSSED_WIRES])

@@ -17,7 +17,7 @@ from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
 from wirewear.study.layers import LAYERS, LayerTable
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import PLANAR_KINDS, AnyTables, HeldByDrive, StatesItsKind
+from wirewear.study.tables import PLANAR_KINDS, CommonTables, HeldByDrive, StatesItsKind
 from wirewear.study.template import Template
 
 CYLINDER_ON_FLAT = PLANAR_KINDS[1]  #: A line contact whose pad is a cylinder.
@@ -195,7 +195,7 @@ class _OfPadAndSpecimen(StatesItsKind):
     specimen: Specimen = Field(description="the flat")
 
 
-class LineTables(AnyTables, _OfPadAndSpecimen):
+class LineTables(CommonTables, _OfPadAndSpecimen):
     """A whole study of a line contact without its variants."""
 
     load_key: ClassVar[str] = "normal_load_N_per_mm"

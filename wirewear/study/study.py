@@ -32,7 +32,13 @@ from wirewear.study.wires import Wires
 
 
 class Study(AnyStudy[ContactTables]):
-    """A study of a contact at a point."""
+    """A study of a contact at a point; its tables are of the types named here."""
+
+    conditions: Conditions
+    contact: Contact
+    wear: Wear | None
+    holder: HolderTable
+    mesh: Mesh
 
     @property
     def wires(self) -> Wires:
@@ -54,31 +60,6 @@ class Study(AnyStudy[ContactTables]):
         """Angle of the held body's axis to the driven body's."""
         return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
 
-    @property
-    def conditions(self) -> Conditions:
-        """Load, stroke, frequency and length of the test."""
-        return self.tables.conditions
-
-    @property
-    def contact(self) -> Contact:
-        """Friction."""
-        return self.tables.contact
-
-    @property
-    def wear(self) -> Wear | None:
-        """Wear law, or None when nothing wears."""
-        return self.tables.wear
-
-    @property
-    def holder(self) -> HolderTable:
-        """Stiffness of the rig and of the loading train."""
-        return self.tables.holder
-
-    @property
-    def mesh(self) -> Mesh:
-        """Extent of the fine mesh."""
-        return self.tables.mesh
-
     def fidelity(self, name: str) -> FidelitySettings:
         """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
         Raises StudyError if there is no such level.
@@ -88,7 +69,13 @@ class Study(AnyStudy[ContactTables]):
 
 
 class LineStudy(AnyStudy[LineTables]):
-    """A study of a line contact, of one millimetre of its length."""
+    """A study of a line contact, of one millimetre of its length; its tables are of the types named here."""
+
+    conditions: LineConditions
+    contact: LineFriction
+    wear: LineWear
+    holder: LineHolder
+    mesh: LineMeshing
 
     @property
     def pad(self) -> Pad:
@@ -99,31 +86,6 @@ class LineStudy(AnyStudy[LineTables]):
     def specimen(self) -> Specimen:
         """The flat, which is driven."""
         return self.tables.specimen
-
-    @property
-    def conditions(self) -> LineConditions:
-        """Load, stroke, frequency and length of the test."""
-        return self.tables.conditions
-
-    @property
-    def contact(self) -> LineFriction:
-        """Friction."""
-        return self.tables.contact
-
-    @property
-    def wear(self) -> LineWear:
-        """Wear of both bodies."""
-        return self.tables.wear
-
-    @property
-    def holder(self) -> LineHolder:
-        """Stiffness of the rig and of the loading train."""
-        return self.tables.holder
-
-    @property
-    def mesh(self) -> LineMeshing:
-        """Resolution."""
-        return self.tables.mesh
 
     def energy_coefficients(self) -> tuple[float, float]:
         """Wear of pad and specimen per dissipated energy, in mm³/J."""

@@ -269,7 +269,7 @@ class StatesItsKind(keys.NamedTable):
     kind: str = Field(description="kind of contact")
 
 
-class AnyTables(StatesItsKind, ABC):
+class CommonTables(StatesItsKind, ABC):
     """What studies of all contacts state besides the bodies, without variants; what is `Any` is of their kind."""
 
     load_key: ClassVar[str] = "normal_load_N"
@@ -324,7 +324,7 @@ class AnyTables(StatesItsKind, ABC):
         """What does not go together in the tables of the bodies, if anything."""
 
 
-class ContactTables(AnyTables):
+class ContactTables(CommonTables):
     """What studies of all contacts at a point state besides the bodies."""
 
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
