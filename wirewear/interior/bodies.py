@@ -10,39 +10,24 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, GeometryError, HexMesh, build_body
+from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, HexMesh, build_body
 from geometry.arrays import Array, IntArray
-from solvers.interior import Interior
-from solvers.strain import IntegrationPoints, hydrostatic, integration_points, principal, turned, von_mises
+from solvers.strain import hydrostatic, principal, turned, von_mises
 from solvers.surface_stress import SurfaceStress
-from wirewear.interior.state import InnerState
+from wirewear.interior.state import InnerState, SolvedBody
 from wirewear.results import RunResult
 
 #: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
 _DEEPER = 1.4
 
 
-@dataclass(frozen=True, eq=False)
-class WornBody:
-    """A wire with its nodes in the worn surface, or where they were when fresh, and its factors."""
-
-    wire: BodyMesh
-    material: Elastic
-    interior: Interior
-    points: IntegrationPoints
-
-    @property
-    def mesh(self) -> HexMesh:
-        return self.wire.mesh
-
-    @property
-    def patch(self) -> ContactPatch:
-        return self.wire.patch
+class WornBody(SolvedBody[BodyMesh]):
+    """A wire, or another body of a contact at a point."""
 
     @cached_property
     def surface(self) -> SurfaceStress:
         """Its contact surface, for corrections of the stresses at it."""
-        return SurfaceStress.of(self.wire, self.material)
+        return SurfaceStress.of(self.meshed, self.material)
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +48,7 @@ class BodyState(InnerState[WornBody]):
         facets = mesh.surfaces["contact"]
         corners = mesh.points[facets]
         areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        vectors = np.zeros_like(mesh.points)
+        vectors: Array = np.zeros_like(mesh.points)
         np.add.at(vectors, facets, 0.25 * areas[:, None])
         return vectors
 
@@ -93,10 +78,7 @@ def body_states(
     forces = result.forces(cycle, wire)
     chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
     body = worn_body(result, wire, cycle, worn=worn)
-    nodes = body.patch.nodes.ravel()[forces.nodes]
-    upper = result.is_upper(wire)
-    displacements = body.interior.displacements(nodes, forces.force_N[chosen])
-    return tuple(BodyState(body, forces, k, moved, upper) for k, moved in zip(chosen, displacements, strict=True))
+    return BodyState.of(body, forces, chosen, is_upper=result.is_upper(wire))
 
 
 def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) -> WornBody:
@@ -121,9 +103,7 @@ def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> W
     except GeometryError:
         # There may be no room for more layers.
         wire = _built(geometry, depth)
-    held = wire.mesh.surface_nodes("grip") if wire.bedding is None else np.zeros(0, dtype=np.int64)
-    interior = Interior(wire.mesh, material, held, wire.bedding)
-    return WornBody(wire, material, interior, integration_points(wire.mesh))
+    return WornBody.of(wire, material)
 
 
 def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,16 +13,13 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 
-from geometry import ContactPatch, Elastic, PlanarGeometry, PlanarMesh, QuadMesh, build_planar
-from geometry.arrays import IntArray
-from solvers.interior import Interior
+from geometry import PlanarGeometry, PlanarMesh, build_planar
 from solvers.line_surface_stress import LineSurfaceStress
-from solvers.strain import IntegrationPoints, integration_points
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.bodies import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.state import InnerState
+from wirewear.interior.state import InnerState, SolvedBody
 from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.results import BODIES, RunResult
@@ -34,25 +30,12 @@ if TYPE_CHECKING:
     import pyvista
 
 
-@dataclass(frozen=True, eq=False)
-class LineBody:
-    """Pad or specimen with its nodes in the worn surface, or where they were when fresh, and its factors."""
-
-    meshed: PlanarMesh
-    material: Elastic
-    interior: Interior
-    points: IntegrationPoints
-
-    @property
-    def mesh(self) -> QuadMesh:
-        return self.meshed.mesh
-
-    @property
-    def patch(self) -> ContactPatch:
-        return self.meshed.patch
+class LineBody(SolvedBody[PlanarMesh]):
+    """Pad or specimen."""
 
     @cached_property
     def surface(self) -> LineSurfaceStress:
+        """Its contact surface, for corrections of the stresses at it."""
         return LineSurfaceStress.of(self.meshed, self.material)
 
 
@@ -71,10 +54,7 @@ def line_states(
     if worn:
         depth = np.maximum(1e-3 * result.scar(forces.cycle, body).depth_um, 0.0).tobytes()
     found = _meshed(_tables(result), result.fidelity, body, depth)
-    nodes = found.patch.nodes.ravel()[forces.nodes]
-    displacements = found.interior.displacements(nodes, forces.force_N[chosen])
-    upper = result.is_upper(body)
-    return tuple(InnerState(found, forces, k, moved, upper) for k, moved in zip(chosen, displacements, strict=True))
+    return InnerState.of(found, forces, chosen, is_upper=result.is_upper(body))
 
 
 def run_geometry(result: RunResult, body: str) -> PlanarGeometry:
@@ -89,10 +69,7 @@ def _meshed(tables: str, fidelity: str, body: str, depth: bytes) -> LineBody:
     meshed = build_planar(_geometry(study, fidelity, body))
     if depth:
         meshed = meshed.worn(np.frombuffer(depth))
-    material = (study.pad if body == "pad" else study.specimen).elastic
-    held: IntArray = meshed.mesh.surface_nodes("grip")
-    interior = Interior(meshed.mesh, material, held if meshed.bedding is None else held[:0], meshed.bedding)
-    return LineBody(meshed, material, interior, integration_points(meshed.mesh))
+    return LineBody.of(meshed, (study.pad if body == "pad" else study.specimen).elastic)
 
 
 def _tables(result: RunResult) -> str:

@@ -4,20 +4,22 @@ Histories are (s, n, 6): s positions of a closed cycle, n material points. Linea
 law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
 """
 
-from collections.abc import Callable
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Generic, Protocol, TypeVar
+from typing import Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
 from scipy.spatial import cKDTree
 
-from geometry import ContactPatch, Elastic, HexMesh, QuadMesh
+from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from solvers.drive import section_stress
+from solvers.interior import Interior
 from solvers.placement import rotation_to_world
-from solvers.strain import IntegrationPoints, scattered, tensors
+from solvers.strain import IntegrationPoints, integration_points, scattered, tensors
 from wirewear.results import ContactForces
 
 
@@ -38,31 +40,42 @@ class Surface(Protocol):
         """The surface under forces (n, 3) at the nodes of its patch."""
 
 
-class MeshedBody(Protocol):
-    """A body with its mesh, its contact patch and its integration points."""
+M = TypeVar("M", BodyMesh, PlanarMesh)
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedBody(ABC, Generic[M]):
+    """A body with its nodes in the worn surface, or where they were when fresh, and its factors."""
+
+    meshed: M
+    material: Elastic
+    interior: Interior
+    points: IntegrationPoints
+
+    @classmethod
+    def of(cls, meshed: M, material: Elastic) -> Self:
+        """With its factors; held rigidly where it has no bedding."""
+        held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
+        interior = Interior(meshed.mesh, material, held, meshed.bedding)
+        return cls(meshed, material, interior, integration_points(meshed.mesh))
 
     @property
-    def mesh(self) -> HexMesh | QuadMesh:
-        """Its elements."""
+    def mesh(self) -> Any:
+        """Its elements: a `HexMesh`, or of a line contact a `QuadMesh`."""
+        return self.meshed.mesh
 
     @property
     def patch(self) -> ContactPatch:
         """Its contact patch."""
+        return self.meshed.patch
 
     @property
-    def material(self) -> Elastic:
-        """Its material."""
-
-    @property
-    def points(self) -> IntegrationPoints:
-        """Its integration points."""
-
-    @property
+    @abstractmethod
     def surface(self) -> Surface:
         """Its contact patch, for corrections of the stresses there."""
 
 
-B = TypeVar("B", bound=MeshedBody)
+B = TypeVar("B", bound=SolvedBody[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,6 +90,14 @@ class InnerState(Generic[B]):
     position: int
     displacement: Array
     is_upper: bool
+
+    @classmethod
+    def of(cls, body: B, forces: ContactForces, positions: Sequence[int], *, is_upper: bool) -> tuple[Self, ...]:
+        """The body at positions of a cycle."""
+        positions = list(positions)
+        nodes = body.patch.nodes.ravel()[forces.nodes]
+        displacements = body.interior.displacements(nodes, forces.force_N[positions])
+        return tuple(cls(body, forces, k, moved, is_upper) for k, moved in zip(positions, displacements, strict=True))
 
     @cached_property
     def stress_at_points(self) -> Array:
