@@ -9,12 +9,13 @@ from click.testing import CliRunner
 
 from geometry import Elastic
 from geometry.arrays import Array
-from tests.browser import amiss
+from tests.browser import page_faults
 from wirewear.base.errors import StudyError
 from wirewear.faces import cli
+from wirewear.interior.averaging import kernel_of
 from wirewear.interior.criteria import LifeCurve
 from wirewear.interior.damage import Damage, Rates, Span
-from wirewear.interior.life import criterion_of, kernel_of
+from wirewear.interior.life import criterion_of
 from wirewear.interior.life_page import NOT_AVERAGED
 from wirewear.study.life import CRITERIA, LifeTable
 
@@ -218,7 +219,7 @@ def test_a_study_is_run_and_its_page_says_where_a_pulled_flat_cracks(
     assert found["cycles_low"] < found["cycles_to_initiation"] < found["cycles_high"]
     assert found["averaged"]
     page = (tmp_path / "out" / "life.html").read_text(encoding="utf-8")
-    assert amiss(tmp_path / "out" / "life.html") == []
+    assert page_faults(tmp_path / "out" / "life.html") == []
     assert "Data of steel: estimates from the tensile strength: " in page
     assert NOT_AVERAGED not in page
     again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]

@@ -35,7 +35,8 @@ def lives(
     Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
     GeometryError if wear distorts a mesh too much.
     """
-    from wirewear.interior.life import WEAR_STATES, averaging_radius_mm, life_of
+    from wirewear.interior.averaging import averaging_radius_mm
+    from wirewear.interior.life import WEAR_STATES, life_of
     from wirewear.interior.strength import StrengthAsked
     from wirewear.kinds import kind_of
     from wirewear.study import study_from_tables
