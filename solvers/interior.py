@@ -6,7 +6,7 @@ the first such force comes and kept for all states to come: Cholesky factors by 
 `solvers.condensation`, of which here every front is kept, to solve for any number of right-hand sides.
 
 Of bodies that stick: when the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J.
-Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width on which it bears load, and the
+Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width that carries load, and the
 problem is linear.
 """
 

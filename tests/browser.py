@@ -156,7 +156,7 @@ def browser() -> Iterator[Page]:
                 process.wait()
 
 
-def amiss(path: Path) -> list[str]:
+def page_faults(path: Path) -> list[str]:
     """What is wider than a desktop's or a phone's screen on a page, or goes wrong there; unknown without a Chromium."""
     if CHROMIUM is None:
         return []

@@ -27,7 +27,7 @@ from studies.blind.scoring.history import logged_run
 from studies.blind.scoring.judging import Truth, judged
 from studies.blind.sealing import opened, read_key_file, salted, sealed
 from tests.blind_batches import PlainModel, a_truth, answer, figures, perfect, truths_of
-from tests.browser import amiss
+from tests.browser import page_faults
 from wirewear.base.reading import with_checksum
 from wirewear.effects import all_effects
 
@@ -229,7 +229,7 @@ def test_a_batch_is_scored_from_its_folders(batch: tuple[Path, Path, Path]) -> N
     assert report["run"]["run"] == 1
     assert report["false_alarms"]["value"] == 0.0
     page = (diagnoses / "score.html").read_text()
-    assert amiss(diagnoses / "score.html") == []
+    assert page_faults(diagnoses / "score.html") == []
     assert page.count("<svg ") == 5
     assert "data:image" not in page
     assert not re.search(r"""(src|href)=["'](?!data:|#)""", page)

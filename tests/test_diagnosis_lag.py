@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from geometry.arrays import Array
-from tests.browser import amiss
+from tests.browser import page_faults
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.studies import COARSE, WEARING, coarse, result_with
 from wirewear.diagnosis import Diagnosis
@@ -251,7 +251,7 @@ def test_a_compliance_in_a_full_simulation_is_found_and_confirmed(tmp_path: Path
     assert finished.exit_code == 0, finished.output
     answer = json.loads((tmp_path / "out" / "diagnosis.json").read_text())
     page = (tmp_path / "out" / "report.html").read_text()
-    assert amiss(tmp_path / "out" / "report.html") == []
+    assert page_faults(tmp_path / "out" / "report.html") == []
     assert answer["verdict"] == "explained"
     assert any({"tangential_compliance", "rotational_compliance"} <= set(group) for group in answer["equivalent"])
     (cause,) = (one for one in answer["causes"] if one["effect"] == "tangential_compliance")

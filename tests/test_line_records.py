@@ -10,7 +10,7 @@ import pytest
 from click.testing import CliRunner
 
 from geometry.arrays import Array
-from tests.browser import amiss
+from tests.browser import page_faults
 from tests.test_planar_study import TABLES
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
@@ -96,7 +96,7 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
     assert [path.name for path in written] == [
         "comparison.html", "differences.csv", "differences.json", "scar_sections.png",
     ]  # fmt: skip
-    assert amiss(written[0]) == []
+    assert page_faults(written[0]) == []
 
 
 def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_mm(result: RunResult) -> None:

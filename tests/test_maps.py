@@ -8,7 +8,7 @@ import pytest
 from click.testing import CliRunner
 
 from geometry import Elastic
-from tests.browser import amiss
+from tests.browser import page_faults
 from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
@@ -127,7 +127,7 @@ def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) ->
     assert "normal_load_N_per_mm" in (tmp_path / "maps" / "tests.csv").read_text(encoding="utf-8")
     page = tmp_path / "maps" / "maps.html"
     assert "no line tells where it begins to slide" in page.read_text(encoding="utf-8")
-    assert amiss(page) == []
+    assert page_faults(page) == []
     mixed = CliRunner().invoke(cli, ["maps", str(folder), str(EXAMPLES / "no_gap"), "--output", str(tmp_path / "maps")])
     assert mixed.exit_code == 2
     assert "share no map" in mixed.stderr

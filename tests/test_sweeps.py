@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.browser import amiss
+from tests.browser import page_faults
 from tests.studies import COARSE, WEARING
 from tests.test_planar_study import TABLES
 from wirewear import lives
@@ -91,7 +91,7 @@ def files(folder: Path, sweep: Sweep, engine: Engine) -> dict[str, bytes]:
 @pytest.mark.seconds
 def test_the_page_of_a_sweep_fits_every_screen(asked: Sweep, tmp_path: Path) -> None:
     *_, page = write_sweep(tmp_path, run_sweep(asked, tmp_path / "runs", InPlace()))
-    assert amiss(page) == []
+    assert page_faults(page) == []
 
 
 # Designs

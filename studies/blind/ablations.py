@@ -81,7 +81,7 @@ def _tolerant(factor: float) -> Callable[[], Any]:
 
 
 def _unallowed(found: Search) -> Search:
-    """All that families gain, without what friction laws are allowed to lend them."""
+    """All that families gain, without what friction laws are allowed to add to them."""
     more = tuple(replace(one, gain=one.gain + one.family.allowed) for one in found.distortions)
     return replace(found, distortions=more)
 

@@ -302,7 +302,7 @@ def _require_room(body: str, key: str, needed_mm: float, half_width_mm: float, r
 
 def needed_memory(meshes: LinePlan) -> float:
     """Bytes that the compliances of both bodies take."""
-    return _MATRICES * 8.0 * (2.0 * max(least_nodes(meshes.pad), least_nodes(meshes.specimen))) ** 2
+    return _MATRICES * 8.0 * (2.0 * _nodes(meshes)) ** 2
 
 
 def require_affordable_lines(name: str, meshes: LinePlan) -> None:
@@ -310,15 +310,19 @@ def require_affordable_lines(name: str, meshes: LinePlan) -> None:
     needed, free = needed_memory(meshes), free_memory()
     if needed > free:
         fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5
-        nodes = max(least_nodes(meshes.pad), least_nodes(meshes.specimen))
         raise StudyError(
-            f"the study {name!r} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of "
-            f"which {size_text(free)} are free: give contact_mesh_um = {fits_um:.2g} or more, or allow more by "
-            "--most-memory."
+            f"the study {name!r} asks for {counted(_nodes(meshes))} nodes in a contact and {size_text(needed)} of "
+            f"memory, of which {size_text(free)} are free: give contact_mesh_um = {fits_um:.2g} or more, or allow "
+            "more by --most-memory."
         )
 
 
-def least_nodes(body: PlanarGeometry) -> int:
+def _nodes(meshes: LinePlan) -> int:
+    """Nodes of the larger body's contact at least."""
+    return max(_fine_nodes(meshes.pad), _fine_nodes(meshes.specimen))
+
+
+def _fine_nodes(body: PlanarGeometry) -> int:
     """Nodes in the fine zone of a body's contact; those beyond are fewer."""
     along = body.along
     if isinstance(along, EdgeGradedAxis):

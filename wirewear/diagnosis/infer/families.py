@@ -43,8 +43,8 @@ _KNOWN = constants("infer.families")
 #: Lengths of what passes after a reversal, shares of the amplitude of which the contact has slid.
 LENGTHS = _KNOWN.numbers("lengths")
 
-#: What friction laws and solvers lend to families that resemble them, in log evidence.
-LENT = _KNOWN.number("lent")
+#: What friction laws and solvers add to families that resemble them, in log evidence.
+ADDED = _KNOWN.number("added")
 
 #: Shares of the plateau force at which a holder lets go.
 RELEASES = _KNOWN.numbers("releases")
@@ -66,7 +66,7 @@ FAMILIES: tuple[Family, ...] = (
     _sensor(
         "distortion of the displacement channel, odd in the displacement",
         (displacement_read(between_ends(3)), displacement_read(between_ends(5))),
-        allowed=LENT,
+        allowed=ADDED,
     ),
     _sensor(
         "distortion of the displacement channel, even in the displacement",
@@ -79,7 +79,7 @@ FAMILIES: tuple[Family, ...] = (
     ),
     _sensor("gain of the displacement channel that changes over the test", column="gain"),
     _sensor("zero of the force channel that changes over the test", column="force_zero_N", scale="force"),
-    _holder("holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=LENT),
+    _holder("holder that slips, with hysteresis", tuple(yielding(at) for at in RELEASES), allowed=ADDED),
     _holder("holder that stiffens or softens under the force, alike in both directions", (stiffening(),)),
     _holder("holder whose compliance changes over the test", column="compliance_um_per_N", scale="compliance"),
     _contact(
@@ -91,9 +91,9 @@ FAMILIES: tuple[Family, ...] = (
         "friction that differs along the stroke from one side to the other",
         (resisting(on_the_rig(1)), resisting(on_the_rig(3))),
         develops=True,
-        allowed=LENT,
+        allowed=ADDED,
     ),
-    _contact("friction that passes after each reversal", tuple(map(since, LENGTHS)), develops=True, allowed=LENT),
+    _contact("friction that passes after each reversal", tuple(map(since, LENGTHS)), develops=True, allowed=ADDED),
     _contact("friction that changes over the test", column="friction"),
     _loading(
         "load that differs along the stroke, alike on both sides of its middle",
@@ -108,13 +108,13 @@ FAMILIES: tuple[Family, ...] = (
         "force that follows the place, as slopes of a surface make it",
         (resisting(in_travel(1)), resisting(in_travel(3)), resisting(in_travel(5)), resisting(on_the_rig(2))),
         develops=True,
-        allowed=LENT,
+        allowed=ADDED,
     ),
     Family(Seam.WEAR, "wear that goes faster and slower over the test", column="wear_um3_per_mJ"),
     _loading(
         "load that swings in time with the drive",
         (loaded(in_travel(2)), loaded(later), loaded(fast)),
-        allowed=LENT,
+        allowed=ADDED,
         counts=False,
     ),
 )

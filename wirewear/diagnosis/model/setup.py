@@ -52,7 +52,7 @@ class AtWork(Protocol):
 
 @dataclass(frozen=True)
 class Setup:
-    """One set of circumstances under which loops are computed: a test as it is believed to be, and what is amiss.
+    """One set of circumstances under which loops are computed: a test as it is believed to be, and what changes it.
 
     Attributes:
         amplitude_um, load_N, cycles, frequency_Hz: conditions of the test; of a drive that holds something else,
