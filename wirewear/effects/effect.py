@@ -5,7 +5,7 @@ Without further words that is what it does to its seam, read moment by moment.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from inspect import getdoc
 from math import degrees, isnan, nan, pi, radians
@@ -96,6 +96,14 @@ class Chain:
     def ages(self) -> list[Age]:
         """How far the test has come at each moment."""
         return [Age(n, energy) for n, energy in zip(self.cycles.tolist(), self.energy_J.tolist(), strict=True)]
+
+    @classmethod
+    def joined(cls, chains: Sequence["Chain"]) -> "Chain":
+        """Chains of one test in several circumstances, the moments of one after those of the other."""
+        columns: dict[str, Any] = {
+            name: np.concatenate([getattr(chain, name) for chain in chains]) for name in _COLUMNS
+        }
+        return replace(chains[0], **columns)
 
     def taken(self, moments: NDArray[np.intp]) -> "Chain":
         """Some moments only."""

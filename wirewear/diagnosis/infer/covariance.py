@@ -48,7 +48,7 @@ def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array
 
 def tolerated(states: WearStates, setup: Setup, layout: Layout, tolerance: Mapping[str, float]) -> Array:
     """Covariance (n, n) of differences that are within a record's tolerance, of any smooth shape."""
-    size = whole_sizes(setup, layout, np.nan_to_num(layout.observed(simulate(states, setup, layout.cycles))))
+    size = whole_sizes(setup, layout, np.nan_to_num(layout.computed(states, setup)[0]))
     for part in layout:
         # A tolerated volume says nothing of the shape of a profile, of which solvers have errors of their own.
         known = not (part.observable.of_scars and part.observable.unit == "um")
@@ -79,13 +79,10 @@ def moved(setup: Setup, name: str, size: float) -> Setup:
 
 def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping[str, float]) -> Array:
     """Change of the observables (n, k) by one standard deviation of each scatter or freedom, by central differences."""
-    columns = []
-    for name, size in sizes.items():
-        up, down = (
-            layout.observed(simulate(states, moved(setup, name, side * size), layout.cycles)) for side in (0.5, -0.5)
-        )
-        columns.append(up - down)
-    return np.nan_to_num(np.stack(columns, axis=1))
+    both = layout.computed(
+        states, *(moved(setup, name, side * size) for side in (0.5, -0.5) for name, size in sizes.items())
+    )
+    return np.nan_to_num(both[: len(sizes)] - both[len(sizes) :]).T
 
 
 def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
@@ -302,7 +299,7 @@ def with_model_error(
     states: WearStates, nominal: Setup, changed: Setup, layout: Layout, covariance: Covariance, share: float
 ) -> Covariance:
     """The covariance with a smooth error of that share of the change from one setup to the other."""
-    before, after = (layout.observed(simulate(states, setup, layout.cycles)) for setup in (nominal, changed))
+    before, after = layout.computed(states, nominal, changed)
     scale = Scale(nominal.amplitude_um, nominal.plateau_force_N)
     extra = smooth_covariance(layout, share * np.abs(np.nan_to_num(after - before)), scale)
     return replace(covariance, total=covariance.total + extra, numerical=covariance.numerical + extra)

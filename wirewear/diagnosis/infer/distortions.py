@@ -67,7 +67,8 @@ class Distortion:
 def distortions(problem: Problem, fits: Sequence[Fit]) -> tuple[Distortion, ...]:
     """All families beside each of some explanations, the most telling first."""
     found = [one for fit in fits for one in _beside(problem, fit)]
-    return tuple(sorted(found, key=lambda one: -one.log_evidence))
+    # Explanations that are one to the model keep their order.
+    return tuple(sorted(found, key=lambda one: -round(one.log_evidence, 6)))
 
 
 def _beside(problem: Problem, fit: Fit) -> list[Distortion]:
@@ -212,7 +213,7 @@ def columns_of(problem: Problem, setup: Setup) -> tuple[tuple[Columns, ...], ...
 def _courses(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array) -> tuple[Columns, ...]:
     """Columns of what changes in time: freely, or, as likely as that, towards a final value as creep and warmth do."""
     free: Array = np.asarray(np.linalg.cholesky(_kernel(knots, 0.0)), dtype=np.float64)
-    observed = np.nan_to_num(np.column_stack(list(_in_time(family, problem, setup, base, knots, free))))
+    observed = np.nan_to_num(_in_time(family, problem, setup, base, knots, free))
     found = [Columns(family, 0.5, observed, knots, free)]
     # Linear in the values at knots, as the free courses are.
     by_values = observed @ np.linalg.inv(free)
@@ -235,16 +236,12 @@ def _of_shapes(
             yield change * weights[row]
 
 
-def _in_time(
-    family: Family, problem: Problem, setup: Setup, base: Array, knots: Array, values: Array
-) -> Iterator[Array]:
+def _in_time(family: Family, problem: Problem, setup: Setup, base: Array, knots: Array, values: Array) -> Array:
+    """Changes (n, k) of the observables by courses of a column through values (j, k) at knots."""
     force = setup.plateau_force_N
     scale = {"": 0.0, "force": force, "compliance": setup.amplitude_um / force}[family.scale]
-    for weights in values.T:
-        moved = FreeInTime(family.column, knots, _STEP * weights, scale)
-        changed = replace(setup, effects=(*setup.effects, moved))
-        course = simulate(problem.states, changed, problem.layout.cycles)
-        yield (problem.layout.observed(course) - base) / _STEP
+    moved = (FreeInTime(family.column, knots, _STEP * weights, scale) for weights in values.T)
+    return (problem.layout.computed(problem.states, *map(setup.with_effect, moved)) - base).T / _STEP
 
 
 def _kernel(time: Array, lasting: float) -> Array:

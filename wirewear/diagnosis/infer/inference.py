@@ -7,8 +7,9 @@ themselves (MacKay, Information Theory, Inference and Learning Algorithms, 2003,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -17,10 +18,11 @@ from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Layout
+
+Found = TypeVar("Found")
 
 _KNOWN = constants("infer.inference")
 
@@ -28,7 +30,7 @@ _KNOWN = constants("infer.inference")
 REACH = _KNOWN.number("reach")
 
 _STEP, _CONVERGED = _KNOWN.each("step", "converged")
-ITERATIONS, _SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("separation_iterations")
+ITERATIONS, SEPARATION_ITERATIONS = _KNOWN.count("iterations"), _KNOWN.count("separation_iterations")
 
 #: A search begins at the best of its starts, and at others whose cost is within this factor.
 _COMPARABLE = _KNOWN.number("comparable")
@@ -38,7 +40,8 @@ _COMPARABLE = _KNOWN.number("comparable")
 class Problem:
     """What is to be explained: the observables of `layout`, with their mean and covariance, by the fast model.
 
-    `whitening` (m, n) turns residuals into m independent standard deviates.
+    `whitening` (m, n) turns residuals into m independent standard deviates. `known` are the observables under setups
+    that were looked at: problems of one record on the same states share them.
     """
 
     states: WearStates
@@ -47,6 +50,7 @@ class Problem:
     mean: Array
     whitening: Array
     log_determinant: float
+    known: dict[Setup, Array] = field(default_factory=dict)
 
     @classmethod
     def of(cls, states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Problem:
@@ -61,10 +65,16 @@ class Problem:
             self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening, log_determinant
         )
 
+    def predictions(self, setups: Sequence[Setup]) -> Array:
+        """Observables (k, n) under setups."""
+        new = [setup for setup in dict.fromkeys(setups) if setup not in self.known]
+        values = self.layout.computed(self.states, *new)
+        self.known.update(zip(new, np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0), strict=True))
+        return np.stack([self.known[setup] for setup in setups])
+
     def predicted(self, setup: Setup) -> Array:
         """Observables (n,) under a setup."""
-        values = self.layout.observed(simulate(self.states, setup, self.layout.cycles))
-        return np.nan_to_num(values, nan=0.0, posinf=0.0, neginf=0.0)
+        return np.asarray(self.predictions([setup])[0])
 
     def whitened(self, setup: Setup) -> Array:
         """Residual (m,) in independent standard deviations."""
@@ -106,11 +116,8 @@ def jacobian_of(problem: Problem, one: Fit) -> Array:
     """Derivative (m, p) of a fit's whitened residuals by its coordinates (p,)."""
     if not one.candidates:
         return np.zeros((problem.whitening.shape[0], 0))
-
-    def residual(z: Array) -> Array:
-        return problem.whitened(applied(one.candidates, problem.setup, z))
-
-    return _jacobian(residual, one.coordinates, residual(one.coordinates))
+    asked = _jacobian(lambda z: applied(one.candidates, problem.setup, z), one.coordinates, problem.whitened(one.setup))
+    return together(problem, [asked])[0]
 
 
 def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -> Setup:
@@ -123,6 +130,26 @@ def applied(candidates: Sequence[Candidate], setup: Setup, coordinates: Array) -
     return setup
 
 
+#: What a search asks for, residuals under setups, and what it comes to.
+Asking = Generator[list[Setup], list[Array], Found]
+
+
+def together(problem: Problem, searches: Sequence[Asking[Found]]) -> list[Found]:
+    """What several searches come to, whose residuals are computed together."""
+    asked = {place: next(search) for place, search in enumerate(searches)}
+    found: dict[int, Found] = {}
+    while asked:
+        values = problem.predictions([setup for setups in asked.values() for setup in setups])
+        residuals = iter(((problem.mean - values) @ problem.whitening.T).copy())
+        for place, setups in [*asked.items()]:
+            try:
+                asked[place] = searches[place].send([next(residuals) for _ in setups])
+            except StopIteration as end:
+                found[place] = end.value
+                del asked[place]
+    return [found[place] for place in range(len(searches))]
+
+
 def fit(
     problem: Problem,
     candidates: Sequence[Candidate],
@@ -130,6 +157,17 @@ def fit(
     iterations: int = ITERATIONS,
     known: Fit | None = None,
 ) -> Fit:
+    """What `sought` comes to."""
+    return together(problem, [sought(problem, candidates, starts, iterations, known)])[0]
+
+
+def sought(
+    problem: Problem,
+    candidates: Sequence[Candidate],
+    starts: Sequence[Array] | None = None,
+    iterations: int = ITERATIONS,
+    known: Fit | None = None,
+) -> Asking[Fit]:
     """The best coordinates of these effects together, from several starts, or from what another record says of them.
 
     With `known`, its normal distribution of the coordinates is what is expected, and the evidence is that of this
@@ -137,7 +175,7 @@ def fit(
     """
     candidates = tuple(candidates)
     if not candidates:
-        whitened = problem.whitened(problem.setup)
+        (whitened,) = yield [problem.setup]
         distance2 = float(whitened @ whitened)
         return Fit((), np.zeros(0), np.zeros((0, 0)), problem.setup, distance2, -0.5 * distance2)
 
@@ -148,29 +186,27 @@ def fit(
     if known is not None:
         middle, root = known.coordinates, np.asarray(np.linalg.cholesky(known.spread), dtype=np.float64)
         starts, ends = [np.zeros(low.size)], (np.full(low.size, -REACH), np.full(low.size, REACH))
-    seen: dict[bytes, Array] = {}
 
-    def residual(z: Array) -> Array:
-        # Where a search begins has been looked at before.
-        place = z.tobytes()
-        if place not in seen:
-            seen[place] = problem.whitened(applied(candidates, problem.setup, middle + root @ z))
-        return seen[place]
+    def at(z: Array) -> Setup:
+        return applied(candidates, problem.setup, middle + root @ z)
 
-    best: tuple[float, Array, Array, Array] | None = None
-    for start in _promising(residual, starts if starts is not None else _starts(candidates)):
-        cost, z, rest, jacobian = _descend(residual, np.clip(start, *ends), iterations, ends)
+    places = _starts(candidates) if starts is None else starts
+    rests = yield [at(z) for z in places]
+    best: tuple[float, Array, Array] | None = None
+    for start in _promising(places, rests):
+        cost, z, rest = yield from _descend(at, np.clip(start, *ends), iterations, ends)
         if best is None or cost < best[0] - 1e-9:
-            best = cost, z, rest, jacobian
+            best = cost, z, rest
     if best is None:
         raise ValueError("a search needs a start")
-    _, z, rest, jacobian = best
+    _, z, rest = best
+    jacobian = yield from _jacobian(at, z, rest)
     hessian = jacobian.T @ jacobian + np.eye(z.size)
     distance2 = float(rest @ rest)
     evidence = -0.5 * distance2 - 0.5 * float(z @ z) - 0.5 * float(np.linalg.slogdet(hessian)[1])
     found = middle + root @ z
     spread = np.asarray(root @ np.linalg.inv(hessian) @ root.T, dtype=np.float64)
-    return Fit(candidates, found, spread, applied(candidates, problem.setup, found), distance2, evidence)
+    return Fit(candidates, found, spread, at(z), distance2, evidence)
 
 
 def _starts(candidates: Sequence[Candidate]) -> list[Array]:
@@ -179,54 +215,53 @@ def _starts(candidates: Sequence[Candidate]) -> list[Array]:
     return [np.concatenate([candidate.starts()[1] for candidate in candidates])]
 
 
-def _promising(residual: Callable[[Array], Array], starts: Sequence[Array]) -> list[Array]:
+def _promising(starts: Sequence[Array], rests: Sequence[Array]) -> list[Array]:
     """The two best of several starts, or the best alone if it is far better."""
-    if len(starts) == 1:
-        return list(starts)
-    costs = [float(rest @ rest + z @ z) for z, rest in ((z, residual(z)) for z in starts)]
+    costs = [float(rest @ rest + z @ z) for z, rest in zip(starts, rests, strict=True)]
     order = np.argsort(costs, kind="stable")[:2]
-    return [starts[i] for i in order if costs[i] <= _COMPARABLE * costs[order[0]]]
+    return [starts[one] for one in order if costs[one] <= _COMPARABLE * costs[order[0]]]
 
 
 def _descend(
-    residual: Callable[[Array], Array], start: Array, iterations: int, ends: tuple[Array, Array]
-) -> tuple[float, Array, Array, Array]:
+    at: Callable[[Array], Setup], start: Array, iterations: int, ends: tuple[Array, Array]
+) -> Asking[tuple[float, Array, Array]]:
     """Levenberg–Marquardt on the residual and the prior, from one start, between the ends of the parameters' ranges.
 
     Steps of at most one deviation keep it from the ends of the ranges, where scipy's trust region was seen to stay.
     """
-    z = start.astype(float).copy()
-    rest = residual(z)
+    z = start.astype(float)
+    (rest,) = yield [at(z)]
     cost = float(rest @ rest + z @ z)
-    damping, jacobian = 1e-3, _jacobian(residual, z, rest)
+    damping, jacobian = 1e-3, None
     for _ in range(iterations):
+        if jacobian is None:
+            jacobian = yield from _jacobian(at, z, rest)
         normal = jacobian.T @ jacobian + np.eye(z.size)
         step = np.linalg.solve(normal + damping * np.diag(np.diag(normal)), -(jacobian.T @ rest + z))
         step *= min(1.0, 1.0 / max(float(np.abs(step).max()), 1e-12))
         trial = np.clip(z + step, *ends)
-        trial_rest = residual(trial)
+        (trial_rest,) = yield [at(trial)]
         trial_cost = float(trial_rest @ trial_rest + trial @ trial)
         if trial_cost < cost:
             gained, z, rest, cost = cost - trial_cost, trial, trial_rest, trial_cost
-            damping *= 0.2
-            jacobian = _jacobian(residual, z, rest)
+            damping, jacobian = 0.2 * damping, None
             if gained < _CONVERGED:
                 break
         else:
             damping = max(10.0 * damping, 1e-2)
             if damping > 1e6:
                 break
-    return cost, z, rest, jacobian
+    return cost, z, rest
 
 
-def _jacobian(residual: Callable[[Array], Array], z: Array, rest: Array) -> Array:
-    columns = []
-    for i in range(z.size):
-        moved = z.copy()
-        # Away from the bound, so that the step is never clipped.
-        moved[i] += -_STEP if z[i] > 0.0 else _STEP
-        columns.append((residual(moved) - rest) / (moved[i] - z[i]))
-    return np.stack(columns, axis=1)
+def _jacobian(at: Callable[[Array], Setup], z: Array, rest: Array) -> Asking[Array]:
+    # Away from the bound, so that the steps are never clipped.
+    steps = np.where(z > 0.0, -_STEP, _STEP)
+    moved = z + np.diag(steps)
+    rests = yield [at(one) for one in moved]
+    return np.stack(
+        [(own - rest) / (to[i] - z[i]) for i, (own, to) in enumerate(zip(rests, moved, strict=True))], axis=1
+    )
 
 
 def _whitening(covariance: Array) -> tuple[Array, float]:
@@ -235,10 +270,3 @@ def _whitening(covariance: Array) -> tuple[Array, float]:
     factor = np.linalg.cholesky(correlation)
     inverse = solve_triangular(factor, np.eye(scale.size), lower=True)
     return inverse / scale, 2.0 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
-
-
-def separation(problem: Problem, one: Fit, other: Fit, known: Fit | None = None) -> float:
-    """Least whitened distance between an explanation and another's effect, nuisances free, from where that is."""
-    twin = replace(problem, mean=problem.predicted(one.setup))
-    near = fit(twin, other.candidates, [other.coordinates], _SEPARATION_ITERATIONS, known)
-    return float(np.sqrt(near.distance2))

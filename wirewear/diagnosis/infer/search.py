@@ -14,7 +14,7 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model_error
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
-from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, fit
+from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, sought, together
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
 from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.diagnosis.model.setup import Setup
@@ -78,7 +78,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     """All explanations of a record; `left_out` names effects that are not to be considered."""
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = problem_around(states, setup, setup, observed)
-    none, singles = fit(problem, ()), [fit(problem, (effect,)) for effect in effects]
+    none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
     best = _best(none, singles)
     around: list[tuple[str, ...]] = [()]
     # An explanation is judged by the covariance around it: taken anew until the leader stays, or leads for the second
@@ -86,8 +86,8 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     while best.log_evidence > none.log_evidence + NOTICEABLE and best.names not in around:
         first = best
         around.append(first.names)
-        problem, covariance = problem_around(states, setup, first.setup, observed, first.candidates)
-        none, singles = fit(problem, ()), [_refit(problem, one, first) for one in singles]
+        problem, covariance = problem_around(states, setup, first.setup, observed, first.candidates, problem)
+        none, *singles = _refitted(problem, singles, first)
         best = _best(none, singles)
     tried: list[Fit] = []
     pairs: list[Fit] = []
@@ -96,10 +96,10 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         tried = _pair_fits(problem, none, singles)
         pairs = _enough(singles, tried)
         if pairs:
-            problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates)
-            none, singles = fit(problem, ()), [_refit(problem, one, best) for one in singles]
+            problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates, problem)
+            none, *singles = _refitted(problem, singles, best)
             single = _best(none, singles)
-            pairs = [fit(problem, one.candidates, [one.coordinates]) for one in pairs]
+            pairs = together(problem, [sought(problem, one.candidates, [one.coordinates]) for one in pairs])
             pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
         if not pairs:
             problem, covariance, none, singles = alone
@@ -116,25 +116,34 @@ def leading(none: Fit, others: Sequence[Fit]) -> tuple[Fit, tuple[Fit, ...]]:
 
 
 def problem_around(
-    states: WearStates, setup: Setup, around: Setup, observed: Observations, effects: Sequence[Candidate] = ()
+    states: WearStates,
+    setup: Setup,
+    around: Setup,
+    observed: Observations,
+    effects: Sequence[Candidate] = (),
+    before: Problem | None = None,
 ) -> tuple[Problem, Covariance]:
-    """A record as a problem, its covariance taken around a setup with these effects in it."""
+    """A record as a problem, its covariance taken around a setup with these effects in it; `before` it was this one."""
     covariance = estimate(states, around, observed)
     error = max((states.model_error(effect.kind) for effect in effects), default=0.0)
     if error > 0.0:
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
-    return Problem.of(states, setup, observed.layout, covariance), covariance
+    problem = Problem.of(states, setup, observed.layout, covariance)
+    return problem if before is None else replace(problem, known=before.known), covariance
 
 
 def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
     return max((none, *singles), key=lambda one: one.merit)
 
 
-def _refit(problem: Problem, one: Fit, best: Fit) -> Fit:
-    """Again under another covariance: from where it was, and from all starts if it was among the better ones."""
-    hopeless = best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
-    starts = [one.coordinates] if hopeless else [one.coordinates, *one.candidates[0].starts()]
-    return fit(problem, one.candidates, starts, iterations=_SCREENING if hopeless else ITERATIONS)
+def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:
+    """None, and all again under another covariance: from where they were, and the better ones from all starts."""
+    asked = [sought(problem, ())]
+    for one in singles:
+        hopeless = best.log_evidence - one.log_evidence > _HOPELESS * abs(best.log_evidence)
+        starts = [one.coordinates] if hopeless else [one.coordinates, *one.candidates[0].starts()]
+        asked.append(sought(problem, one.candidates, starts, _SCREENING if hopeless else ITERATIONS))
+    return together(problem, asked)
 
 
 def _enough(singles: Sequence[Fit], pairs: Sequence[Fit]) -> list[Fit]:
@@ -150,24 +159,21 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
     first = ordered[0]
     # With the first effect in place, a few steps show which second ones are worth a joint fit.
     beside = replace(problem, setup=first.setup)
-    screened = [
-        (fit(beside, one.candidates, iterations=_SCREENING), one) for one in singles if one.names != first.names
-    ]
-    screened = [
-        (rough, one) for rough, one in screened if rough.log_evidence > -0.5 * first.distance2 + 0.5 * PAIR_GAIN
-    ]
+    others = [one for one in singles if one.names != first.names]
+    rough = together(beside, [sought(beside, one.candidates, iterations=_SCREENING) for one in others])
+    enough = -0.5 * first.distance2 + 0.5 * PAIR_GAIN
+    screened = [pair for pair in zip(rough, others, strict=True) if pair[0].log_evidence > enough]
     screened.sort(key=lambda pair: -pair[0].merit)
     alone = _of_scars_alone(problem)
     if alone:
         # Effects that shape a scar together need not show beside the first as it is; what scars never show stays out.
-        others = (one for one in singles if one.names != first.names)
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
     else:
         # The first effect, bent to do for both, may hide those that explain much by themselves.
         likely = [one for one in ordered[1 : _LIKELY + 1] if one.log_evidence > none.log_evidence + PAIR_GAIN]
         chosen = [*screened[:_SECONDS], *((one, one) for one in likely)]
-    found = [
-        fit(
+    joint = [
+        sought(
             problem,
             (*first.candidates, *one.candidates),
             _joint_starts(first, begun, alone),
@@ -175,6 +181,7 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
         )
         for begun, one in chosen
     ]
+    found = together(problem, joint)
     best: dict[tuple[str, ...], Fit] = {}
     for one in sorted(found, key=lambda one: -one.merit):
         best.setdefault(one.names, one)
@@ -224,7 +231,8 @@ def updated(first: Search, states: WearStates, setup: Setup, observed: Observati
     around = applied(first.best.candidates, setup, first.best.coordinates)
     problem, _ = problem_around(states, setup, around, observed, first.best.candidates)
     fits = (first.none, *first.singles, *first.pairs)
-    second = {one.names: fit(problem, one.candidates, known=one if one.candidates else None) for one in fits}
+    asked = [sought(problem, one.candidates, known=one if one.candidates else None) for one in fits]
+    second = {one.names: one for one in together(problem, asked)}
 
     def both(one: Fit) -> Fit:
         own = second[one.names]

@@ -55,7 +55,7 @@ def masses(causes: Iterable[tuple[str, float]], equivalent: Iterable[Sequence[st
 def plausible(known: Mapping[tuple[str, ...], float]) -> Classes:
     """The most probable classes, until they have 90 % of the probability, and a cause of no library."""
     kept: list[tuple[str, ...]] = []
-    for members in sorted(known, key=lambda members: (-known[members], members)):
+    for members in sorted(known, key=lambda members: (-round(known[members], 9), members)):
         if sum(known[before] for before in kept) >= LEVEL:
             break
         kept.append(members)

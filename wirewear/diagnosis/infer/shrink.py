@@ -364,7 +364,7 @@ def _profiles(
         return {}
     part = layout.taken(keep)
     mean = np.nanmean(observed.values[:, keep], axis=0)
-    rest = [mean - part.observed(simulate(states, setup, part.cycles)) for setup in (before, after)]
+    rest = mean - part.computed(states, before, after)
     first, second = (float(np.sqrt(np.nanmean(one**2))) for one in rest)
     return {"profile_depth_um": (first, second)}
 

@@ -16,7 +16,7 @@ from scipy.stats import chi2
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import SHARED, Covariance, derivatives
-from wirewear.diagnosis.infer.inference import Fit, Problem, separation
+from wirewear.diagnosis.infer.inference import SEPARATION_ITERATIONS, Fit, Problem, sought, together
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.observe.reduction import Part
 
@@ -113,9 +113,18 @@ def distances(problem: Problem, fits: Sequence[Fit], known: Sequence[Fit] = ()) 
     matrix = np.full((count, count), np.inf)
     np.fill_diagonal(matrix, 0.0)
     for i, one in enumerate(fits):
-        for j, other in enumerate(fits):
-            if i != j and len(one.candidates) == 1 and len(other.candidates) == 1:
-                matrix[i, j] = separation(problem, one, other, known[j] if known else None)
+        others = [j for j, other in enumerate(fits) if i != j and len(one.candidates) == len(other.candidates) == 1]
+        twin = replace(problem, mean=problem.predicted(one.setup))
+        near = together(
+            twin,
+            [
+                sought(
+                    twin, fits[j].candidates, [fits[j].coordinates], SEPARATION_ITERATIONS, known[j] if known else None
+                )
+                for j in others
+            ],
+        )
+        matrix[i, others] = np.sqrt([other.distance2 for other in near])
     symmetric: Array = np.maximum(matrix, matrix.T)
     return symmetric
 
@@ -192,16 +201,11 @@ def weigh(
 
 def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str, ...]:
     """Effects that, one standard deviation of expectation from their middle, stay within the distance of chance."""
-    reference = problem.predicted(problem.setup)
     unseen = []
     for candidate in candidates:
-        far = []
-        for side in (1.0, -1.0):
-            at = np.zeros(len(candidate.unknowns))
-            at[0] = side
-            values = problem.predicted(candidate.applied(problem.setup, at))
-            far.append(float(np.linalg.norm(problem.whitening @ (values - reference))))
-        if max(far) < SEPARABLE:
+        ends = [side * np.eye(len(candidate.unknowns))[0] for side in (1.0, -1.0)]
+        values = problem.predictions([problem.setup, *(candidate.applied(problem.setup, at) for at in ends)])
+        if np.linalg.norm(problem.whitening @ (values[1:] - values[0]).T, axis=0).max() < SEPARABLE:
             unseen.append(candidate.name)
     return tuple(unseen)
 

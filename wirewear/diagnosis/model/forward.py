@@ -1,5 +1,7 @@
 """The fast forward model: loops and wear under any `Setup`, in milliseconds, on the wear states of one nominal run.
 
+Several setups are computed together: arrays hold their moments one after the other, for each as many.
+
 A loop is a chain in series: drive → play and springs → contact → sensors. The contact sticks with Mindlin's
 micro-slip by Masing's rule (Johnson, Contact Mechanics, 1985, section 7.4) and slides along the force curves of its
 wear state; the drive's amplitude decides how far. Worn volume follows from the loops' energies over the cycles.
@@ -7,9 +9,10 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +42,14 @@ _LIFT = np.stack([readings.POSITIONS**power for power in LIFT_POWERS])
 _ENDS = readings.POSITIONS**4 - 0.2
 
 
+#: Numbers of a setup that its chain does not hold.
+_NUMBERS = (
+    *("amplitude_um", "load_N", "friction", "load_factor", "normal_spring_N_per_um", "slope_factor", "tip_factor"),
+    *("tip_trend", "stretch", "stick_factor", "stick_trend", "micro_slip", "angle_rise", "held_share"),
+    *("displacement_offset_um", "force_offset_N"),
+)
+
+
 @dataclass(frozen=True, eq=False)
 class LoopCourse:
     """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
@@ -59,6 +70,10 @@ class LoopCourse:
     scars: Array
     skew: Array
     profiles: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
+
+
+#: Columns of a course that are of its loops.
+OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um", "energy_mJ", "volume_um3"
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,64 +113,94 @@ class _Layer:
         theta = (slip / states.radius_um)[:, None] * (slope @ _odd_hats(slope.shape[1]))
         return cls(theta, stiffness[1:], springs, (approach[1:] - approach[0]) / unit, under)
 
+    @classmethod
+    def of_all(cls, states: WearStates, chains: Sequence[Chain], slip: Array) -> _Layer | None:
+        """Those of several chains; zeros where one has none, None where none has one."""
+        found = [cls.of(states, *own) for own in zip(chains, np.split(slip, len(chains)), strict=True)]
+        known = next((layer for layer in found if layer is not None), None)
+        if known is None:
+            return None
+        nothing = _Layer(*(np.zeros_like(column) for column in known.columns))
+        return _Layer(*map(np.concatenate, zip(*((layer or nothing).columns for layer in found), strict=True)))
+
+    @property
+    def columns(self) -> tuple[Array, ...]:
+        return self.theta, self.stiffness, self.springs_um_per_N, self.approach_um, self.worn_under_um
+
     def taken(self, moments: NDArray[np.intp]) -> _Layer:
         """Some moments only."""
-        columns = self.theta, self.stiffness, self.springs_um_per_N, self.approach_um, self.worn_under_um
-        return _Layer(*(column[moments] for column in columns))
+        return _Layer(*(column[moments] for column in self.columns))
 
 
 def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
     """Loops at `cycles` (n,), increasing."""
-    last = max(setup.cycles, float(cycles[-1]))
+    return next(simulated(states, (setup,), cycles))
+
+
+def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> Iterator[LoopCourse]:
+    """The same under several setups of one test and one drive, which differ in their effects and numbers."""
+    last = max(setups[0].cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
-    chain, slip, energy = _wear_path(states, setup, nodes)
-    at = np.searchsorted(nodes, cycles)
-    layer = _Layer.of(states, chain, slip)
-    end, chain = chain.taken(np.array([nodes.size - 1])), chain.taken(at)
+    chains, slip, energy = _wear_path(states, setups, nodes)
+    layer = _Layer.of_all(states, chains, slip)
+    first = nodes.size * np.arange(len(setups))
+    at, ends = (first[:, None] + np.searchsorted(nodes, cycles)).ravel(), first + nodes.size - 1
+    whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
+    chain, end = whole.taken(at), whole.taken(ends)
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
-    x, q = readings.branch_of(contact, chain, slip[at])
-    x, q, p = readings.read_by_sensors(setup, chain, x, q, contact.load_N)
-    return LoopCourse(
-        cycles=cycles,
-        displacement_um=x,
-        tangential_force_N=q,
-        normal_force_N=p,
-        slip_um=slip[at],
-        energy_mJ=energy[at],
-        volume_um3=chain.worn_um3,
-        scars=_scars(states, end, float(slip[-1]), 0.0 if layer is None else float(layer.worn_under_um[-1])),
-        skew=_skews(states, end, slip[-1:]),
-        profiles=states.profiles(setup, end, float(slip[-1])),
+    loops = readings.read_by_sensors(setup, chain, *readings.branch_of(contact, chain, slip[at]), contact.load_N)
+    under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
+    scars, skews = _scars(states, end, slip[ends], under), _skews(states, end, slip[ends])
+    each: Any = zip(
+        *(np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3)),
+        scars,
+        skews,
+        strict=True,
     )
+    for place, (one, columns) in enumerate(zip(setups, each, strict=True)):
+        profiles = states.profiles(one, end.taken(np.array([place])), float(slip[ends[place]]))
+        yield LoopCourse(cycles, *columns, profiles=profiles)
 
 
-def _wear_path(states: WearStates, setup: Setup, cycles: Array) -> tuple[Chain, Array, Array]:
-    """The chain with its worn volume, slip amplitude and loop energy at cycles (n,)."""
-    wearing = setup.wearing_cycles(cycles)
+def _columns(setups: Sequence[Setup], moments: int) -> Setup:
+    """Several setups as one whose numbers are arrays (n,), one for each of so many moments of each."""
+    each: dict[str, Any] = {name: np.repeat([getattr(setup, name) for setup in setups], moments) for name in _NUMBERS}
+    return replace(setups[0], **each)
+
+
+def _wear_path(states: WearStates, setups: Sequence[Setup], cycles: Array) -> tuple[list[Chain], Array, Array]:
+    """Each setup's chain with its worn volume at cycles (n,), and slip amplitudes and loop energies of all, joined."""
+    count, setup = len(setups), _columns(setups, cycles.size)
+    wearing = setups[0].wearing_cycles(cycles)
     steps = np.diff(wearing, prepend=0.0)
-    slip = np.full_like(cycles, 0.9 * setup.amplitude_um)
-    load_N = setup.load_factor * setup.load_N
-    spent = 4e-6 * setup.friction * load_N * slip * wearing
-    chain = setup.chain(states.spot_radius_um, states.fresh_area_um2, cycles, spent, np.zeros_like(cycles))
-    energy = 4e-3 * chain.friction * load_N * slip
+    slip, load_N = np.asarray(0.9 * setup.amplitude_um), setup.load_factor * setup.load_N
+    spent = 4e-6 * setup.friction * load_N * slip * np.tile(wearing, count)
+    circumstances = states.spot_radius_um, states.fresh_area_um2, cycles
+    chains = [
+        one.chain(*circumstances, own, np.zeros_like(cycles))
+        for one, own in zip(setups, np.split(spent, count), strict=True)
+    ]
+    energy = 4e-3 * np.concatenate([chain.friction for chain in chains]) * load_N * slip
     for _ in range(_WEAR_SWEEPS):
-        worn, spent = _summed(np.stack([states.wearing(setup, chain, slip) * energy, 1e-3 * energy]), steps)
-        if setup.follows_wear:
-            chain = setup.chain(states.spot_radius_um, states.fresh_area_um2, cycles, spent, worn)
-        else:
-            chain = replace(chain, energy_J=spent, worn_um3=worn)
-        layer = _Layer.of(states, chain, slip)
+        each = zip(setups, chains, np.split(slip, count), strict=True)
+        faster = np.concatenate([states.wearing(*own) for own in each])
+        worn, spent = _summed(np.stack([faster * energy, 1e-3 * energy]).reshape(2, count, -1), steps)
+        chains = [
+            one.chain(*circumstances, own, lost) if one.follows_wear else replace(chain, energy_J=own, worn_um3=lost)
+            for one, chain, own, lost in zip(setups, chains, spent, worn, strict=True)
+        ]
+        layer, chain = _Layer.of_all(states, chains, slip), Chain.joined(chains)
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_slip(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
         energy = readings.loop_energy(contact, slip)
-    return chain, slip, energy
+    return chains, slip, energy
 
 
 def _summed(per_cycle: Array, steps: Array) -> Array:
-    """What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (k, n)."""
-    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[:, :1], per_cycle[:, :-1]], axis=1))
-    return np.cumsum(middle * steps, axis=1)
+    """What comes together over steps of cycles (n,), of which the first goes on as it ends; per cycle (..., n)."""
+    middle = 0.5 * (per_cycle + np.concatenate([per_cycle[..., :1], per_cycle[..., :-1]], axis=-1))
+    return np.cumsum(middle * steps, axis=-1)
 
 
 def _contact(
@@ -168,32 +213,32 @@ def _contact(
     slip_um, stiffness_N_per_um, slope, angle_rad = states.between(row, share)
     size = own / slip_um
     # Solvers agree best while the scar is shallow against the stroke, at a similarity of about one.
-    decades = np.clip(np.log10(np.maximum(similarity, 1e-9)), -2.0, 2.0)
+    decades = np.log10(np.minimum(np.maximum(similarity, 1e-2), 1e2))
     tip = setup.tip_factor + setup.tip_trend * decades
-    shape = setup.slope_factor + tip[:, None] * _ENDS
+    shape = np.expand_dims(setup.slope_factor, 1) + tip[:, None] * _ENDS
     theta = size[:, None] * (slope @ _ODD) * shape
     # What slopes are stretched by says nothing of how deep the scar is.
-    there = (row, share) if setup.stretch == 1.0 else _places(states, similarity * setup.stretch**4)
-    drop, lift = states.loads(*there, slip)
+    unstretched = similarity * setup.stretch**4
+    drop, lift = states.loads(*_places(states, unstretched), slip)
     stiffness = setup.stick_factor * np.exp(setup.stick_trend * decades) * stiffness_N_per_um
-    if chain.flattening_um.any():
-        wires = states.flattened()
+    if (at := np.flatnonzero(chain.flattening_um)).size:
+        wires, unit = states.flattened(), slip[at] ** 2 / states.radius_um
         # The foundation cuts walls where they are: only the run's own states are stretched.
-        flat = wires.at(chain.flattening_um * states.radius_um / slip**2, similarity * setup.stretch**4)
-        theta = theta + (slip / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
-        drop = drop + setup.normal_spring_N_per_um * flat.approach * slip**2 / states.radius_um
-        stiffness = stiffness * np.exp(flat.stiffness)
+        flat = wires.at(chain.flattening_um[at] / unit, unstretched[at])
+        theta[at] += (slip[at] / states.radius_um)[:, None] * (flat.slope @ _odd_hats(wires.positions.size))
+        drop[at] += np.take(setup.normal_spring_N_per_um, at) * flat.approach * unit
+        stiffness[at] *= np.exp(flat.stiffness)
     springs = chain.compliance_um_per_N
     if layer is not None:
         # As with flattening, the foundation's walls are where they are.
         theta, stiffness = theta + layer.theta, stiffness * np.exp(layer.stiffness)
         drop, springs = drop + setup.normal_spring_N_per_um * layer.approach_um, springs + layer.springs_um_per_N
     load = np.maximum(chain.load_N - drop, 0.05 * setup.load_factor * setup.load_N)
-    angle = np.arctan(chain.friction)[:, None] + setup.angle_rise * (angle_rad @ _EVEN)
+    angle = np.arctan(chain.friction)[:, None] + np.expand_dims(setup.angle_rise, 1) * (angle_rad @ _EVEN)
     along = load[:, None] + lift @ _LIFT
-    force = along * np.tan(np.clip(theta + angle, -1.2, 1.2))
+    force = along * np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
-    return readings.SlidingContact(along, force, stiffness, springs, states.full_slip * float(np.exp(setup.micro_slip)))
+    return readings.SlidingContact(along, force, stiffness, springs, states.full_slip * np.exp(setup.micro_slip))
 
 
 @cache
@@ -206,10 +251,10 @@ def _odd_hats(count: int) -> Array:
 def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     """Row below each similarity and the share of the way to the next, linear in its logarithm."""
     known, wanted = states.log_similarity, np.log(similarity + states.least_similarity)
-    row = np.clip(np.searchsorted(known, wanted, side="right") - 1, 0, known.size - 2)
+    row = np.minimum(np.maximum(np.searchsorted(known, wanted, side="right") - 1, 0), known.size - 2)
     share = (wanted - known[row]) / (known[row + 1] - known[row])
     # Beyond the last state, the trend of the last two goes on for a while.
-    return row, np.clip(share, 0.0, 3.0)
+    return row, np.minimum(np.maximum(share, 0.0), 3.0)
 
 
 def _missing_slip(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
@@ -220,9 +265,12 @@ def _missing_slip(setup: Setup, chain: Chain, contact: readings.SlidingContact, 
         missing = _missing_held(setup, chain, contact, slip)
         return np.where(np.isnan(chain.amplitude_um), missing, chain.amplitude_um - stroke)
     if setup.drive == "sensor":
-        if chain.linear_um_per_N.any() or chain.quadratic_um_per_N2.any():
-            return (chain.amplitude_um - _half_reading(chain, *readings.branch_of(contact, chain, slip))) / chain.gain
-        return chain.amplitude_um / chain.gain - stroke
+        missing = chain.amplitude_um / chain.gain - stroke
+        if (at := np.flatnonzero((chain.linear_um_per_N != 0.0) | (chain.quadratic_um_per_N2 != 0.0))).size:
+            moved = chain.taken(at)
+            half = _half_reading(moved, *readings.branch_of(contact.taken(at), moved, slip[at]))
+            missing[at] = (moved.amplitude_um - half) / moved.gain
+        return missing
     return np.asarray(chain.amplitude_um - stroke)
 
 
@@ -248,33 +296,33 @@ def _half_reading(chain: Chain, x: Array, q: Array) -> Array:
     return np.asarray(0.5 * (read.max(axis=1) - read.min(axis=1)))
 
 
-def _scars(states: WearStates, last: Chain, slip: float, worn_under_um: float) -> Array:
-    """`SCAR_FIGURES` (2, 4) of the moving and the fixed wire at a chain's one moment, by geometric similarity."""
-    volume = float(last.worn_um3[0])
-    row, share = _places(states, states.similar(np.array([volume]), np.array([slip])))
-    figures = states.scars[row[0]] + share[0] * (states.scars[row[0] + 1] - states.scars[row[0]])
-    size = slip / float(np.interp(row[0] + share[0], np.arange(states.slip_um.size), states.slip_um))
-    scaled: Array = figures * size ** np.array([4.0, 2.0, 1.0, 1.0])
-    scaled *= 1.0 + last.retained_fraction * _CONCENTRATION
+def _scars(states: WearStates, last: Chain, slip: Array, worn_under_um: Array) -> Array:
+    """`SCAR_FIGURES` (k, 2, 4) of the moving and the fixed wire at a chain's moments (k,), by geometric similarity."""
+    row, share = _places(states, states.similar(last.worn_um3, slip))
+    figures = states.scars[row] + share[:, None, None] * (states.scars[row + 1] - states.scars[row])
+    size = slip / np.interp(row + share, np.arange(states.slip_um.size), states.slip_um)
+    scaled: Array = figures * size[:, None, None] ** np.array([4.0, 2.0, 1.0, 1.0])
+    scaled *= 1.0 + last.retained_fraction[:, None, None] * _CONCENTRATION
     # Volumes follow the wear law exactly, whatever the similarity leaves over.
-    total = scaled[:, 0].sum()
-    scaled[:, 0] *= volume / total if total > 0.0 else 1.0
-    if last.flattening_um.any():
-        similarity = np.array([volume * states.radius_um / slip**4])
-        flat = states.flattened().at(last.flattening_um * states.radius_um / np.array([slip]) ** 2, similarity)
-        scaled[:, 0] += flat.volume[0] * slip**4 / states.radius_um
-        scaled[:, 1] += flat.depth[0] * slip**2 / states.radius_um
-        scaled[:, 2:] *= np.exp(flat.extent[0])
-    if worn_under_um > 0.0:
-        unit = states.radius_um / slip**2
-        depth, extent = states.layered().scar(unit * worn_under_um, volume * unit / slip**2)
-        scaled[:, 1] += depth / unit
-        scaled[:, 2:] *= np.exp(extent)
+    total = scaled[:, :, 0].sum(axis=1)
+    scaled[:, :, 0] *= np.divide(last.worn_um3, total, out=np.ones_like(total), where=total > 0.0)[:, None]
+    unit = states.radius_um / slip**2
+    similarity = last.worn_um3 * unit / slip**2
+    if (at := np.flatnonzero(last.flattening_um)).size:
+        flat = states.flattened().at(last.flattening_um[at] * unit[at], similarity[at])
+        scaled[at, :, 0] += flat.volume * (slip[at] ** 2 / unit[at])[:, None]
+        scaled[at, :, 1] += flat.depth / unit[at, None]
+        scaled[at, :, 2:] *= np.exp(flat.extent)
+    for one in np.flatnonzero(worn_under_um > 0.0).tolist():
+        depth, extent = states.layered().scar(float(unit[one] * worn_under_um[one]), float(similarity[one]))
+        scaled[one, :, 1] += depth / unit[one]
+        scaled[one, :, 2:] *= np.exp(extent)
     return scaled
 
 
 def _skews(states: WearStates, last: Chain, slip: Array) -> Array:
-    """Skew (2,) of the moving and the fixed wire's scar: sheared by the crossing angle as it is, the rest the run's."""
+    """Skews (k, 2) of both wires' scars: sheared by the crossing angle as it is, the rest the run's."""
     at = np.log(states.similar(last.worn_um3, slip) + states.least_similarity)
     beyond = np.broadcast_to(states.extra_skew, (states.slip_um.size, 2)).T
-    return np.array([np.interp(at[0], states.log_similarity, own) for own in beyond]) - np.tan(last.crossing_error_rad)
+    own = np.stack([np.interp(at, states.log_similarity, one) for one in beyond], axis=1)
+    return np.asarray(own - np.tan(last.crossing_error_rad)[:, None])

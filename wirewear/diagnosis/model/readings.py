@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
@@ -38,7 +39,11 @@ class SlidingContact:
     force_N: Array
     stiffness_N_per_um: Array
     springs_um_per_N: Array
-    order: float
+    order: Array
+
+    def taken(self, moments: NDArray[np.intp]) -> "SlidingContact":
+        """Some moments only."""
+        return SlidingContact(*(column[moments] for column in vars(self).values()))
 
     @property
     def yielding_um_per_N(self) -> Array:
@@ -77,16 +82,29 @@ def branch_of(contact: SlidingContact, chain: Chain, slip: Array) -> tuple[Array
     stick = rise * STICK - tip[:, None]
     q = np.concatenate([stick, force[:, 1:]], axis=1)
     full = contact.yielding_um_per_N[:, None]
-    micro = full * rise * (1.0 - (1.0 - STICK) ** (1.0 / contact.order)) - full * tip[:, None] - slip[:, None]
+    micro = full * rise * (1.0 - (1.0 - STICK) ** (1.0 / contact.order[:, None])) - full * tip[:, None] - slip[:, None]
     sliding = slip[:, None] * POSITIONS[1:] + full * force[:, 1:]
     springs = contact.springs_um_per_N[:, None]
     x = np.concatenate([micro, sliding], axis=1) + springs * q
-    return x + 0.5 * chain.free_play_um[:, None] * np.clip(q / PLAY_FORCE_N, -1.0, 1.0), q
+    return x + 0.5 * chain.free_play_um[:, None] * np.minimum(np.maximum(q / PLAY_FORCE_N, -1.0), 1.0), q
 
 
 def still_to_come(place: Array) -> Array:
     """The least place of branches (..., m) from each point on: what runs back in stick is passed again in sliding."""
     return np.asarray(np.minimum.accumulate(place[..., ::-1], axis=-1)[..., ::-1])
+
+
+def read_along(known: Array, values: Array, row: NDArray[np.intp], at: Array) -> Array:
+    """Values (n,) on branches (r, m) where what does not fall along them is `at` (n,) on rows (n,), linear between."""
+    count, rows = known.shape[1], np.arange(known.shape[0])
+    # One search serves all branches, each lifted above the one before.
+    lift = float(known.max() - known.min()) + 1.0
+    inside = np.minimum(np.maximum(at, known[row, 0]), known[row, -1])
+    right = np.searchsorted((known + lift * rows[:, None]).ravel(), inside + lift * row, side="right") - count * row
+    right = np.minimum(np.maximum(right, 1), count - 1)
+    start, first, end, last = (field[row, side] for side in (right - 1, right) for field in (known, values))
+    share = np.minimum(np.maximum((inside - start) / np.maximum(end - start, 1e-12), 0.0), 1.0)
+    return np.asarray(first + share * (last - first))
 
 
 def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array) -> tuple[Array, Array, Array]:
@@ -96,36 +114,38 @@ def read_by_sensors(setup: Setup, chain: Chain, x: Array, q: Array, load: Array)
     x = np.stack([x, -x], axis=1)
     q = np.stack([q, -q], axis=1)
     p = np.stack([there, there], axis=1)
-    tilt, gain, linear, quadratic, crosstalk, zero = (
-        column[:, None, None]
+    tilt, gain, linear, quadratic, crosstalk, zero, normal_spring, moved_um = (
+        np.expand_dims(column, (1, 2))
         for column in (
             chain.misalignment_rad,
             chain.gain,
             chain.linear_um_per_N,
             chain.quadratic_um_per_N2,
             chain.crosstalk,
-            chain.force_zero_N,
+            chain.force_zero_N + setup.force_offset_N,
+            setup.normal_spring_N_per_um,
+            setup.displacement_offset_um,
         )
     )
     if tilt.any():
         # A wire that climbs presses the loading spring, and friction follows the load.
         holder = chain.compliance_um_per_N[:, None, None]
         relative = x - holder * q
-        share = 1.0 + setup.normal_spring_N_per_um * np.tan(tilt) * relative / p
+        share = 1.0 + normal_spring * np.tan(tilt) * relative / p
         p, q = share * p, share * q
         # Q = P tan(φ ± β): climbing on one stroke, descending on the other.
         q = q + np.tan(tilt) * (p + q**2 / p)
         x = relative + holder * q
     read = gain * x + linear * q + quadratic * q**2
-    # A time, the same at all moments, is a phase of the drive.
-    if lag := 2.0 * np.pi * setup.frequency_Hz * float(np.mean(chain.lag_s)):
-        read = late_places(setup, read, lag)
+    # A time, the same at all moments of a test, is a phase of the drive.
+    for lag in np.unique(chain.lag_s[chain.lag_s != 0.0]).tolist():
+        read[chain.lag_s == lag] = late_places(setup, read[chain.lag_s == lag], 2.0 * np.pi * setup.frequency_Hz * lag)
     # Measured loops are centred between their tips, whatever moves the reading as a whole.
     centre = 0.5 * (read.max(axis=(1, 2), keepdims=True) + read.min(axis=(1, 2), keepdims=True))
-    q, p = q + crosstalk * p + zero + setup.force_offset_N, p + crosstalk * q
-    if chain.force_lag_s.any():
-        q = late_forces(q, x, 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s, setup.motion)
-    return read - centre + setup.displacement_offset_um, q, p
+    q, p = q + crosstalk * p + zero, p + crosstalk * q
+    if (at := np.flatnonzero(chain.force_lag_s)).size:
+        q[at] = late_forces(q[at], x[at], 2.0 * np.pi * setup.frequency_Hz * chain.force_lag_s[at], setup.motion)
+    return read - centre + moved_um, q, p
 
 
 def late_places(setup: Setup, read: Array, lag: float) -> Array:

@@ -8,6 +8,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.readings import read_along
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import (
@@ -184,8 +185,9 @@ def loop_area(x: Array, q: Array) -> Array:
 def half_width(x: Array, q: Array) -> Array:
     """Half of a loop's width at its mid force, (n,)."""
     middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
-    width = [
-        np.interp(-m, np.maximum.accumulate(-qs[1]), xs[1]) - np.interp(m, np.maximum.accumulate(qs[0]), xs[0])
-        for xs, qs, m in zip(x, q, middle, strict=True)
-    ]
-    return 0.5 * np.array(width)
+    each = np.arange(len(x))
+    back, there = (
+        read_along(np.maximum.accumulate(sign * q[:, side], axis=1), x[:, side], each, sign * middle)
+        for side, sign in ((1, -1.0), (0, 1.0))
+    )
+    return 0.5 * (back - there)

@@ -6,8 +6,8 @@ A new one is a subclass of `Observable` and an entry in `reduction.py`, or an in
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import combinations
 from typing import ClassVar
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import MIDDLE, SLIDING
+from wirewear.diagnosis.model.readings import MIDDLE, SLIDING, read_along
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
@@ -79,7 +79,12 @@ class Sites:
         for cycle, branch, level, wire, figure in zip(*(column.tolist() for column in columns), strict=True):
             yield Site(cycle, branch, level, wire, figure)
 
-    def taken(self, keep: BoolArray) -> Sites:
+    def repeated(self, times: int, cycles: int) -> Sites:
+        """The same so many times, the cycles of each beginning so much later."""
+        rows = np.tile(np.arange(len(self)), times)
+        return replace(self.taken(rows), cycle=self.cycle[rows] + cycles * np.repeat(np.arange(times), len(self)))
+
+    def taken(self, keep: BoolArray | NDArray[np.intp]) -> Sites:
         """Part of them."""
         return Sites(self.cycle[keep], self.branch[keep], self.level[keep], self.wire[keep], self.figure[keep])
 
@@ -175,27 +180,21 @@ class ModelLoops:
         return np.asarray(force[:, 0, -1] - force[:, 0, MIDDLE])
 
 
-def along_branches(course: LoopCourse, sites: Sites, value: Callable[[Array, Array, NDArray[np.intp]], Array]) -> Array:
-    """Values (n,) that a function gives of the branch of each site, and its places; of whole loops that towards +x.
+def branches_of(course: LoopCourse, sites: Sites) -> tuple[Array, Array, NDArray[np.intp]]:
+    """Displacements and forces (r, m) of branches in the direction of travel, so that both rise; the row of each site.
 
-    It takes displacements and forces (m,) in the direction of travel, so that both rise.
+    Of whole loops it is that of the branch towards +x.
     """
-    values = np.empty(len(sites))
-    for cycle, sign, places in sites.branches:
-        row, side = int(np.searchsorted(course.cycles, cycle)), int(sign < 0)
-        x, q = ((1, -1)[side] * channel[row, side] for channel in (course.displacement_um, course.tangential_force_N))
-        values[places] = value(x, q, places)
-    return values
+    sign, points = np.array([1.0, -1.0])[:, None], course.displacement_um.shape[-1]
+    x, q = ((sign * channel).reshape(-1, points) for channel in (course.displacement_um, course.tangential_force_N))
+    return x, q, 2 * rows_of(course, sites) + (sites.branch < 0)
 
 
 def travel_um(course: LoopCourse, sites: Sites, low_N: Array, high_N: Array) -> Array:
     """Travel (n,) of a course's branches from one force (n,) in their direction to the other at each site."""
-
-    def travelled(x: Array, q: Array, at: NDArray[np.intp]) -> Array:
-        rising = np.maximum.accumulate(q)
-        return np.asarray(np.interp(high_N[at], rising, x) - np.interp(low_N[at], rising, x))
-
-    return along_branches(course, sites, travelled)
+    x, q, row = branches_of(course, sites)
+    rising = np.maximum.accumulate(q, axis=1)
+    return read_along(rising, x, row, high_N) - read_along(rising, x, row, low_N)
 
 
 @dataclass(frozen=True)

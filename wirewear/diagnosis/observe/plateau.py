@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import still_to_come
+from wirewear.diagnosis.model.readings import read_along, still_to_come
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import LocalLine, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import POSITION_WINDOW, ReducedLoop
@@ -74,10 +74,8 @@ class PlateauForce(observable.ByLocalLines):
 
     def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Linear between the model's points."""
-        place = self.along(sites)
-        return sites.branch * observable.along_branches(
-            course, sites, lambda x, q, at: np.interp(place[at], still_to_come(x), q)
-        )
+        x, q, row = observable.branches_of(course, sites)
+        return sites.branch * read_along(still_to_come(x), q, row, self.along(sites))
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Ripples of the worn surface."""
@@ -165,9 +163,6 @@ def computed_peaks_N(displacement_um: Array, force_N: Array) -> Array:
 
 def _read(travel: Array, force: Array, at: Array) -> Array:
     """Forces (..., k) at travels, linear between the points (..., m) of each branch."""
-    right = np.clip((travel[..., None, :] < at[..., None]).sum(axis=-1), 1, travel.shape[-1] - 1)
-    start, first, end, last = (
-        np.take_along_axis(values, side, axis=-1) for side in (right - 1, right) for values in (travel, force)
-    )
-    share = np.clip((at - start) / np.maximum(end - start, 1e-12), 0.0, 1.0)
-    return np.asarray(first + share * (last - first))
+    known, values = (one.reshape(-1, one.shape[-1]) for one in (travel, force))
+    rows = np.repeat(np.arange(len(known)), at.shape[-1])
+    return read_along(known, values, rows, at.ravel()).reshape(at.shape)

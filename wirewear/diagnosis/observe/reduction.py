@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache, cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,8 +13,10 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
-from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.forward import OF_LOOPS, LoopCourse, simulated
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
+from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
@@ -23,6 +26,9 @@ from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records import AnyRecord
+
+#: So many setups are computed together: their arrays are large enough to be worth a call, and stay in a cache.
+_TOGETHER = 24
 
 
 @dataclass(frozen=True, eq=False)
@@ -161,7 +167,30 @@ class Layout:
 
     def observed(self, course: LoopCourse) -> Array:
         """The numbers (n,) of a computed course, which must hold all of `cycles`."""
-        return np.concatenate([np.zeros(0), *(part.observable.predict(course, part.sites) for part in self)])
+        return np.asarray(self._observed([course])[0])
+
+    def computed(self, states: WearStates, *setups: Setup) -> Array:
+        """The numbers (k, n) under several setups."""
+        parts = [setups[start : start + _TOGETHER] for start in range(0, len(setups), _TOGETHER)]
+        found = [self._observed([*simulated(states, part, self.cycles)]) for part in parts]
+        return np.concatenate([np.zeros((0, len(self))), *found])
+
+    def _observed(self, courses: Sequence[LoopCourse]) -> Array:
+        """The numbers (k, n) of courses: those of loops are read as if of one course with later and later cycles."""
+        count, whole = len(courses), int(courses[0].cycles[-1]) + 1
+        each: dict[str, Any] = {
+            name: np.concatenate([getattr(course, name) for course in courses]) for name in OF_LOOPS
+        }
+        cycles = np.concatenate([course.cycles + whole * place for place, course in enumerate(courses)])
+        loops = replace(courses[0], cycles=cycles, **each)
+        found = [np.zeros((count, 0))]
+        for part in self:
+            if part.observable.of_scars:
+                found.append(np.stack([part.observable.predict(course, part.sites) for course in courses]))
+            else:
+                sites = part.sites.repeated(count, whole) if count > 1 else part.sites
+                found.append(part.observable.predict(loops, sites).reshape(count, -1))
+        return np.concatenate(found, axis=1)
 
 
 #: Entry point group in which a package names its subclasses of `Observable`.

@@ -7,6 +7,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
+from wirewear.diagnosis.model.readings import read_along
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, ReducedLoop
@@ -59,11 +60,8 @@ class Stick(observable.ByLocalLines):
 
     def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
         """Linear between the model's points; past a loop's tips a force crosses no branch, which ends there."""
-        level = sites.level
-        places = observable.along_branches(
-            course, sites, lambda x, q, at: np.interp(level[at], np.maximum.accumulate(q), x)
-        )
-        return sites.branch * places
+        x, q, row = observable.branches_of(course, sites)
+        return sites.branch * read_along(np.maximum.accumulate(q, axis=1), x, row, sites.level)
 
     def solver_error(self, loops: observable.ModelLoops, sites: observable.Sites) -> observable.SolverSize:
         """Where a branch turns under another force, it lies elsewhere as a whole."""
