@@ -9,7 +9,7 @@ wear state; the drive's amplitude decides how far. Worn volume follows from the 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any
@@ -134,10 +134,10 @@ class _Layer:
 
 def simulate(states: WearStates, setup: Setup, cycles: Array) -> LoopCourse:
     """Loops at `cycles` (n,), increasing."""
-    return next(simulated(states, (setup,), cycles))
+    return simulated(states, (setup,), cycles)[0]
 
 
-def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> Iterator[LoopCourse]:
+def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> list[LoopCourse]:
     """The same under several setups of one test and one drive, which differ in their effects and numbers."""
     last = max(setups[0].cycles, float(cycles[-1]))
     nodes = np.unique(np.concatenate([np.geomspace(0.5, last, _NODES), cycles]))
@@ -151,15 +151,11 @@ def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> Ite
     loops = readings.read_by_sensors(setup, chain, *readings.branch_of(contact, chain, slip[at]), contact.load_N)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     scars, skews = _scars(states, end, slip[ends], under), _skews(states, end, slip[ends])
-    each: Any = zip(
-        *(np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3)),
-        scars,
-        skews,
-        strict=True,
-    )
-    for place, (one, columns) in enumerate(zip(setups, each, strict=True)):
-        profiles = states.profiles(one, end.taken(np.array([place])), float(slip[ends[place]]))
-        yield LoopCourse(cycles, *columns, profiles=profiles)
+    profiles = [
+        states.profiles(one, end.taken(np.array([place])), float(slip[ends[place]])) for place, one in enumerate(setups)
+    ]
+    columns = (np.split(column, len(setups)) for column in (*loops, slip[at], energy[at], chain.worn_um3))
+    return [LoopCourse(cycles, *own) for own in zip(*columns, scars, skews, profiles, strict=True)]
 
 
 def _columns(setups: Sequence[Setup], moments: int) -> Setup:

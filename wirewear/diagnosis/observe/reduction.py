@@ -172,7 +172,7 @@ class Layout:
     def computed(self, states: WearStates, *setups: Setup) -> Array:
         """The numbers (k, n) under several setups."""
         parts = [setups[start : start + _TOGETHER] for start in range(0, len(setups), _TOGETHER)]
-        found = [self._observed([*simulated(states, part, self.cycles)]) for part in parts]
+        found = [self._observed(simulated(states, part, self.cycles)) for part in parts]
         return np.concatenate([np.zeros((0, len(self))), *found])
 
     def _observed(self, courses: Sequence[LoopCourse]) -> Array:
