@@ -18,11 +18,11 @@ from wirewear.loops.sensor import enclosed_area
 amplitudes = st.floats(1e-4, 10.0)
 #: Share of the amplitude by which the contact has carried its holder along.
 carried = st.floats(-0.2, 1.2)
+
+
 counts = st.integers(2, 200)
 
 MIRROR = Mirror(-1.0, 1.0, np.array([2, 1, 0]), np.array([1, 0]))
-
-
 INCREMENTS = 32
 SLIDING_N = FRICTION * LOAD_N
 PLAY_mm = 0.006
@@ -178,16 +178,6 @@ def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: solvers.
     assert largest < 0.9 * SLIDING_N
     assert distance(loop, fine) <= 0.005 * largest
     assert loop.friction_work == pytest.approx(fine.friction_work, rel=0.02)
-
-
-@pytest.mark.parametrize("stroke_mm", [3.3e-4, 5.0e-4])
-def test_the_area_of_a_thin_loop_is_its_friction_work(wires: solvers.ContactProblem, stroke_mm: float) -> None:
-    problem = with_holder(wires, "rigid")
-    state = solvers.first_quarter(problem, pressed(problem)[0], solvers.Drive(stroke_mm), INCREMENTS)
-    _, loop = solvers.closed_adaptive_cycle(problem, state, solvers.Drive(stroke_mm), INCREMENTS)
-    force = float(np.abs(loop.tangential_force).max())
-    assert 0.0 < loop.friction_work < 0.1 * 4.0 * stroke_mm * force
-    assert abs(enclosed_area(loop.drive, loop.tangential_force)) == pytest.approx(loop.friction_work, rel=4e-4)
 
 
 def test_no_step_is_refined_without_end_where_the_force_is_rough(

@@ -194,8 +194,6 @@ NUISANCES = Nuisances(
 
 SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
-
-
 LAST_DIGITS = slice(9, None, 7)
 
 #: By chance a batch lies above this once in some thousands (Student's distribution, 19 degrees of freedom).

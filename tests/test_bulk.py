@@ -49,18 +49,6 @@ def test_a_bar_carries_the_force_and_the_moments_of_its_stresses() -> None:
     assert torque == pytest.approx(-50.0 * np.pi * radius**3 / 2.0, rel=1e-4)
 
 
-@pytest.mark.parametrize("plane_strain", [False, True])
-def test_a_surface_is_strained_as_its_stress_says_by_hookes_law(plane_strain: bool) -> None:
-    bar = solvers.BulkStress(STEEL, (300.0, -120.0, 0.0 if plane_strain else 60.0), plane_strain=plane_strain)
-    nu, modulus = STEEL.poissons_ratio, STEEL.youngs_modulus_MPa
-    nominal = bar.nominal(np.zeros(1))
-    xx, yy, zz, xy, _, _ = section_stress(nominal, np.zeros((1, 3)), 0.2, nu if plane_strain else 0.0)[0, 0]
-    gradient = bar.gradient(nominal)[0]
-    assert gradient[0, 0] == pytest.approx((xx - nu * (yy + zz)) / modulus)
-    assert gradient[1, 1] == pytest.approx((yy - nu * (xx + zz)) / modulus, abs=1e-18)
-    assert gradient[0, 1] + gradient[1, 0] == pytest.approx(xy / STEEL.shear_modulus_MPa)
-
-
 def test_a_wire_across_the_motion_contracts_along_it_and_both_wires_stretch_about_the_contact() -> None:
     problem, nodes = crossed_wires(0.01), np.arange(7)
     pulled = solvers.BulkStress(STEEL, (210.0, 0.0, 0.0))

@@ -147,17 +147,6 @@ def test_retained_debris_fills_the_scar_and_keeps_volume_equal_to_energy(smooth:
     assert worn[0.6].primary_depth.max() > 1.1 * worn[0.0].primary_depth.max()
 
 
-@pytest.mark.parametrize("layer", [RoughLayer(0.0), ThirdBody(0.0, 500.0)])
-def test_neutral_layers_change_nothing(smooth: ContactProblem, layer: RoughLayer | ThirdBody) -> None:
-    results = []
-    for layers in ((), (layer,)):
-        problem = replace(smooth, wear=WearRates(1e-8, 1e-8), layers=layers)
-        states, _ = driven(problem, pressed(problem)[0], STEPS, cycles=10.0)
-        results.append(states[-1])
-    assert np.array_equal(results[0].traction, results[1].traction)
-    assert np.array_equal(results[0].wear.primary_depth, results[1].wear.primary_depth)
-
-
 def test_layers_add_up_in_series() -> None:
     worn, pressure = np.array([1e-3]), np.array([[0.0, 0.0, 200.0]])
     both = layers_at_nodes((ROUGH, ThirdBody(0.5, 1000.0)), worn, pressure, np.array([[0.0, 0.0, 1.0]]))

@@ -20,17 +20,9 @@ from wirewear.simulation import simulate
 from wirewear.study import study_from_tables
 
 MESH_mm = 0.010
-
-
 RATES = (1.5e-8, 0.5e-8)
-
-
 CYCLES = 20.0
-
-
 HALF_CYCLE = AMPLITUDE_mm * np.sin(np.pi * np.arange(1, 21) / 20)
-
-
 Run = tuple[list[ContactState], list[list[IncrementReport]]]
 
 
@@ -93,14 +85,6 @@ def test_wear_relieves_the_pressure(run: Run) -> None:
     assert peaks[-1] < 0.97 * peaks[0]
 
 
-def test_mirrored_motion_wears_the_mirror_image() -> None:
-    problem = wearing()
-    forth, back = (driven(problem, pressed(problem)[0], sign * HALF_CYCLE[:10], CYCLES)[0][-1] for sign in (1.0, -1.0))
-    deepest = forth.wear.secondary_depth.max()
-    assert back.wear.secondary_depth[::-1] == pytest.approx(forth.wear.secondary_depth, abs=1e-4 * deepest)
-    assert back.wear.primary_depth[:, ::-1] == pytest.approx(forth.wear.primary_depth, abs=1e-4 * deepest)
-
-
 def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: Run) -> None:
     # A fresh problem chooses its windows anew, which changes the order of sums and nothing else.
     saved = pickle.loads(pickle.dumps(run[0][9]))
@@ -114,8 +98,6 @@ def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: 
 
 
 RATES_OF_LAWS = (1.5e-8, 1.5e-8)
-
-
 WORN = MINIMAL + "[wear]\n"
 
 

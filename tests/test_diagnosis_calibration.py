@@ -28,7 +28,6 @@ OF_THE_CODE = {
     "STEP", "_DIRECTIONS", "DIRECTIONS", "PLACES", "WITHIN", "STRIP", "OWN_NOISE", "_TOGETHER",
 }  # fmt: skip
 
-
 #: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is told.
 UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "told"}
 

@@ -22,8 +22,6 @@ from wirewear.diagnosis.infer.covariance import (
     tolerated,
 )
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import Observable, Site, channels
 from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
@@ -67,42 +65,9 @@ SITES: dict[type[Observable], list[Site]] = {
     ProfileDepths: [],
 }
 
-#: Those in newtons.
-FORCES = (
-    PlateauForce,
-    KneePeak,
-    channels.NormalForce,
-    channels.NormalForceByDirection,
-    channels.NormalForceAtEnds,
-    channels.NormalForceBySides,
-    LargestForce,
-)
-
 
 def layout(*kinds: type[Observable]) -> Layout:
     return Layout.of_sites(*((one, SITES[type(one)]) for one in all_observables() if not kinds or type(one) in kinds))
-
-
-def heavier(setup: Setup, factor: float) -> Setup:
-    """The same test under so many times the load: forces and energies grow, displacements and volumes do not."""
-    return replace(
-        setup,
-        load_N=factor * setup.load_N,
-        compliance_um_per_N=setup.compliance_um_per_N / factor,
-        normal_spring_N_per_um=factor * setup.normal_spring_N_per_um,
-        wear_um3_per_mJ=setup.wear_um3_per_mJ / factor,
-    )
-
-
-def heavier_states(factor: float) -> WearStates:
-    own = states()
-    return replace(
-        own,
-        normal_load_N=factor * own.normal_load_N,
-        stiffness_N_per_um=factor * own.stiffness_N_per_um,
-        load_drop_N=factor * own.load_drop_N,
-        lift_N=factor * own.lift_N,
-    )
 
 
 def covariance_of(observed: Observations) -> Covariance:
@@ -144,14 +109,6 @@ def test_the_order_in_which_numbers_are_listed_changes_nothing(random: Random) -
     for compute in (remainder, solver_covariance):
         expected, found = (compute(states(), nominal(), one) for one in (whole, shuffled))
         np.testing.assert_allclose(found[np.ix_(place, place)], expected, rtol=1e-9, atol=1e-14)
-
-
-@pytest.mark.parametrize("factor", [0.5, 3.0])
-def test_under_another_load_solvers_differ_by_the_same_share_of_the_forces(factor: float) -> None:
-    forces = layout(*FORCES)
-    own = remainder(states(), nominal(), forces)
-    other = remainder(heavier_states(factor), heavier(nominal(), factor), forces)
-    np.testing.assert_allclose(other, factor**2 * own, rtol=1e-6, atol=1e-12)
 
 
 @pytest.mark.seconds
@@ -304,14 +261,3 @@ def test_a_record_whose_repeats_agree_worse_than_they_are_read_is_known_less_wel
         for one in (observed, replace(observed, values=shaken))
     )
     assert np.median(doubted / believed) > 1.5
-
-
-def test_numbers_between_the_same_two_samples_share_their_noise_and_yet_can_be_weighed() -> None:
-    of_samples = np.random.default_rng(3).uniform(size=(2 * COUNT, 2))
-    of_samples /= np.linalg.norm(of_samples, axis=1)[:, None]
-    shared = replace(observations(1.0), alike=np.stack([of_samples @ of_samples.T] * 3))
-    covariance = shared.noise_covariance(0, np.arange(2 * COUNT))
-    assert covariance == pytest.approx(1e-4 * of_samples @ of_samples.T, abs=1e-9)
-    inverse = np.linalg.inv(covariance)
-    assert np.linalg.eigvalsh(0.5 * (inverse + inverse.T))[0] > 0.0
-    assert covariance @ inverse == pytest.approx(np.eye(2 * COUNT), abs=1e-6)

@@ -35,12 +35,6 @@ def saturating(loop: MeasuredLoop) -> MeasuredLoop:
     return replace(loop, tangential_force_N=force * (1.0 - 0.2 * (force / PLATEAU_N) ** 2))
 
 
-def bowed(loop: MeasuredLoop) -> MeasuredLoop:
-    """A displacement sensor that reads the middle of the stroke 4 µm too far, alike on both sides."""
-    share = loop.displacement_um / AMPLITUDE_um
-    return replace(loop, displacement_um=loop.displacement_um + 4.0 * (1.0 - share**2))
-
-
 def grinding(loop: MeasuredLoop) -> MeasuredLoop:
     """Friction that is 12 % higher at both ends of the stroke, while the contact slides."""
     place, forward = loop.displacement_um / AMPLITUDE_um, np.gradient(loop.displacement_um) > 0.0
@@ -87,16 +81,6 @@ def test_what_is_bent_elsewhere_is_told_there(change: Change, seams: set[str], w
     assert answer.verdict == "unexplained"
     assert answer.resembles[0].seam in seams
     assert words in answer.resembles[0].family
-
-
-@pytest.mark.slow
-def test_a_displacement_that_is_bent_evenly_is_sought_in_its_sensor() -> None:
-    """Plateaus of one force do not show it; what stick branches show is a coupling by the load squared, too."""
-    answer = diagnosed(bent(bowed)).diagnosis
-    if answer.verdict == "unexplained":
-        assert answer.resembles[0].seam == "sensor"
-    else:
-        assert [cause.effect for cause in answer.causes] == ["displacement_load_coupling"]
 
 
 def branches() -> Branches:
@@ -187,57 +171,3 @@ def test_covariances_are_symmetric_and_of_no_negative_variance_and_scatter_adds_
     assert np.trace(scattered.fixed) > np.trace(pair.fixed)
     assert pair.freedoms.shape[0] == pair.residual.size
     assert np.isfinite(pair.freedoms).all()
-
-
-def slow(loop: MeasuredLoop) -> MeasuredLoop:
-    """An amplifier that turns the force within a fifth of a cycle at best, sample by sample."""
-    steps = np.diff(loop.time_s, append=loop.time_s[0] + 1.0 / 3.0)
-    at, read = float(loop.tangential_force_N[-1]), []
-    for value, step in [*zip(loop.tangential_force_N, steps, strict=True)] * 2:
-        most = 2.0 * PLATEAU_N / (0.2 / 3.0) * step
-        at = min(max(float(value), at - most), at + most)
-        read.append(at)
-    return replace(loop, tangential_force_N=np.array(read[loop.time_s.size :]))
-
-
-def smeared(loop: MeasuredLoop) -> MeasuredLoop:
-    """A logger that takes the mean of twenty-five of its two hundred samples."""
-
-    def mean(channel: Array) -> Array:
-        return np.asarray(np.mean([np.roll(channel, shift) for shift in range(-12, 13)], axis=0))
-
-    assert loop.normal_force_N is not None
-    return replace(
-        loop,
-        displacement_um=mean(loop.displacement_um),
-        tangential_force_N=mean(loop.tangential_force_N),
-        normal_force_N=mean(loop.normal_force_N),
-    )
-
-
-def spotted(loop: MeasuredLoop) -> MeasuredLoop:
-    """Friction a fifth higher over some micrometres to one side of the middle."""
-    away = (loop.displacement_um / AMPLITUDE_um - 0.25) / 0.12
-    return replace(loop, tangential_force_N=loop.tangential_force_N * (1.0 + 0.2 * np.exp(-(away**2))))
-
-
-def rattled(loop: MeasuredLoop) -> MeasuredLoop:
-    """A load that swings by a fifth after each reversal, two and a half times within what it fades in."""
-    ends = loop.time_s[[int(loop.displacement_um.argmax()), int(loop.displacement_um.argmin())]]
-    since = 3.0 * np.min([(loop.time_s - end) % (1.0 / 3.0) for end in ends], axis=0)
-    load = 1.0 + 0.2 * np.exp(-since / 0.09) * np.sin(2.0 * np.pi * 6.0 * since)
-    assert loop.normal_force_N is not None
-    return replace(loop, tangential_force_N=loop.tangential_force_N * load, normal_force_N=loop.normal_force_N * load)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("change", [slow, smeared, spotted, rattled])
-def test_what_a_rig_does_to_its_loops_is_no_known_effect(change: Change) -> None:
-    one = record(evolution=False, repeats=1)
-    answer = diagnosed(replace(one, loops=tuple(map(change, one.loops)))).diagnosis
-    if change is smeared:
-        # The mean of an eighth of a loop is all but a spring beside a late sensor, and leaves half of the gap.
-        assert answer.shrink.after > answer.shrink.floor
-    else:
-        assert answer.verdict == "unexplained"
-        assert answer.resembles

@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive, nominal, record, states, tables, with_effect
 from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at, knee_index
+from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at
 from wirewear.diagnosis.observe.mending import corners_of, read_at_corners
 from wirewear.diagnosis.observe.observable import Sites
 from wirewear.diagnosis.observe.plateau import PlateauForce
@@ -118,12 +118,6 @@ def test_the_true_travel_lies_within_what_samples_allow_wherever_they_fall(
         assert unsure <= 2.0 * step_um / np.sqrt(12.0) + 1e-9
 
 
-@given(phase=st.floats(0.0, 1.0), step_um=st.floats(0.05, 0.4))
-def test_an_even_flank_has_its_own_travel_without_bias(phase: float, step_um: float) -> None:
-    travel, _ = travel_between(branch(0.0, phase, step_um), 0.04)
-    assert np.isnan(travel) or travel == pytest.approx(0.04, abs=1e-6) or step_um < 0.04 + 1e-9
-
-
 def test_a_play_lengthens_the_computed_travel_by_its_gap() -> None:
     layout = reduce(record(repeats=1, samples=FEW)).layout
     rows = layout.of_kind(ShelfTravel)
@@ -143,19 +137,6 @@ def test_a_play_of_few_samples_is_measured_within_what_they_allow_and_named() ->
     assert found.best.names == ("free_play",)
     unseen = search(states(), nominal("sensor"), plain)
     assert unseen.best.log_evidence - unseen.none.log_evidence < 2.0
-
-
-def _branch(peak_N: float = 0.0, samples: int = 400) -> tuple[np.ndarray, np.ndarray, float]:
-    """Displacement and force of a branch that sticks up to 1 N over 10 of 120 µm; a peak decays over 4 µm past it."""
-    x = np.linspace(-60.0, 60.0, samples)
-    force = np.minimum(-1.0 + 2.0 * (x + 60.0) / 10.0, 1.0)
-    past = np.maximum(x + 50.0, 0.0)
-    return x, force + np.where(x > -50.0, peak_N * np.exp(-past / 4.0), 0.0), 60.0
-
-
-def test_the_knee_is_where_sliding_begins() -> None:
-    x, force, amplitude = _branch()
-    assert x[knee_index(x + 60.0, force, 1.0, amplitude)] == pytest.approx(-50.0, abs=0.5)
 
 
 AMPLITUDE_um, PLATEAU_N, STICK_um, FREQUENCY_Hz = 60.0, 1.2, 8.0, 3.0

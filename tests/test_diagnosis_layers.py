@@ -14,8 +14,6 @@ from wirewear.diagnosis.model.layered_wires import FlattenedWires, LayeredWires
 from wirewear.diagnosis.model.setup import Setup
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
-
-
 FIVE = {"layer_um": 5.0, "cycles": 10_000.0}
 
 
@@ -69,13 +67,6 @@ def test_layers_of_springs_and_of_asperities_give_way_alike_where_the_closure_is
     assert lost[1] / lost[0] == pytest.approx(closed, rel=0.02)
 
 
-@pytest.mark.slow
-def test_a_layer_that_spreads_is_told_with_its_height() -> None:
-    one = diagnosed(record({"roughness_compliance": FIVE}))
-    probabilities = one.weighed.probabilities
-    assert max(probabilities, key=lambda names: probabilities[names]) == ("roughness_compliance",)
-
-
 CYCLES_OF_FLATTENING = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 100_000.0])
 
 
@@ -124,8 +115,6 @@ def test_a_flattening_is_told_from_wear_that_changes() -> None:
 
 
 LEANING = {"angle_deg": 2.5}
-
-
 Loop = tuple[Array, Array, Array]  #: Of the first loop: displacement, tangential and normal force.
 
 

@@ -15,7 +15,7 @@ from wirewear import RecordError
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.search import Search, search, updated
 from wirewear.diagnosis.infer.sets import LEVEL, plausible
-from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of, weigh
+from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import judged, require_of_one_rig
@@ -41,11 +41,6 @@ KNOWN: dict[tuple[str, ...], float] = {
 
 def remainder(p_value: float, blocks: int = 1) -> Remainder:
     return Remainder(0.5, p_value, blocks)
-
-
-def weighed(log_surprise: float) -> Weighed:
-    nothing = Fit((), np.zeros(0), np.zeros((0, 0)), nominal(), 100.0, -50.0)
-    return weigh(nothing, (), (), (), 1.0, log_surprise)
 
 
 @cache

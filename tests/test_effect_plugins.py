@@ -308,15 +308,6 @@ def test_an_effect_changes_one_column_as_its_closed_form_says(
     assert found[1] == pytest.approx(np.broadcast_to(expected, 4), rel=1e-12)
 
 
-def test_a_rough_layer_is_a_spring_and_spreads_the_pressure_by_its_height() -> None:
-    found = changes(effect("roughness_compliance", layer_um=1.0, cycles=3000.0))
-    height = np.exp(-CYCLES / 3000.0)
-    assert set(found) == {"compliance_um_per_N", "rough_um"}
-    # 1.21 s/P.
-    assert found["compliance_um_per_N"] == pytest.approx(6.0 + 0.605 * height)
-    assert found["rough_um"] == pytest.approx(height)
-
-
 def test_debris_softens_the_contact_the_more_the_larger_the_scar_up_to_a_limit() -> None:
     found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
     added = found["compliance_um_per_N"] - 6.0
@@ -339,12 +330,3 @@ def test_debris_spreads_the_pressure_as_a_rough_layer_does_that_closes_as_much_u
         "bed_MPa",
         "compliance_um_per_N",
     }
-
-
-def test_effects_on_one_seam_act_one_after_the_other() -> None:
-    slower = effect("friction_evolution", initial=0.4, final=0.7, cycles=3000.0).foreseen(chain())
-    play = effect("free_play", gap_um=2.0)
-    assert play.foreseen(play.foreseen(slower)).free_play_um == pytest.approx(np.full(4, 4.0))
-    drifting = effect("normal_load_drift", fraction_per_100k_cycles=0.3).foreseen(chain())
-    leaning = effect("misalignment", angle_deg=2.0).foreseen(drifting)
-    assert leaning.load_N == pytest.approx(drifting.load_N)

@@ -53,21 +53,6 @@ def test_the_effects_bear_their_fixed_names_and_parameters() -> None:
     assert {name: list(kind.parameters()) for name, kind in effects.all_effects().items()} == FIXED
 
 
-@everyone
-def test_an_effect_says_what_it_is_where_it_enters_and_what_tells_it_apart(kind: type[effects.Effect[Any]]) -> None:
-    assert "Source:" in (kind.__doc__ or "") or "Sensors" in (kind.__doc__ or "")
-    assert isinstance(kind.seam, effects.Seam)
-    assert kind.signature
-    assert (kind.__doc__ or "").startswith(kind.title() or " ")
-    assert set(kind.confused_with) <= set(effects.all_effects())
-
-
-@given(low=st.floats(0.01, 10.0), ratio=st.floats(1.1, 100.0), place=st.floats(-3.0, 3.0), log=st.booleans())
-def test_coordinates_of_parameters_go_there_and_back(low: float, ratio: float, place: float, log: bool) -> None:
-    one = effects.Parameter("p", effects.Quantity("1", -1e9, 1e9), 0.0, low, low, (low, low * ratio), logarithmic=log)
-    assert one.coordinate(one.value(place)) == pytest.approx(place, abs=1e-6)
-
-
 DESCRIPTIONS: dict[effects.Seam, Any] = {
     effects.Seam.HOLDER: Holder(2.0, tangential_compliance_mm_per_N=1.0 / 167.0),
     effects.Seam.CONTACT: effects.ContactLaw(0.62),
@@ -102,22 +87,6 @@ def test_a_study_with_an_effect_is_written_and_read_again(kind: type[effects.Eff
         study = coarse().with_effects(effect)
         again = study_from_tables(json.loads(json.dumps(study.resolved())), "resolved")
         assert again.effects == (effect,)
-
-
-def test_effects_act_together_in_the_order_of_the_file() -> None:
-    study = coarse(
-        with_tables(
-            '[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = 100\n'
-            '[[effects]]\nname = "rotational_compliance"\nstiffness_N_mm_per_rad = 1e5\narm_mm = 10\n'
-            '[[effects]]\nname = "friction_offset"\nfriction = 0.5\n'
-        )
-    )
-    holder = effects.applied(study.effects, effects.Seam.HOLDER, Holder(2.0), effects.Age.new())
-    assert holder.compliance_at_contact_mm_per_N == pytest.approx(1.0 / 100.0 + 10.0**2 / 1e5)
-    assert (
-        effects.applied(study.effects, effects.Seam.CONTACT, effects.ContactLaw(0.62), effects.Age.new()).friction
-        == 0.5
-    )
 
 
 def test_two_pivots_move_and_tilt_the_wire_as_both_would() -> None:

@@ -1,6 +1,5 @@
 """Effects in real runs on a coarse mesh: their signatures against closed forms, and neutral values change nothing."""
 
-import tomllib
 from typing import Any
 
 import numpy as np
@@ -8,6 +7,7 @@ import pytest
 
 from solvers import press
 from tests.studies import COARSE, WEARING, coarse, result_with
+from tests.test_planar_study import TABLES
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.results import read_loops
@@ -22,36 +22,8 @@ def effect(name: str, **values: float) -> Effect[Any]:
     return effect_named(name)(**values)
 
 
-def energy_mJ(result: RunResult) -> float:
-    # So few increments cut the corners of the loop's area.
-    return float(result.loops[0].friction_work_mJ[-1])
-
-
 def largest_force_N(result: RunResult) -> float:
     return float(result.evolution["max_tangential_force_N"][0])
-
-
-def unloading_slope_N_per_um(result: RunResult, place: int = 0) -> float:
-    """Secant of the first fifth of the force's fall in the unloading after the forward stroke of one of the loops."""
-    loop = result.loops[place]
-    turn = int(np.argmax(loop.displacement_um))
-    x, q = loop.displacement_um[turn : turn + 12], loop.tangential_force_N[turn : turn + 12]
-    drop = 0.2 * LIMIT_N
-    return float(drop / (x[0] - np.interp(drop - q[0], -q, x)))
-
-
-@pytest.mark.slow
-def test_a_spring_in_series_adds_its_compliance_to_the_stick_branch() -> None:
-    rigid, soft = result_with(), result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
-    added = 1.0 / unloading_slope_N_per_um(soft) - 1.0 / unloading_slope_N_per_um(rigid)
-    assert added == pytest.approx(1e3 / 300.0, rel=0.02)
-    assert largest_force_N(soft) == pytest.approx(largest_force_N(rigid), rel=1e-4)
-
-
-@pytest.mark.slow
-def test_a_spring_in_series_takes_four_times_friction_squared_over_its_stiffness_of_the_energy() -> None:
-    rigid, soft = result_with(), result_with(effect("tangential_compliance", stiffness_N_per_mm=300.0))
-    assert energy_mJ(rigid) - energy_mJ(soft) == pytest.approx(4.0 * LIMIT_N**2 / 300.0, rel=0.02)
 
 
 def loop_area_mJ(loop: Loop) -> float:
@@ -110,13 +82,6 @@ def plateau_difference(result: RunResult, nominal: RunResult) -> tuple[float, fl
     return differences[0], differences[1]
 
 
-@pytest.mark.slow
-def test_an_error_of_the_crossing_angle_changes_loops_to_second_order_only() -> None:
-    nominal, turned = result_with(), result_with(effect("crossing_angle_error", angle_deg=4.0))
-    assert np.abs(turned.loops[0].tangential_force_N - nominal.loops[0].tangential_force_N).max() < 0.01 * LIMIT_N
-    assert turned.scar(1, "fixed").axis_angle_deg == pytest.approx(94.0)
-
-
 def test_flattened_wires_touch_on_a_larger_area_under_less_pressure() -> None:
     nominal, flat = result_with(), result_with(effect("plasticity", flattening_um=1.0))
     radius = float(flat.settings["fresh_contact_radius_um"])
@@ -163,19 +128,6 @@ def test_a_wear_rate_evolution_wears_by_its_factor_integrated_from_the_test_s_st
     np.testing.assert_allclose(evolving["worn_volume_fixed_mm3"] / nominal["worn_volume_fixed_mm3"], mean, rtol=2e-3)
 
 
-@pytest.mark.slow
-def test_all_effects_at_neutral_values_together_change_no_figure() -> None:
-    study = coarse(CYCLES)
-    neutral = [kind.neutral(study.stated) for kind in all_effects().values()]
-    nominal, with_all = result_with(text=CYCLES), result_with(*neutral, text=CYCLES)
-    for name, column in nominal.evolution.items():
-        np.testing.assert_allclose(with_all.evolution[name], column, rtol=1e-12, err_msg=name)
-    for mine, theirs in zip(with_all.loops, nominal.loops, strict=True):
-        np.testing.assert_allclose(mine.tangential_force_N, theirs.tangential_force_N, rtol=1e-12)
-    for mine_scar, theirs_scar in zip(with_all.scars, nominal.scars, strict=True):
-        np.testing.assert_allclose(mine_scar.depth_um, theirs_scar.depth_um, rtol=1e-12)
-
-
 @pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
 def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_they_are(
     kind: type[Effect[Any]],
@@ -190,44 +142,23 @@ def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_t
     assert states[1].holder_z == states[0].holder_z
 
 
-PLANAR = """
-format = 1
-name = "planar"
-kind = "cylinder-on-flat"
-[pad]
-radius_mm = 40.0
-youngs_modulus_MPa = 116000.0
-poissons_ratio = 0.3
-[specimen]
-youngs_modulus_MPa = 116000.0
-poissons_ratio = 0.3
-[conditions]
-normal_load_N_per_mm = 100.0
-displacement_amplitude_um = 40.0
-cycles = 10
-[contact]
-friction = 0.6
-[wear]
-pad_energy_mm3_per_J = 1e-5
-[mesh]
-contact_mesh_um = 40.0
-increments_per_cycle = 24
-"""
-
-
-def planar(tables: str) -> RunResult:
-    return simulate(study_from_tables(tomllib.loads(PLANAR + tables), "planar.toml"), fidelity="quick")
+def of_line(**tables: Any) -> RunResult:
+    """Ten cycles of a cylinder on a flat."""
+    asked = {"normal_load_N_per_mm": 100.0, "displacement_amplitude_um": 40.0, "cycles": 10}
+    mesh = {"contact_mesh_um": 40.0, "increments_per_cycle": 24}
+    given = TABLES | {"pad": TABLES["pad"] | {"radius_mm": 40.0}, "conditions": asked, "mesh": mesh, "log": {}}
+    return simulate(study_from_tables(given | tables, "study.toml"), fidelity="quick")
 
 
 @pytest.mark.slow
-def test_planar_studies_take_effects_of_holder_contact_wear_and_loading() -> None:
-    nominal = planar("")
-    changed = planar(
-        '[[effects]]\nname = "friction_offset"\nfriction = 0.3\n'
-        '[[effects]]\nname = "tangential_compliance"\nstiffness_N_per_mm = 10000.0\n'
-        '[[effects]]\nname = "wear_rate_offset"\nfactor = 2.0\n'
-        '[[effects]]\nname = "normal_load_drift"\nfraction_per_100k_cycles = 1.0\n'
-    )
+def test_line_contacts_take_effects_of_holder_contact_wear_and_loading() -> None:
+    effects = {
+        "friction_offset": {"friction": 0.3},
+        "tangential_compliance": {"stiffness_N_per_mm": 10000.0},
+        "wear_rate_offset": {"factor": 2.0},
+        "normal_load_drift": {"fraction_per_100k_cycles": 1.0},
+    }
+    nominal, changed = of_line(), of_line(effects=[{"name": name, **values} for name, values in effects.items()])
     force, energy = ("max_tangential_force_N", "dissipated_energy_mJ")
     assert changed.evolution[force][-1] == pytest.approx(0.5 * nominal.evolution[force][-1], rel=1e-3)
     lost = 0.5 * nominal.evolution[energy][0] - changed.evolution[energy][0]

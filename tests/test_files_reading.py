@@ -134,27 +134,6 @@ def test_plain_numbers_of_every_layout_are_read_fast(layout: DelimitedLayout) ->
     assert found.line(0) == layout.lines_before_rows + 1
 
 
-@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1", "utf-16", "cp1252"])
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-def test_any_encoding_and_any_end_of_line_give_the_same(tmp_path: Path, encoding: str, end: str) -> None:
-    path = tmp_path / "loops.txt"
-    path.write_bytes(end.join(["Weg [µm];Kraft", "1,5;2", "", "3;4,25", ""]).encode(encoding))
-    text = read_delimited(path, DelimitedLayout(delimiter=";", decimal=",", encoding=encoding))
-    assert text.names == ("Weg [µm]", "Kraft")
-    numbers = text.numbers({"Kraft": 1})
-    np.testing.assert_array_equal(numbers.columns["Kraft"], [2.0, 4.25])
-    assert [numbers.line(row) for row in (0, 1)] == [2, 4]
-
-
-def test_quoted_fields_may_hold_the_delimiter(tmp_path: Path) -> None:
-    path = tmp_path / "rows.csv"
-    path.write_text('source,"radius, mm"\n"Author, 2019",7\n')
-    text = read_delimited(path)
-    assert text.names == ("source", "radius, mm")
-    assert list(text.rows()) == [(2, ["Author, 2019", "7"])]
-    assert text.numbers({"radius": 1}).columns["radius"].tolist() == [7.0]
-
-
 def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "study.toml")
     with pytest.raises(StudyError, match=r"study\.toml is no ordinary file, as a study file must be\.$"):

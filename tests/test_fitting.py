@@ -136,8 +136,3 @@ def test_a_rigs_stiffness_is_that_of_the_loop_less_that_of_the_contact(rig: floa
     assert measured is not None
     assert 1e3 / rig_compliance(measured.value, 1e-3 * contact) == pytest.approx(rig, rel=0.03)
     assert rig_compliance(1e-3 * contact, 1e-3 * contact) == 0.0
-
-
-def test_the_contacts_stiffness_is_mindlins() -> None:
-    stiffness = record_of("as stated").tables.contact_stiffness_N_per_um
-    assert stiffness == pytest.approx(2.709, rel=0.005)

@@ -130,26 +130,6 @@ def test_an_exported_mesh_reads_back_with_the_same_points_and_bricks(
     assert [file.name for file in tmp_path.iterdir()] == [path.name]
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("diameter_mm", "length_mm", "fine_mm", "half_mm", "coarse_mm"),
-    [
-        (0.45, 1.0, 0.004, 0.13, 0.07),
-        (12.0, 30.0, 0.2, 1.0, 2.0),
-        (0.1, 0.5, 0.01, 0.042, 0.05),
-        (1.0, 2.0, 0.05, 0.2, 0.5),
-    ],
-)
-def test_wires_of_very_different_sizes_can_be_meshed(
-    diameter_mm: float, length_mm: float, fine_mm: float, half_mm: float, coarse_mm: float
-) -> None:
-    axis = GradedAxis(fine_mm, 0.3 * half_mm, 3.0 * fine_mm, half_mm)
-    meshed = build_body(WireGeometry(diameter_mm, length_mm, axis, axis, coarse_mm))
-    # Coarse chords at the back of the wire cut off up to a tenth of the section.
-    assert meshed.mesh.volume_mm3() == pytest.approx(0.25 * pi * diameter_mm**2 * length_mm, rel=0.12)
-    assert meshed.smallest_scaled_jacobian > 0.2
-
-
 AXIS = GradedAxis(0.02, 0.04, 0.03, 0.1)
 
 

@@ -334,11 +334,7 @@ def test_no_class_has_the_name_of_another() -> None:
 
 CONSTRAINTS = ROOT / "constraints.txt"
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-
-
 OLDEST_PYTHON = PROJECT["requires-python"].removeprefix(">=")
-
-
 DISTRIBUTION_OF = {"skfem": "scikit-fem"}  #: What some packages bring along that are called otherwise when imported.
 #: Packages that others of the product bring along for certain: matplotlib, pydantic.
 BROUGHT_ALONG = {"PIL", "pydantic_core", "typing_extensions"}

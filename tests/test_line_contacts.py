@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 
 import geometry
 import solvers
-from geometry import Cylinder, RoundedFlat, TabledProfile
+from geometry import Cylinder, TabledProfile
 from solvers.pairing import pair, primary_surface
 from solvers.strain import stiffness_matrix
 from tests.test_planar_study import TABLES
@@ -24,10 +24,9 @@ from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
-from wirewear.simulation.line_model import LinePlan, plan
+from wirewear.simulation.line_model import plan
 from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification.line_contact import (
-    FRICTION,
     MATERIAL,
     LOAD_N_per_mm,
     RADIUS_mm,
@@ -55,10 +54,6 @@ MODULUS = reference.contact_modulus(reference.Elastic(2e5, 0.3), reference.Elast
 def study_of(**changes: Any) -> LineStudy:
     found: LineStudy = study_from_tables(deepcopy(TABLES) | changes, "study.toml")
     return found
-
-
-def spacings(planned: LinePlan) -> tuple[float, float, float]:
-    return planned.pad.along.fine_mm, planned.pad.far_mm, planned.specimen.along.fine_mm
 
 
 @pytest.mark.slow
@@ -119,14 +114,6 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
         assert scar.half_width_mm == pytest.approx(reference.line_contact_scar(1e-3, 6.0).half_width_mm, rel=1e-3)
     with pytest.raises(ValueError, match="does not bear"):
         reference.even_line_contact(by_points, 1e6, MODULUS, 1.0)
-
-
-def test_a_flat_with_a_vanishing_face_is_a_cylinder_and_a_wide_one_bears_its_load_at_its_edges() -> None:
-    narrow = reference.even_line_contact(RoundedFlat(0.0, 6.0), 120.0, MODULUS, 1.0)
-    assert narrow.half_width_mm == pytest.approx(0.09134, rel=1e-3)
-    wide = reference.even_line_contact(RoundedFlat(1.0, 3.0), 400.0, MODULUS, 2.0)
-    assert 1.0 < wide.half_width_mm < 1.1
-    assert wide.peak_pressure_MPa > 1.5 * 400.0 / (2.0 * wide.half_width_mm)
 
 
 @pytest.mark.parametrize(
@@ -250,33 +237,6 @@ def test_mirrored_planar_motion_gives_exactly_the_mirrored_forces() -> None:
         mirrored = other.traction[::-1] * [-1.0, 1.0, 1.0]
         assert mirrored == pytest.approx(one.traction, abs=1e-6 * HERTZ.peak_pressure_MPa)
     assert not one.traction[:, 1].any()
-
-
-def test_a_contact_in_partial_slip_repeats_itself_from_the_second_cycle_on() -> None:
-    problem, state = line_contact()
-    stroke = 0.0012 * np.cos(2.0 * np.pi * np.arange(-4, 1) / 16)
-    cycle = 0.0012 * np.cos(2.0 * np.pi * np.arange(1, 17) / 16)
-    ends = []
-    for drive in (*stroke, *cycle, *cycle, *cycle):
-        state = solvers.advance(problem, state, float(drive), 0.0)[0]
-        if drive == cycle[-1]:
-            ends.append(state)
-    assert abs(tangential_force(state)) < 0.9 * FRICTION * LOAD_N_per_mm
-    creep = ends[-1].traction - ends[-2].traction
-    assert np.abs(creep).max() < 1e-4 * FRICTION * HERTZ.peak_pressure_MPa
-
-
-def test_a_planar_contact_wears_alpha_times_energy_on_each_body() -> None:
-    problem, state = line_contact()
-    worn = replace(problem, wear=solvers.WearRates(3e-8, 1e-8), holder=solvers.Holder(LOAD_N_per_mm, 1.0 / 5e4))
-    for drive in (0.01, 0.02, 0.01, -0.01, -0.02):
-        state, _ = solvers.advance(worn, state, drive, 2000.0)
-    energy = state.wear.energy_mJ
-    assert energy > 0.0
-    upper = worn.upper.patch.node_areas() @ state.wear.primary_depth.ravel()
-    lower = worn.lower.patch.node_areas() @ state.wear.secondary_depth.ravel()
-    assert upper == pytest.approx(3e-8 * energy, rel=1e-9)
-    assert lower == pytest.approx(1e-8 * energy, rel=1e-9)
 
 
 def body(profile: geometry.Profile, half_width_mm: float = 1.5, height_mm: float = 2.0) -> geometry.PlanarMesh:

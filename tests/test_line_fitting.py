@@ -19,6 +19,7 @@ from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.effects import Effect, effect_named
 from wirewear.faces import cli
 from wirewear.fitting import FittedTest, fit_record
+from wirewear.fitting.wear import fitted_wear
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import LineRecord, check_record, read_record, record_of_result
 from wirewear.records.contact_tables import LineStated
@@ -104,16 +105,8 @@ def test_play_is_told_from_the_rigs_stiffness() -> None:
     assert [effect.name for effect in fit.study.effects] == ["free_play"]
 
 
-def record_of_nothing() -> LineRecord:
-    from tests.logger_files import CYLINDER, line_record
-
-    return line_record(CYLINDER)
-
-
 def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None:
-    from wirewear.fitting.wear import fitted_wear
-
-    record = record_of_nothing()
+    record = line_record(CYLINDER)
     parameters, found, notes = fitted_wear(record)
     loop = record.loops[0]
     x, q = loop.displacement_um, loop.tangential_force_N

@@ -10,8 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
-from hypothesis import given
-from hypothesis import strategies as st
 
 from tests import synthetic_results
 from tests.synthetic_loops import (
@@ -26,35 +24,16 @@ from tests.synthetic_loops import (
     share_off,
 )
 from wirewear.faces import cli
-from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.loops.noise import clipped
-from wirewear.loops.sensor import enclosed_area, enclosed_areas
-from wirewear.records import read_record
 from wirewear.results import write_result
-from wirewear.views.loops_sources import read_loops
 
 LOOP = SyntheticLoop(Recipe())
-
-
-def test_the_area_is_signed_closes_itself_and_does_not_mind_the_origin() -> None:
-    x, y = np.array([0.0, 0.0, 3.0, 3.0]), np.array([0.0, 2.0, 2.0, 0.0])
-    assert enclosed_area(x, y) == 6.0
-    assert enclosed_area(x[::-1], y[::-1]) == -6.0
-    assert enclosed_area(x + 1e9, y - 1e9) == 6.0
-    np.testing.assert_array_equal(enclosed_areas(np.stack([x, 2.0 * x]), np.stack([y, y])), [6.0, 12.0])
 
 
 def noisy(samples: int, seed: int = 1) -> tuple[np.ndarray, np.ndarray]:
     _, displacement, force = LOOP.sampled(samples, 0.2)
     return disturbed(displacement, force, seed, 0.005, 0.0)
-
-
-@pytest.mark.parametrize("samples", [48, 128, 256])
-@pytest.mark.parametrize(("low", "high"), [(-0.9, 0.9), (-9.0, 0.9), (-0.9, 9.0), (-1.1, 0.8)])
-def test_a_clipped_force_is_refused_in_a_sentence(samples: int, low: float, high: float) -> None:
-    displacement, force = noisy(samples)
-    with pytest.raises(LoopError, match="tangential force is clipped"):
-        analyse_loop(displacement, np.clip(force, low, high), 2.0)
 
 
 @pytest.mark.parametrize("samples", [40, 128, 400])
@@ -127,15 +106,6 @@ def test_a_stiffness_that_few_samples_tell_is_noted_for_each_branch(
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig_stiffness)).sampled(samples, 0.2)
     notes = analyse_loop(displacement, force, 2.0).notes
     assert sum("its stiffness is coarse" in note for note in notes) == coarse
-
-
-@pytest.mark.parametrize("samples", [40, 48, 64, 80])
-def test_a_rigid_rigs_sharp_corners_are_not_cut_off(samples: int) -> None:
-    loop = SyntheticLoop(Recipe(rig_stiffness=1e9))
-    _, displacement, force = loop.sampled(samples)
-    figures = analyse_loop(displacement, force, 2.0)
-    assert share_off(figures.slip_amplitude_um, loop.slip_amplitude_um) < 0.005
-    assert share_off(figures.dissipated_energy_mJ, loop.energy_mJ) < 0.005
 
 
 def corner_truth(recipe: Recipe) -> float:
@@ -242,17 +212,6 @@ def test_play_with_chatter_offset_and_unequal_friction_is_measured_at_every_size
     assert np.mean(held) > 0.8
 
 
-@pytest.mark.seconds
-def test_play_of_an_independent_rig_is_found_and_none_where_it_has_none() -> None:
-    records = Path("studies/steel_wires/example_records")
-    loops = [loop for loop in read_record(records / "free_play_rig").loops if loop.cycle <= 1000]
-    plays = [loop.figures(2.0).free_play_um for loop in loops]
-    found = [play.value for play in plays if play is not None]
-    assert len(found) >= 0.6 * len(loops)
-    assert np.mean(found) == pytest.approx(4.0, rel=0.1)
-    assert all(loop.figures(2.0).free_play_um is None for loop in read_record(records / "no_gap").loops)
-
-
 def test_slip_and_friction_of_a_rig_with_play_are_those_of_its_contact() -> None:
     loop = replace(SOFT, play_um=6.0, noise_share=0.001)
     figures = figures_of(loop)
@@ -317,36 +276,6 @@ def test_json_has_the_fixed_keys_with_value_and_interval(tmp_path: Path) -> None
 
 
 @pytest.mark.seconds
-@given(st.sampled_from(["_", " [", " ("]), st.sampled_from([("um", 1.0), ("mm", 1e-3), ("nm", 1e3)]))
-def test_usual_names_are_recognised_however_the_unit_is_written(
-    tmp_path_factory: pytest.TempPathFactory, mark: str, unit: tuple[str, float]
-) -> None:
-    end = {"_": "", " [": "]", " (": ")"}[mark]
-    names = {f"Displacement{mark}{unit[0]}{end}": unit[1] * DISPLACEMENT_um, f"Tangential force{mark}N{end}": FORCE_N}
-    (loop,) = read_loops(csv(tmp_path_factory.mktemp("names") / "a.csv", **names))
-    np.testing.assert_allclose(loop.displacement_um, DISPLACEMENT_um, rtol=1e-9)
-    np.testing.assert_allclose(loop.tangential_force_N, FORCE_N, rtol=1e-9)
-
-
-@pytest.mark.first_case
-@pytest.mark.seconds
-@pytest.mark.parametrize("start", [0.0, 0.13, 0.25, 0.6, 0.75])
-@pytest.mark.parametrize("named", [True, False])
-def test_several_cycles_without_a_column_of_cycles_are_split_at_reversals(
-    tmp_path: Path, start: float, named: bool
-) -> None:
-    time = np.arange(800) / 200
-    _, displacement, force = HOOKED.sampled(200, start, time)
-    columns = {"displacement_um": displacement, "tangential_force_N": force}
-    found = loops_of(csv(tmp_path / "a.csv", **columns, **({"time_s": time} if named else {})), "--normal-load", "2")
-    assert [loop["cycle"] for loop in found] == [1, 2, 3, 4]
-    assert any("split at the reversals" in note for note in found[0]["notes"])
-    for loop in found:
-        assert loop["dissipated_energy_mJ"]["value"] == pytest.approx(HOOKED.energy_mJ, rel=0.005)
-        assert loop["slip_amplitude_um"]["value"] == pytest.approx(HOOKED.slip_amplitude_um, rel=0.005)
-
-
-@pytest.mark.seconds
 def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
     path = tmp_path / "result.h5"
     write_result(path, synthetic_results.result("compliant", 167.0))
@@ -354,31 +283,3 @@ def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     assert "gross" in result.stdout
     assert (tmp_path / "loops.png").read_bytes().startswith(b"\x89PNG")
-
-
-GERMAN_LOG = "Messung;Rig 7\nZeit;Weg;Reibkraft\ns;mm;N\n"
-ENGLISH_LOG = "Time (s)\tDisplacement (mil)\tFriction force (lbf)\n"
-
-
-def logged(head: str, delimiter: str, decimal: str, length: float, force: float) -> str:
-    rows = (TIME / 3.0, DISPLACEMENT_um * length, FORCE_N * force)
-    lines = (delimiter.join(f"{value:.8g}" for value in row) for row in zip(*rows, strict=True))
-    return head + "\n".join(lines).replace(".", decimal) + "\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "encoding"),
-    [
-        (logged(GERMAN_LOG, ";", ",", 1e-3, 1.0), "latin-1"),
-        (logged(GERMAN_LOG.replace("Rig", "Prüfstand"), ";", ",", 1e-3, 1.0), "cp1252"),
-        (logged(ENGLISH_LOG, "\t", ".", 1.0 / 25.4, 1.0 / 4.4482216152605), "utf-16"),
-        (logged("time_s displacement_um force_N\n", " ", ".", 1.0, 1.0), "utf-8-sig"),
-    ],
-    ids=["German", "German with umlauts", "English in mils and pounds", "white space"],
-)
-def test_a_loggers_layout_and_units_are_guessed(tmp_path: Path, text: str, encoding: str) -> None:
-    path = tmp_path / "log.txt"
-    path.write_bytes(text.encode(encoding))
-    (loop,) = loops_of(path, "--normal-load", "2")
-    assert loop["slip_amplitude_um"]["value"] == pytest.approx(HOOKED.slip_amplitude_um, rel=0.005)
-    assert loop["friction_geometry_independent"]["value"] == pytest.approx(0.62, rel=0.005)

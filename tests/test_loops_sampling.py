@@ -97,15 +97,6 @@ def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, 
         assert math.isfinite(figures.dissipated_energy_mJ.value)
 
 
-def test_the_fitted_lines_lie_on_the_samples_that_they_name() -> None:
-    _, displacement, force = HOOKED.sampled(256, 0.2)
-    for branch in analyse_loop(displacement, force, 2.0).branches:
-        chosen = list(branch.samples)
-        line = branch.intercept_N + branch.stiffness_N_per_um.value * displacement[chosen]
-        np.testing.assert_allclose(force[chosen], line, atol=0.03)
-        assert branch.direction * (displacement[chosen[-1]] - displacement[chosen[0]]) > 0.0
-
-
 @pytest.mark.parametrize(("sample", "share"), [(20, 0.54), (40, 0.7), (148, 0.6), (222, 0.3)])
 def test_a_spike_towards_the_middle_is_left_out_though_a_stiff_rig_jumps_as_far_at_its_reversals(
     sample: int, share: float
@@ -160,8 +151,6 @@ def test_unusable_samples_are_refused_in_one_sentence(arguments: tuple[object, .
 
 
 STEP, SIZE, CORRELATION = 0.01, 0.0075, 0.7
-
-
 LOOP = SyntheticLoop(Recipe())
 
 
@@ -204,27 +193,19 @@ def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
 
 
 @pytest.mark.parametrize("samples", [64, 128, 256])
-@pytest.mark.parametrize("lag", [3, 5])
 @pytest.mark.parametrize("noise", [0.0, 0.005])
-def test_a_late_force_is_noted_and_read_as_much_earlier(samples: int, lag: int, noise: float) -> None:
+@pytest.mark.parametrize(("lag", "note"), [(3, "samples late"), (5, "samples late"), (-3, "before the reversals")])
+def test_a_late_channel_is_noted_and_the_intervals_hold_the_truth(
+    samples: int, noise: float, lag: int, note: str
+) -> None:
+    """A late force is read as much earlier; few or noiseless samples tell a late displacement."""
+    if lag < 0 and noise and samples > 128:
+        return
     time, displacement, force = LOOP.sampled(samples, 0.3)
     displacement, force = disturbed(displacement, np.roll(force, lag), 2, noise, 0.0)
     figures = analyse_loop(displacement, force, 2.0, time_s=time)
-    assert any("samples late" in note for note in figures.notes)
-    assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.02)
-    for figure, truth in (
-        (figures.dissipated_energy_mJ, LOOP.energy_mJ),
-        (figures.slip_amplitude_um, LOOP.slip_amplitude_um),
-    ):
-        assert figure.interval95[0] <= truth <= figure.interval95[1]
-
-
-@pytest.mark.parametrize(("samples", "noise"), [(64, 0.0), (128, 0.0), (256, 0.0), (64, 0.005), (128, 0.005)])
-def test_a_late_displacement_is_noted_and_the_interval_holds_the_truth(samples: int, noise: float) -> None:
-    time, displacement, force = LOOP.sampled(samples, 0.3)
-    displacement, force = disturbed(displacement, np.roll(force, -3), 2, noise, 0.0)
-    figures = analyse_loop(displacement, force, 2.0, time_s=time)
-    assert any("before the reversals" in note for note in figures.notes)
+    assert any(note in said for said in figures.notes)
+    assert lag < 0 or figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.02)
     for figure, truth in (
         (figures.dissipated_energy_mJ, LOOP.energy_mJ),
         (figures.slip_amplitude_um, LOOP.slip_amplitude_um),

@@ -248,8 +248,6 @@ def test_heights_are_told_where_to_be_read_by_what_does_not_level_them(tmp_path:
 
 
 STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
-
-
 LENGTH_mm = 8.0
 
 

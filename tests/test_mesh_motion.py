@@ -54,27 +54,19 @@ def quad_areas(points: Array, quads: IntArray) -> Array:
 
 @settings(max_examples=60)
 @given(sections())
-def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc(
+def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_patch_lines(
     parameters: tuple[float, GradedAxis, float, Layering],
 ) -> None:
     radius, axis, coarse, layering = parameters
-    points, quads = wire_section(radius, axis.half_lines(), coarse, layering)
+    lines = axis.half_lines()
+    points, quads = wire_section(radius, lines, coarse, layering)
     assert corner_sines(points, quads).min() > 0.2
     # The area is that of the polygon of surface nodes: every facet cuts a circular segment off.
     on_rim = np.abs(np.hypot(points[:, 0], points[:, 1] + radius) - radius) < 1e-9 * radius
     angles = np.sort(np.arctan2(points[on_rim, 0], points[on_rim, 1] + radius))
     assert quad_areas(points, quads).sum() == pytest.approx(0.5 * radius**2 * np.sin(np.diff(angles)).sum(), rel=1e-9)
     assert angles[[0, -1]] == pytest.approx([0.0, np.pi])
-
-
-@settings(max_examples=60)
-@given(sections())
-def test_every_patch_line_is_a_node_on_the_surface_and_no_node_is_doubled(
-    parameters: tuple[float, GradedAxis, float, Layering],
-) -> None:
-    radius, axis, coarse, layering = parameters
-    lines = axis.half_lines()
-    points, quads = wire_section(radius, lines, coarse, layering)
+    # Every patch line is a node on the surface, and no node is doubled.
     on_top = points[
         (points[:, 1] > -radius) & (np.abs(np.hypot(points[:, 0], points[:, 1] + radius) / radius - 1) < 1e-9)
     ]
@@ -98,16 +90,13 @@ def axes(draw: st.DrawFn) -> GradedAxis:
 
 
 @given(axes())
-def test_lines_are_symmetric_to_the_bit_and_end_exactly_on_the_edges(axis: GradedAxis) -> None:
+def test_lines_are_symmetric_to_the_bit_end_exactly_on_the_edges_and_grow_as_asked(axis: GradedAxis) -> None:
     lines = axis.lines()
     assert np.array_equal(lines, -lines[::-1])
     assert lines[-1] == axis.half_extent_mm
     assert lines[len(lines) // 2] == 0.0
     assert np.all(np.diff(lines) > 0.0)
-
-
-@given(axes())
-def test_elements_are_uniform_in_the_middle_and_grow_outwards_within_their_limit(axis: GradedAxis) -> None:
+    # Elements are uniform in the middle and grow outwards within their limit.
     sizes = np.diff(axis.half_lines())
     stretch = sizes[0] / axis.fine_mm
     assert abs(axis.half_extent_mm - axis.half_extent_mm / stretch) < 0.71 * sizes.max() / stretch
@@ -262,15 +251,9 @@ def test_any_depth_keeps_its_volume_and_never_becomes_negative(
     assert integral(moved, new) == pytest.approx(integral(depth, old), rel=1e-12, abs=1e-25)
 
 
-@given(worn())
-def test_a_transfer_to_the_same_grid_changes_nothing(given_wear: tuple[ContactPatch, Array]) -> None:
-    old, depth = given_wear
-    assert transferred(depth, old, old) == pytest.approx(depth, rel=1e-9, abs=1e-12)
-
-
 @pytest.mark.seconds
-@given(worn(), st.integers(2, 4))
-def test_a_finer_grid_that_contains_the_old_lines_shows_the_same_surface(
+@given(worn(), st.integers(1, 4))
+def test_a_grid_that_contains_the_old_lines_shows_the_same_surface(
     given_wear: tuple[ContactPatch, Array], pieces: int
 ) -> None:
     old, depth = given_wear

@@ -21,11 +21,7 @@ from wirewear.verification.interior import surface_rows
 from wirewear.verification.line_contact import line_surface_rows
 
 FINE_mm = 0.004
-
-
 LAYERS = (0.6 * FINE_mm, 1.3)
-
-
 CROSSED = ((0.0, 1.0), (1.0, 0.0))
 
 

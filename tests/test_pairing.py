@@ -65,15 +65,6 @@ def test_the_transfer_is_a_partition_of_unity_at_any_position_and_angle(x: float
         assert np.asarray(operator.sum(axis=1)).ravel() == pytest.approx(pairing.areas, rel=1e-12)
 
 
-def test_nodal_forces_on_both_bodies_add_up_to_the_same_force() -> None:
-    primary, secondary = upper_and_lower(GRADED, even(0.06, 17))
-    pairing = paired(primary, secondary, (0.0071, -0.0033))
-    traction = np.random.default_rng(1).normal(size=(primary.patch.size, 3))
-    force = pairing.areas @ traction
-    assert (pairing.primary.T @ traction).sum(axis=0) == pytest.approx(force, rel=1e-12)
-    assert (pairing.secondary.T @ traction).sum(axis=0) == pytest.approx(force, rel=1e-12)
-
-
 def test_the_moment_error_is_that_of_lumping_forces_to_nodes_off_the_centre_of_their_support() -> None:
     # The primary's force acts at the node, the secondary's at the centroid of the node's shape function. They differ
     # by a third of the difference of the spacings on either side: nothing on an even grid.
@@ -101,14 +92,6 @@ def test_uniform_pressure_crosses_matching_meshes_to_round_off(primary_is_upper:
     assert pairing.secondary.T @ pressure == pytest.approx(secondary.patch.node_areas(), rel=1e-9)
 
 
-def consistency_error(primary_count: int, secondary_count: int) -> float:
-    """Largest error of the secondary's nodal forces under uniform pressure over the largest nodal force."""
-    primary, secondary = upper_and_lower(even(0.04, primary_count), even(0.04, secondary_count), FLAT_mm)
-    forces = paired(primary, secondary).secondary.T @ np.ones(primary.patch.size)
-    exact = secondary.patch.node_areas()
-    return float(np.abs(forces - exact).max() / exact.max())
-
-
 @pytest.mark.seconds
 @given(st.floats(-0.5, 0.5), st.floats(-0.5, 0.5))
 def test_uniform_pressure_crosses_equally_fine_meshes_to_round_off_wherever_they_stand(x: float, y: float) -> None:
@@ -117,12 +100,6 @@ def test_uniform_pressure_crosses_equally_fine_meshes_to_round_off_wherever_they
     forces = paired(primary, secondary, (x * spacing, y * spacing)).secondary.T @ np.ones(primary.patch.size)
     middle = np.abs(secondary.node_positions).max(axis=1) < 0.03
     assert forces[middle] == pytest.approx(np.full(middle.sum(), spacing**2), rel=1e-9)
-
-
-def test_the_consistency_error_falls_as_the_primary_mesh_is_refined() -> None:
-    errors = [consistency_error(count, 8) for count in (9, 33, 129)]
-    assert errors[1] < 0.5 * errors[0]
-    assert errors[2] < 0.5 * errors[1]
 
 
 def test_frames_are_right_handed_orthonormal_and_point_up() -> None:

@@ -168,11 +168,7 @@ def test_the_worn_surface_is_the_cylinder_minus_the_depth(angle: float) -> None:
 
 
 ROOT = Path(__file__).resolve().parent.parent
-
-
 RADIUS_mm = 0.225
-
-
 RADIUS_um = 73.0
 
 

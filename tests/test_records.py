@@ -10,8 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from geometry.arrays import Array
 from studies.benchmarks.fuzz_records import run
@@ -19,8 +17,6 @@ from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.faces import cli
 from wirewear.records import MeasuredLoop
-from wirewear.records.columns import Column, read_columns
-from wirewear.records.remarks import loop_statistics
 
 EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")
@@ -59,22 +55,6 @@ def test_example_records_pass_the_check(name: str) -> None:
     assert not report.cannot
     assert report.repeats == (1, 2, 3)
     assert report.cycles == (100, 1000, 10_000, 100_000)
-
-
-def test_a_written_record_is_read_as_it_was(tmp_path: Path) -> None:
-    record = read_record(EXAMPLES / "free_play_rig")
-    again = read_record(write_record(tmp_path / "copy", record))
-    assert again.tables == record.tables
-    for one, other in zip(record.loops, again.loops, strict=True):
-        assert (one.repeat, one.cycle) == (other.repeat, other.cycle)
-        for name in ("time_s", "displacement_um", "tangential_force_N", "normal_force_N"):
-            np.testing.assert_array_equal(getattr(one, name), getattr(other, name))
-    for one_scar, other_scar in zip(record.scars, again.scars, strict=True):
-        np.testing.assert_array_equal(one_scar.depth_um, other_scar.depth_um)
-    for one_part, other_part in zip(record.evolution, again.evolution, strict=True):
-        for name, column in one_part.columns.items():
-            np.testing.assert_array_equal(column, other_part.columns[name])
-    assert not list((tmp_path / "copy").glob(".*"))
 
 
 def test_a_first_cycle_that_begins_at_rest_is_left_out_and_no_problem(tmp_path: Path) -> None:
@@ -194,19 +174,6 @@ def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folde
     )
 
 
-@given(
-    st.lists(st.floats(-1e3, 1e3) | st.just(float("nan")), min_size=1, max_size=20),
-    st.sampled_from(["\n", "\r\n", " \n"]),
-)
-@settings(max_examples=60)
-def test_any_numbers_survive_the_file(tmp_path_factory: pytest.TempPathFactory, values: list[float], end: str) -> None:
-    path = tmp_path_factory.mktemp("csv") / "x.csv"
-    lines = ["a,b", *(f"{i},{'' if np.isnan(value) else repr(value)}" for i, value in enumerate(values))]
-    path.write_bytes((end.join(lines) + end).encode())
-    table = read_columns(path, [Column("b", -1e3, 1e3), Column("a", 0, 100, whole=True, complete=True)])
-    np.testing.assert_array_equal(table.columns["b"], values)
-
-
 def test_a_record_leaves_nothing_of_the_one_before_it(tmp_path: Path) -> None:
     whole = read_record(EXAMPLES / "no_gap")
     write_record(tmp_path, whole)
@@ -237,15 +204,3 @@ def test_a_table_that_changed_since_it_was_written_is_refused(sealed: Path, name
     lines = (sealed / "experiment.toml").read_text().splitlines(keepends=True)
     (sealed / "experiment.toml").write_text("".join(line for line in lines if name not in line or "sha256" not in line))
     assert "is not as it was written" in topics(sealed)["experiment.toml"]
-
-
-@pytest.mark.parametrize("turns", [0.0, 0.9])
-def test_a_cycle_lasts_as_long_however_unevenly_it_was_sampled(turns: float) -> None:
-    record = read_record(EXAMPLES / "no_gap")
-    period = 1.0 / record.tables.conditions.frequency_Hz
-    loop = record.loops[0]
-    even = np.arange(loop.time_s.size) / loop.time_s.size
-    # Dense about the turns, as simulations and some loggers store them.
-    time = period * (even - turns * np.sin(4.0 * np.pi * even) / (4.0 * np.pi))
-    statistics = loop_statistics((replace(loop, time_s=time),))
-    assert statistics.period_s == pytest.approx(period, rel=0.02)

@@ -14,11 +14,8 @@ from wirewear import reference
 
 MESH_mm = 0.005
 
-
 #: By the rig's stiffness, 0 where it is rigid; some two thirds of the fresh contact's radius stick.
 STROKES_mm = {0.0: 4.0e-4, 20.0: 0.045}
-
-
 CYCLES = 5000.0
 
 
@@ -92,8 +89,6 @@ def test_a_layer_that_wears_in_leaves_its_shear_to_the_slip(rig_N_per_mm: float 
 
 
 HALF_WIDTH_mm = 0.1
-
-
 SOFT, STIFF = Elastic(70_000.0, 0.33), Elastic(210_000.0, 0.3)
 
 

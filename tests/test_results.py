@@ -11,31 +11,15 @@ from xml.etree import ElementTree as ET
 import h5py
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
-from tests import synthetic_results
-from tests.studies import MINIMAL
 from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import hdf5_image, sealed
-from wirewear.faces import cli
-from wirewear.results import (
-    EVOLUTION_COLUMNS,
-    LATER_COLUMNS,
-    Evolution,
-    Loop,
-    RunResult,
-    Scar,
-    read_result,
-    write_result,
-)
+from wirewear.results import EVOLUTION_COLUMNS, Evolution, Loop, RunResult, Scar, read_result, write_result
 from wirewear.results.flat import evolution_table, loops_table, profiles_table, write_time_series
-
-EXAMPLE = Path("studies/steel_wires/example_records/no_gap")
-VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
 
 
 def test_every_logged_scar_is_a_surface_that_its_pvd_file_lists_by_cycle(tmp_path: Path) -> None:
@@ -56,38 +40,6 @@ def test_every_logged_scar_is_a_surface_that_its_pvd_file_lists_by_cycle(tmp_pat
             deepest = int(np.argmax(surface.point_data["depth_um"]))
             assert upward * surface.points[deepest, 2] <= -0.99 * scar.max_depth_um
     assert not list((tmp_path / "vtk").glob(".*"))
-
-
-VARIANTS += "[variants.compliant.holder]\ntangential_stiffness_N_per_mm = 167.0\n"
-
-
-def wirewear(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
-
-
-@pytest.fixture
-def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
-    asked: dict[str, Any] = {}
-
-    def run_study(study: Any, **options: Any) -> list[Any]:
-        asked.update(options, study=study)
-        return [synthetic_results.result(variant="compliant", stiffness_N_per_mm=167.0)]
-
-    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
-    return asked
-
-
-@pytest.fixture
-def study_file(tmp_path: Path) -> Path:
-    path = tmp_path / "wires.toml"
-    path.write_text(MINIMAL, encoding="utf-8")
-    return path
-
-
-def test_worn_volume_is_the_integral_of_the_depth() -> None:
-    """A paraboloid bowl of half-axes L, B and depth h holds πLBh/2, here to 0.1 % on 241 × 201 lines."""
-    scar = bowl("moving", depth_um=12.0, half_length_um=110.0, half_width_um=70.0, lines=(241, 201))
-    assert scar.volume_mm3 == pytest.approx(1e-9 * math.pi * 110.0 * 70.0 * 12.0 / 2.0, rel=1e-3)
 
 
 @pytest.mark.parametrize("angle", [0.0, 30.0, 60.0, 90.0, 180.0, -90.0])
@@ -132,15 +84,6 @@ def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> No
         Evolution({**columns, "jump_cycles": np.zeros(2)})
     with pytest.raises(ResultError, match="cycle must increase"):
         Evolution({**columns, "cycle": columns["cycle"][::-1]})
-
-
-def test_columns_that_older_results_lack_are_unknown() -> None:
-    """Files of earlier versions stay readable."""
-    columns = {name: column for name, column in result().evolution.items() if name not in LATER_COLUMNS}
-    evolution = Evolution(columns)
-    for name in LATER_COLUMNS:
-        assert np.isnan(evolution[name]).all()
-        assert evolution[name].shape == evolution["cycle"].shape
 
 
 in_one_folder = settings(
@@ -232,31 +175,6 @@ def test_what_is_written_is_read_back_to_the_last_bit(run: RunResult, tmp_path: 
     assert_same(run, read)
     assert read.path == path
     assert [p.name for p in tmp_path.iterdir()] == ["result.h5"]
-
-
-def test_a_failed_write_leaves_the_old_file_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """If the last step of writing fails, the previous result is still there."""
-    path = tmp_path / "r.h5"
-    write_result(path, result("old"))
-
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Path, "write_bytes", full)
-    with pytest.raises(ResultError, match=r"cannot write the result file .*no space left on device"):
-        write_result(path, result("new"))
-    assert read_result(path).variant == "old"
-
-
-@in_one_folder
-@given(junk=st.binary(max_size=300))
-def test_a_file_of_junk_is_refused_in_one_sentence(junk: bytes, tmp_path: Path) -> None:
-    """Whatever bytes it holds."""
-    path = tmp_path / "junk.h5"
-    path.write_bytes(junk)
-    with pytest.raises(ResultError, match=r"is (no wirewear result file|damaged|cut off)") as caught:
-        read_result(path)
-    assert "\n" not in str(caught.value)
 
 
 @in_one_folder

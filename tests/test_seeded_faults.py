@@ -263,10 +263,6 @@ def test_without_an_evolution_the_other_repeats_tell_loops_that_are_exchanged(
     assert [sum("have each other's energy" in text for text in own) for own in told] == [0, 1]
 
 
-def test_a_sound_record_has_no_problem(sound: ExperimentRecord) -> None:
-    assert check_record(sound).problems == ()
-
-
 @pytest.mark.parametrize(("looked_at", "words"), [(12, "1 of 12 logged loops."), (2, "1 of 2 logged loops looked at.")])
 def test_loops_that_were_refused_or_not_looked_at_support_no_conclusion(
     sound: ExperimentRecord, monkeypatch: pytest.MonkeyPatch, looked_at: int, words: str

@@ -14,7 +14,6 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.faces import cli
-from wirewear.simulation.plan import RunPlan
 from wirewear.study import Study, load_study, parse_study, study_from_tables
 from wirewear.study.bodies import Wire
 from wirewear.study.consistency import default_loop_cycles
@@ -83,13 +82,6 @@ def test_the_steel_wire_study_states_the_articles_test() -> None:
     assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
     assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
     assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
-
-
-def test_mean_pressures_are_over_the_stated_length_or_over_the_fresh_contact() -> None:
-    plan = RunPlan.of(parse_study(MINIMAL, "study.toml"), "quick")
-    assert plan.pressure_length_mm == 2.0 * plan.discretisation.hertz.contact_radius_mm
-    stated = parse_study(MINIMAL + "[log]\npressure_length_um = 12.5\n", "study.toml")
-    assert RunPlan.of(stated, "quick").pressure_length_mm == pytest.approx(0.0125)
 
 
 def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:

@@ -27,14 +27,8 @@ from wirewear.study import LineStudy
 from wirewear.study.materials import material_named
 
 PUBLISHED = Path(__file__).resolve().parent.parent / "studies" / "tribometers" / "tribometers.csv"
-
-
 HEAD = ("source", "contact", "materials", *NUMBERS)
-
-
 WIRES = ("mine", "crossed-cylinders", "steel", 0.225, 2.0, 0.0143, 0.62, 60.0, 52.08, 0.1565)
-
-
 TITANIUM, STEEL = (material_named(name).elastic for name in ("Ti-6Al-4V", "steel"))
 
 

@@ -11,15 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
-from wirewear import RecordError, RunResult, check_record, load_study, read_record, write_record
+from wirewear import RecordError, RunResult, check_record, load_study, read_record
 from wirewear.diagnosis import diagnose
-from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.checking import problems_told
 from wirewear.views.comparison import compare
@@ -128,14 +126,6 @@ def test_check_names_what_the_channels_of_its_loops_do(sound: ExperimentRecord, 
     told = [remark.text for remark in check_record(change(sound)).remarks]
     assert any(re.search(words, text) for text in told), told
     assert not any(text.startswith("In ") for text in (remark.text for remark in check_record(sound).remarks))
-
-
-@pytest.mark.seconds
-def test_a_refused_record_ends_the_command_before_anything_is_computed(sound: ExperimentRecord, tmp_path: Path) -> None:
-    folder = write_record(tmp_path / "record", loops(tangential_force_N=-1.0)(sound))
-    ended = CliRunner().invoke(cli, ["diagnose", str(folder), "--output", str(tmp_path / "out")])
-    assert ended.exit_code == 2
-    assert "as if its sign were wrong" in ended.stderr
 
 
 @pytest.mark.slow

@@ -23,8 +23,6 @@ from wirewear.verification.rows import compared, observed_order
 from wirewear.verification.sliding import book_keeping_rows, half_width_at_zero_force, limit_rows, rig_loop_rows
 
 GOOD = compared("Hertz", "p0 [MPa]", 1010.0, 1000.0, 0.02, raw=1030.0, order=1.9)
-
-
 BAD = compared("Hertz", "approach [mm]", 1.1, 1.0, 0.02)
 
 
