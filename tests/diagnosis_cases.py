@@ -15,7 +15,7 @@ from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.evolution import half_width, loop_area
+from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.effects import effect_named

@@ -23,7 +23,7 @@ from wirewear.diagnosis.infer.covariance import (
 )
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe import Observable, Site, channels
-from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
+from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import reduced_loop
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce

@@ -12,8 +12,14 @@ from geometry.arrays import Array
 from studies.diagnosis.gap_free_pairs import Pair, pair_of
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear.diagnosis.infer.distortions import _log_evidence
-from wirewear.diagnosis.infer.families import FAMILIES
-from wirewear.diagnosis.infer.shapes import Branches, displacement_after_play, force_after_play, force_read, stiffening
+from wirewear.diagnosis.infer.families import (
+    FAMILIES,
+    Branches,
+    displacement_after_play,
+    force_after_play,
+    force_read,
+    stiffening,
+)
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.records import ExperimentRecord, MeasuredLoop

@@ -23,7 +23,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP
 from wirewear.diagnosis.model.readings import KNEE, MIDDLE
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.evolution import loop_area
+from wirewear.diagnosis.observe.channels import loop_area
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.effects import Chain

@@ -19,7 +19,7 @@ from wirewear.diagnosis.model.candidates import library, nominal_setup
 from wirewear.diagnosis.model.forward import LoopCourse
 from wirewear.diagnosis.model.forward import simulate as simulate_fast
 from wirewear.diagnosis.model.nominal import checked_model, nominal_study
-from wirewear.diagnosis.observe.evolution import half_width, loop_area
+from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise

@@ -45,8 +45,7 @@ def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
         StudyError, SolverError: the nominal model cannot be run.
     """
     record = record.of_block()
-    own, _ = mended(record)
-    observed = reduce(own)
+    observed = reduce(mended(record)[0])
     nominal = beginning_of(record, None).run(None)
     return replace(nominal, setup=replace(nominal.setup, motion=observed.motion)), observed
 

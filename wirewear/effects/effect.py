@@ -100,19 +100,16 @@ class Chain:
     @classmethod
     def joined(cls, chains: Sequence["Chain"]) -> "Chain":
         """Chains of one test in several circumstances, the moments of one after those of the other."""
-        columns: dict[str, Any] = {
-            name: np.concatenate([getattr(chain, name) for chain in chains]) for name in _COLUMNS
-        }
+        columns: dict[str, Any] = {name: np.concatenate([getattr(chain, name) for chain in chains]) for name in COLUMNS}
         return replace(chains[0], **columns)
 
     def taken(self, moments: NDArray[np.intp]) -> "Chain":
         """Some moments only."""
-        return replace(self, **{name: getattr(self, name)[moments] for name in _COLUMNS})
+        return replace(self, **{name: getattr(self, name)[moments] for name in COLUMNS})
 
 
-_COLUMNS = tuple(
-    field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um")
-)
+#: What a chain has at each moment.
+COLUMNS = tuple(field.name for field in fields(Chain) if field.name not in ("radius_um", "fresh_area_um2", "length_um"))
 
 
 @dataclass(frozen=True)

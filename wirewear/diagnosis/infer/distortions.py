@@ -14,9 +14,8 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import LASTING_REACH
-from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES
+from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES, Branches, Family, Shape
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
-from wirewear.diagnosis.infer.shapes import Branches, Family, Shape
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import Layout

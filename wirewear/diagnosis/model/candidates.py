@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
-from math import log
+from math import atan, log
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -15,6 +15,7 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
+from wirewear.study.bodies import Gap
 
 if TYPE_CHECKING:
     from wirewear.study import LineStudy, Study
@@ -128,13 +129,27 @@ def nominal_line_setup(study: LineStudy, length_mm: float, drive: Literal["senso
     """The circumstances that a study of a line contact states, of the whole contact, its own effects among them."""
     from wirewear.study.lines import of_whole_contact
 
-    setup = Setup.of_line(study, length_mm, drive)
+    holder = study.holder
+    stiffnesses = (
+        holder.tangential_stiffness_N_per_mm2,
+        holder.rotational_stiffness_N_per_rad,
+        holder.normal_spring_stiffness_N_per_mm2,
+    )
+    setup = Setup.of(study, drive, "normal_load_N_per_mm", stiffnesses, sum(study.energy_coefficients()), length_mm)
     return replace(setup, effects=of_whole_contact(study.effects, length_mm))
 
 
 def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
-    return replace(Setup.nominal(study, drive), effects=study.effects, **EXPECTED)
+    holder, wear, friction = study.holder, study.wear, study.contact.friction
+    stiffnesses = (
+        holder.tangential_stiffness_N_per_mm,
+        holder.rotational_stiffness_N_mm_per_rad,
+        holder.normal_spring_stiffness_N_per_mm,
+    )
+    worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
+    setup = Setup.of(study, drive, "normal_load_N", stiffnesses, worn)
+    return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).lean), effects=study.effects, **EXPECTED)
 
 
 def library(setup: Setup) -> tuple[Candidate, ...]:

@@ -107,18 +107,12 @@ class LineStates(WearStates):
         study, result = result.study, result.of_length(length_mm)
         friction = float(study["contact"]["friction"])
         load = length_mm * float(study["conditions"]["normal_load_N_per_mm"])
-        rows = [row for loop in result.loops if (row := _row(loop, friction)) is not None]
-        if not rows:
-            raise RunError(
-                f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
-            )
+        cycles, full, *columns = loop_states.sliding(result, lambda loop: _row(loop, friction))
         evolution, length_um = result.evolution, 1e3 * length_mm
         areas = 1e6 * result.worn_volume_mm3 / length_mm
-        cycles, slip, slope, angle, stiffness, full, normal, lift = (np.array(c) for c in zip(*rows, strict=True))
         volume = length_um * np.interp(cycles, evolution["cycle"], areas)
         radius = 1e3 * _radius_mm(face)
         hertz = 1e-3 * float(result.settings["hertz_half_width_um"])
-        similarity = volume / length_um * radius / slip**3
         contact = WornLineContact(
             face=face,
             load_N_per_mm=load / length_mm,
@@ -132,20 +126,12 @@ class LineStates(WearStates):
             friction=friction,
             normal_load_N=load,
             fresh_area_um2=2e3 * hertz * length_um,
-            volume_um3=volume,
-            slip_um=slip,
-            similarity=np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
-            slope=loop_states.smoothed(volume, slope),
-            angle=loop_states.smoothed(volume, angle),
-            stiffness_N_per_um=loop_states.smoothed(volume, stiffness[:, None])[:, 0],
-            load_drop_N=np.maximum(load - normal, 0.0),
-            lift_N=loop_states.smoothed(volume, lift),
             scars=np.zeros((volume.size, 2, 4)),
-            stroke_um=loop_states.stroke_um(result),
             length_um=length_um,
             full_slip=float(np.median(full)),
             contact=contact,
-            bodies={body: _worn(result, body, contact, float(slip[-1])) for body in BODIES},
+            bodies={body: _worn(result, body, contact, float(columns[0][-1])) for body in BODIES},
+            **loop_states.states_of(result, load, volume, volume / length_um * radius / columns[0] ** 3, *columns),
         )
 
     @property
@@ -238,7 +224,7 @@ def _row(loop: Loop, friction: float) -> tuple[object, ...] | None:
     slope, angle = loop_states.fitted_angles(
         sign[slides] * s[slides] / slip, sign[slides] * np.arctan2(q, p)[slides], friction
     )
-    return loop.cycle, slip, slope, angle, stiffness, full, *loop_states.fitted_load(s[slides] / slip, p[slides])
+    return loop.cycle, full, slip, slope, angle, stiffness, *loop_states.fitted_load(s[slides] / slip, p[slides])
 
 
 def _stick(travel_um: Array, risen_N: Array) -> tuple[float, float]:

@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, ComplexArray
-from wirewear.base.errors import ResultError
+from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
 
 if TYPE_CHECKING:
@@ -125,9 +126,37 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
     return volume, slip, slope, angle, stiffness, *fitted_load(s[slides] / slip, p[slides]), scars, skews
 
 
-def stroke_um(result: RunResult) -> float:
-    """Half of the longest stroke of a run's loops, which the drive comes to where it holds something else."""
-    return max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops)
+def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
+    """Columns of the rows that a run's loops give.
+
+    Raises:
+        RunError: none slides as a whole.
+    """
+    rows = [row for loop in result.loops if (row := row_of(loop)) is not None]
+    if not rows:
+        raise RunError(
+            f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
+        )
+    return [np.array(column) for column in zip(*rows, strict=True)]
+
+
+def states_of(result: RunResult, load_N: float, volume: Array, similarity: Array, *columns: Array) -> dict[str, Any]:
+    """What `WearStates` of all contacts have in common, of columns of loops from slip to lift (`state_of`).
+
+    The drive comes to half of the longest stroke of the loops where it holds something else.
+    """
+    slip, slope, angle, stiffness, normal, lift = columns
+    return {
+        "volume_um3": volume,
+        "similarity": np.maximum.accumulate(similarity * (1.0 + 1e-9 * np.arange(volume.size))),
+        "slip_um": slip,
+        "slope": smoothed(volume, slope),
+        "angle": smoothed(volume, angle),
+        "stiffness_N_per_um": smoothed(volume, stiffness[:, None])[:, 0],
+        "load_drop_N": np.maximum(load_N - normal, 0.0),
+        "lift_N": smoothed(volume, lift),
+        "stroke_um": max(0.5 * float(np.ptp(loop.displacement_um)) for loop in result.loops),
+    }
 
 
 def fitted_load(u: Array, load_N: Array) -> tuple[float, Array]:

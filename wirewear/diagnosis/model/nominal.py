@@ -22,7 +22,6 @@ from wirewear.study.programme import held_by, held_keys
 if TYPE_CHECKING:
     from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
     from wirewear.results import RunResult
-    from wirewear.simulation import Observer
     from wirewear.study import AnyStudy, LineStudy, Study
 
 Result = TypeVar("Result")
@@ -270,7 +269,7 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
 def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from solvers import SolverError
     from wirewear.results import RESULT_FILE_NAME, read_result
-    from wirewear.simulation import run_study
+    from wirewear.simulation import NoObserver, run_study
 
     problem: Exception | None = None
     farthest: RunResult | None = None
@@ -286,7 +285,7 @@ def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> R
                 study.changed({**changes, **faster}),
                 fidelity="quick",
                 output=output,
-                observer_of=observer_of or (lambda _: nullcontext(_silent())),
+                observer_of=observer_of or (lambda _: nullcontext(NoObserver())),
             )[0]
         except StudyError as error:
             problem = error
@@ -298,12 +297,6 @@ def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> R
     if farthest is not None:
         return farthest
     raise problem or RunError(f"the nominal model of {study.name!r} cannot be run.")
-
-
-def _silent() -> Observer:
-    from wirewear.simulation import NoObserver
-
-    return NoObserver()
 
 
 def half_decades(cycles: int) -> list[int]:

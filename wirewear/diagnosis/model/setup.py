@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from math import atan, inf
+from math import inf
 from typing import TYPE_CHECKING, Any, Literal, Protocol
 
 import numpy as np
@@ -12,12 +12,11 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.effects import Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
-from wirewear.study.bodies import Gap
+from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study.programme import Schedule, held_by, worked_course
 
 if TYPE_CHECKING:
-    from wirewear.study import AnyStudy, LineStudy, Study
+    from wirewear.study import AnyStudy
 
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
@@ -113,47 +112,38 @@ class Setup:
     angle_rise: float = 1.0
 
     @classmethod
-    def nominal(cls, study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
-        """The circumstances that a study states."""
-        conditions, holder, wear = study.conditions, study.holder, study.wear
-        friction = study.contact.friction
-        coefficient = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
-        arm = holder.pivot_height_mm or 0.0
-        compliance = 1e3 / _stiffness(holder.tangential_stiffness_N_per_mm)
-        compliance += 1e3 * arm**2 / _stiffness(holder.rotational_stiffness_N_mm_per_rad)
-        return cls(
-            **_driven(conditions, friction * conditions.normal_load_N, compliance, 1.0, drive),
-            load_N=conditions.normal_load_N,
-            cycles=float(conditions.cycles),
-            frequency_Hz=conditions.frequency_Hz,
-            friction=friction,
-            wear_um3_per_mJ=coefficient * UM3_PER_MJ,
-            compliance_um_per_N=compliance,
-            crossing_error_rad=atan(Gap.of(*study.bodies).lean),
-            contact_kind=study.contact_kind,
-            worked=_worked(study, lambda own: own.contact.friction * own.conditions.normal_load_N, compliance),
-            normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
-        )
+    def of(
+        cls,
+        study: AnyStudy[Any],
+        drive: Literal["sensor", "stroke"],
+        load: str,
+        holder: Sequence[float | str],
+        wear_mm3_per_J: float,
+        length_mm: float = 0.0,
+    ) -> Setup:
+        """The circumstances that a study states; of a line contact whole ones, from those of a millimetre.
 
-    @classmethod
-    def of_line(cls, study: LineStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
-        """The circumstances that a study of one millimetre of a line contact states of the whole contact."""
-        conditions, holder, friction = study.conditions, study.holder, study.contact.friction
-        arm = holder.pivot_height_mm or 0.0
-        compliance = 1e3 / _stiffness(holder.tangential_stiffness_N_per_mm2)
-        compliance += 1e3 * arm**2 / _stiffness(holder.rotational_stiffness_N_per_rad)
+        load: its key.  holder: tangential and rotational stiffness, and that of the spring of the load.
+        """
+        conditions, friction, whole = study.conditions, study.contact.friction, length_mm or 1.0
+        tangential, rotational, spring = map(_stiffness, holder)
+        compliance = 1e3 / tangential + 1e3 * (study.holder.pivot_height_mm or 0.0) ** 2 / rotational
+
+        def force_N(own: Any) -> float:
+            return float(own.contact.friction * getattr(own.conditions, load))
+
         return cls(
-            **_driven(conditions, friction * conditions.normal_load_N_per_mm, compliance, length_mm, drive),
-            load_N=length_mm * conditions.normal_load_N_per_mm,
+            **_driven(conditions, force_N(study), compliance, whole, drive),
+            load_N=whole * getattr(conditions, load),
             cycles=float(conditions.cycles),
             frequency_Hz=conditions.frequency_Hz,
             friction=friction,
-            wear_um3_per_mJ=sum(study.energy_coefficients()) * UM3_PER_MJ,
-            compliance_um_per_N=compliance / length_mm,
-            normal_spring_N_per_um=1e-3 * length_mm * holder.normal_spring_stiffness_N_per_mm2,
+            wear_um3_per_mJ=wear_mm3_per_J * UM3_PER_MJ,
+            compliance_um_per_N=compliance / whole,
+            normal_spring_N_per_um=1e-3 * whole * spring,
             length_mm=length_mm,
             contact_kind=study.contact_kind,
-            worked=_worked(study, lambda own: own.contact.friction * own.conditions.normal_load_N_per_mm, compliance),
+            worked=_worked(study, force_N, compliance),
         )
 
     def wearing_cycles(self, cycles: Array) -> Array:
@@ -210,37 +200,19 @@ class Setup:
         Raises:
             UnforeseenError: an effect changes something that fast models do not know.
         """
-        nothing = np.zeros_like(cycles)
-        chain = Chain(
-            radius_um=radius_um,
-            fresh_area_um2=fresh_area_um2,
-            cycles=cycles,
-            energy_J=energy_J,
-            worn_um3=worn_um3,
-            amplitude_um=nothing + (np.nan if self.held else self.amplitude_um),
-            load_N=nothing + self.load_N,
-            misalignment_rad=nothing,
-            friction=nothing + self.friction,
-            wear_um3_per_mJ=nothing + self.wear_um3_per_mJ,
-            retained_fraction=nothing,
-            bed_MPa=nothing,
-            oxygen_W=nothing,
-            starved_factor=nothing + 1.0,
-            compliance_um_per_N=nothing + self.compliance_um_per_N,
-            free_play_um=nothing,
-            flattening_um=nothing,
-            rough_um=nothing,
-            bed_um=nothing,
-            crossing_error_rad=nothing + self.crossing_error_rad,
-            gain=nothing + 1.0,
-            linear_um_per_N=nothing,
-            quadratic_um_per_N2=nothing,
-            crosstalk=nothing,
-            lag_s=nothing,
-            force_lag_s=nothing,
-            force_zero_N=nothing,
-            length_um=1e3 * self.length_mm,
-        )
+        stated = {
+            "amplitude_um": np.nan if self.held else self.amplitude_um,
+            "load_N": self.load_N,
+            "friction": self.friction,
+            "wear_um3_per_mJ": self.wear_um3_per_mJ,
+            "compliance_um_per_N": self.compliance_um_per_N,
+            "crossing_error_rad": self.crossing_error_rad,
+            "starved_factor": 1.0,
+            "gain": 1.0,
+        }
+        columns = {name: np.full_like(cycles, stated.get(name, 0.0)) for name in COLUMNS}
+        columns.update(cycles=cycles, energy_J=energy_J, worn_um3=worn_um3)
+        chain = Chain(radius_um, fresh_area_um2, **columns, length_um=1e3 * self.length_mm)
         for effect in self.effects:
             chain = effect.foreseen(chain)
         return replace(

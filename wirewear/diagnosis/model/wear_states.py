@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
-from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.layered_wires import (
     ENGAGEMENT_MPa,
@@ -28,7 +27,7 @@ from wirewear.diagnosis.model.layered_wires import (
     flattened_wires,
     layered_wires,
 )
-from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, smoothed, state_of, stroke_um
+from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
 from wirewear.study import study_from_tables
 from wirewear.study.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
@@ -113,32 +112,16 @@ class WearStates:
         bodies = study_from_tables(result.study, result.label).bodies
         gap, fresh = Gap.of(*bodies), unworn_stiffness_N_per_um(load, *bodies)
         radius = 1e3 * gap.radius_mm
-        rows = [row for loop in result.loops if (row := state_of(result, loop, friction, fresh)) is not None]
-        if not rows:
-            raise RunError(
-                f"no loop of the nominal run {result.name!r} slides as a whole, and a diagnosis needs gross slip."
-            )
-        volume, slip, slope, angle, stiffness, normal, lift, scars, skews = (
-            np.array(column) for column in zip(*rows, strict=True)
-        )
-        similarity = np.maximum.accumulate(volume * radius / slip**4 * (1.0 + 1e-9 * np.arange(volume.size)))
+        volume, *columns, scars, skews = sliding(result, lambda loop: state_of(result, loop, friction, fresh))
         return cls(
             radius_um=radius,
             friction=friction,
             normal_load_N=load,
             fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
-            volume_um3=volume,
-            slip_um=slip,
-            similarity=similarity,
-            slope=smoothed(volume, slope),
-            angle=smoothed(volume, angle),
-            stiffness_N_per_um=smoothed(volume, stiffness[:, None])[:, 0],
-            load_drop_N=np.maximum(load - normal, 0.0),
-            lift_N=smoothed(volume, lift),
             scars=scars,
-            stroke_um=stroke_um(result),
             extra_skew=np.nan_to_num(skews + gap.lean),
             along=gap.along,
+            **states_of(result, load, volume, volume * radius / columns[0] ** 4, *columns),
         )
 
     @property

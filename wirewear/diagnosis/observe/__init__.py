@@ -26,21 +26,6 @@ from wirewear.diagnosis.observe.reading import Reading
 OfWholeLoops = Observable
 
 __all__ = [
-    "AlongBranch",
-    "LoopCourse",
-    "ModelLoops",
-    "Observable",
-    "ObservedBranch",
-    "OfLoops",
-    "OfWholeLoops",
-    "Reading",
-    "ReducedLoop",
-    "Scale",
-    "Setup",
-    "Site",
-    "Sites",
-    "Smoothness",
-    "SolverSize",
-    "Zone",
-    "rows_of",
-]
+    "AlongBranch", "LoopCourse", "ModelLoops", "Observable", "ObservedBranch", "OfLoops", "OfWholeLoops", "Reading",
+    "ReducedLoop", "Scale", "Setup", "Site", "Sites", "Smoothness", "SolverSize", "Zone", "rows_of",
+]  # fmt: skip

@@ -1,20 +1,35 @@
-"""Channels as a whole: the displacement's amplitude, and the normal force along the stroke while the contact slides.
+"""Channels as a whole: amplitude, normal force along the stroke, and figures of the evolution.
 
 Whatever guides the load shows in the normal force, and nothing that wears: the scar lifts the wires by micrometres.
+Another program has read the evolution: dissipated energy, slip amplitude and largest force of a loop.
 """
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import SLIDING
+from wirewear.diagnosis.model.readings import SLIDING, read_along
 from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.observable import OfLoops, Site, Sites, Zone, rows_of
-from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
+from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE, ReducedLoop
+from wirewear.diagnosis.observe.observable import (
+    FORCE_ERROR,
+    SLOPE_SHARE,
+    ModelLoops,
+    Observable,
+    OfLoops,
+    Site,
+    Sites,
+    SolverSize,
+    Zone,
+    rows_of,
+)
+from wirewear.diagnosis.observe.reading import Reading, spread_cycles
+from wirewear.loops.sensor import enclosed_areas
 
 _KNOWN = constants("observe.normal_along")
 
@@ -173,3 +188,170 @@ class Amplitude(OfLoops):
         """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
+
+
+_OF_EVOLUTION = constants("observe.evolution")
+
+#: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
+MOST_CYCLES, FAR = _OF_EVOLUTION.count("most_cycles"), _OF_EVOLUTION.number("far")
+
+#: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
+PEAK_BIAS = _OF_EVOLUTION.number("peak_bias")
+
+#: A column tells its own noise by at least so many figures.
+FEWEST_FIGURES = _OF_EVOLUTION.count("fewest")
+
+#: By how much, relative, the program that read an evolution may define a figure otherwise.
+ERROR = _OF_EVOLUTION.number("figure_error")
+
+
+class EvolutionFigure(Observable):
+    """One column of an evolution, which tells its own noise."""
+
+    column: ClassVar[str]
+
+    @abstractmethod
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """The figure (n,) of loops (n, 2, m)."""
+
+    def sites(self, reading: Reading) -> list[Site]:
+        """Cycles far from all logged ones."""
+        logged = np.array(reading.cycles, dtype=float)
+        known = sorted({int(cycle) for part in reading.evolution for cycle in part.columns["cycle"] if cycle > 0})
+        far = [cycle for cycle in known if np.all(np.abs(np.log(cycle / logged)) > np.log(FAR))]
+        return [Site(cycle) for cycle in spread_cycles(far, MOST_CYCLES)]
+
+    def measure(self, reading: Reading, repeat: int, sites: Sites) -> tuple[Array, Array]:
+        """The column."""
+        values, share = np.full(len(sites), np.nan), None
+        for part in reading.evolution:
+            if part.repeat == repeat and self.column in part.columns:
+                figures = part.columns[self.column]
+                share = own_noise(part.columns["cycle"], figures)
+                for place, cycle in enumerate(sites.cycle):
+                    here = np.flatnonzero(part.columns["cycle"] == cycle)
+                    values[place] = figures[here[0]] if here.size else np.nan
+        noise = (ERROR if share is None else share) * np.abs(values)
+        return values, np.hypot(noise, np.sqrt(0.5) * self.missed(reading))
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:
+        """By how much another program may define it otherwise, and what a drive that repeats itself always misses."""
+        defined = ERROR * _usual_figures(reading, self.column, sites)
+        return np.asarray(np.hypot(defined, np.sqrt(0.5) * self.missed(reading)))
+
+    def missed(self, reading: Reading) -> float:  # noqa: ARG002
+        """What straight lines between few samples may miss of it; half the variance changes as samples move along."""
+        return 0.0
+
+    def predict(self, course: LoopCourse, sites: Sites) -> Array:
+        """The same of computed loops."""
+        return self.of_loops(course.displacement_um, course.tangential_force_N)[rows_of(course, sites)]
+
+
+class Energy(EvolutionFigure):
+    """Area of the loop."""
+
+    name = "energy"
+    words, unit = "dissipated energy", "mJ"
+    zones = (Zone("energy", "energy (evolution)"),)
+    column = "dissipated_energy_mJ"
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """Area."""
+        return loop_area(displacement_um, force_N)
+
+    def missed(self, reading: Reading) -> float:
+        """Strips as wide along both stick branches, half as high as these as lines are right at their samples."""
+        return 2e-3 * reading.force_N * _chord_error_um(reading)
+
+
+class SlipAmplitude(EvolutionFigure):
+    """Half of the loop's width."""
+
+    name = "slip"
+    words, unit = "slip amplitude", "um"
+    zones = (Zone("slip", "slip amplitude (evolution)"),)
+    column = "slip_amplitude_um"
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:
+        """Half width."""
+        return half_width(displacement_um, force_N)
+
+    def missed(self, reading: Reading) -> float:
+        """As much of each branch, of both of which it is half the sum."""
+        return _chord_error_um(reading)
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+        """Its crossings of Q = 0, two of which it is half the sum of.
+
+        A logger that repeats itself, or an interpolation, finds them at the same place of every shelf.
+        """
+        crossing = loops.travel_um(sites, FORCE_ERROR * loops.scale.force_N) / np.sqrt(12.0)
+        return SolverSize(np.zeros(len(sites)), own=crossing / np.sqrt(2.0), common=crossing)
+
+
+class LargestForce(EvolutionFigure):
+    """Of either sign."""
+
+    name = "force"
+    words, unit = "largest tangential force", "N"
+    zones = (Zone("force", "largest force (evolution)"),)
+    column = "max_tangential_force_N"
+
+    def of_loops(self, displacement_um: Array, force_N: Array) -> Array:  # noqa: ARG002
+        """Max |Q|."""
+        return np.asarray(np.abs(force_N).max(axis=(1, 2)))
+
+    def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:
+        """A share of what slopes add at the end of the stroke."""
+        return SolverSize(SLOPE_SHARE * loops.rise_N(sites))
+
+    def common_error(self, reading: Reading, sites: Sites) -> Array:
+        """By how much noise may lift it, as the largest of many samples."""
+        return np.hypot(PEAK_BIAS * reading.sample_noise_N, super().common_error(reading, sites))
+
+
+def own_noise(cycles: Array, figures: Array) -> float | None:
+    """Relative deviation of figures (n,) from their neighbours' line over the cycles' logarithm; None of too few."""
+    sound = np.isfinite(figures) & (figures > 0.0) & (cycles > 0.0)
+    time, logs = np.log(cycles[sound]), np.log(figures[sound])
+    if time.size < FEWEST_FIGURES or np.any(np.diff(time) <= 0.0):
+        return None
+    share = (time[1:-1] - time[:-2]) / (time[2:] - time[:-2])
+    away = logs[1:-1] - (1.0 - share) * logs[:-2] - share * logs[2:]
+    deviates = away / np.sqrt(1.0 + share**2 + (1.0 - share) ** 2)
+    return max(1.4826 * float(np.median(np.abs(deviates))), LEAST_NOISE)
+
+
+def _chord_error_um(reading: Reading) -> float:
+    """What straight lines between samples miss of half a loop's width at zero force, the median."""
+    steps = [branch.step_at_zero_um for loop in reading.loops for branch in loop.branches]
+    return CHORD_ERROR * float(np.median(steps)) if steps else 0.0
+
+
+def _usual_figures(reading: Reading, column: str, sites: Sites) -> Array:
+    """Mean figures (n,) of all repeats, at the cycles nearest to each site's; 0 where there are none."""
+    parts = [part.columns for part in reading.evolution if column in part.columns]
+    if not parts:
+        return np.zeros(len(sites))
+    cycles, figures = (np.concatenate([np.asarray(one[name]) for one in parts]) for name in ("cycle", column))
+    away = np.abs(np.log(np.maximum(cycles, 1.0)) - np.log(np.maximum(sites.cycle, 1.0))[:, None])
+    near = (away <= away.min(axis=1, keepdims=True)) & np.isfinite(figures)
+    count = near.sum(axis=1)
+    return np.asarray(np.where(near, np.nan_to_num(figures), 0.0).sum(axis=1) / np.maximum(count, 1))
+
+
+def loop_area(x: Array, q: Array) -> Array:
+    """Area of loops (n, 2, m) in mJ, (n,)."""
+    return 1e-3 * enclosed_areas(x.reshape(len(x), -1), q.reshape(len(q), -1))
+
+
+def half_width(x: Array, q: Array) -> Array:
+    """Half of a loop's width at its mid force, (n,)."""
+    middle = 0.5 * (q.max(axis=(1, 2)) + q.min(axis=(1, 2)))
+    each = np.arange(len(x))
+    back, there = (
+        read_along(np.maximum.accumulate(sign * q[:, side], axis=1), x[:, side], each, sign * middle)
+        for side, sign in ((1, -1.0), (0, 1.0))
+    )
+    return 0.5 * (back - there)

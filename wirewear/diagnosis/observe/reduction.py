@@ -18,7 +18,7 @@ from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import channels
-from wirewear.diagnosis.observe.evolution import Energy, LargestForce, SlipAmplitude
+from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
 from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
