@@ -29,7 +29,7 @@ def loop(full: float) -> Loop:
 def test_a_loop_of_a_line_contact_gives_its_slip_friction_stiffness_and_load(full: float) -> None:
     row = _row(loop(full), FRICTION)
     assert row is not None
-    cycle, slip, slope, angle, stiffness, shape, load, lift = row
+    cycle, shape, slip, slope, angle, stiffness, load, lift = row
     assert (cycle, shape) == (7, full)
     assert stiffness == pytest.approx(STIFFNESS_N_per_um, rel=0.01)
     assert slip == pytest.approx(AMPLITUDE_um - full * FRICTION * LOAD_N / STIFFNESS_N_per_um, rel=0.01)
