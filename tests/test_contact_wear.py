@@ -17,6 +17,7 @@ from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, w
 from wirewear import parse_study
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
+from wirewear.simulation.problem import worn_depths
 from wirewear.study import study_from_tables
 
 MESH_mm = 0.010
@@ -44,9 +45,8 @@ def run(problem: ContactProblem) -> Run:
 
 def volumes(problem: ContactProblem, state: ContactState) -> tuple[float, float]:
     """Worn volumes of the upper and the lower body, mm3."""
-    primary = float(problem.primary.patch.node_areas() @ state.wear.primary_depth.ravel())
-    secondary = float(problem.secondary.patch.node_areas() @ state.wear.secondary_depth.ravel())
-    return (primary, secondary) if problem.primary_is_upper else (secondary, primary)
+    lower, upper = worn_depths(problem, state)
+    return problem.upper.patch.node_areas() @ upper.ravel(), problem.lower.patch.node_areas() @ lower.ravel()
 
 
 @pytest.mark.seconds

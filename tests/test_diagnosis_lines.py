@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from wirewear.diagnosis.model.line_states import _row
+from wirewear.diagnosis.model.line_states import LineStates, WornProfiles, _row
+from wirewear.diagnosis.model.line_wear import WornLine
 from wirewear.diagnosis.observe.scars import read_profile
 from wirewear.records import MeasuredProfile
 from wirewear.results import Loop
@@ -35,6 +36,15 @@ def test_a_loop_of_a_line_contact_gives_its_slip_friction_stiffness_and_load(ful
     assert slip == pytest.approx(AMPLITUDE_um - full * FRICTION * LOAD_N / STIFFNESS_N_per_um, rel=0.01)
     assert np.abs(np.concatenate([slope, angle, lift])).max() < 1e-3
     assert load == pytest.approx(LOAD_N)
+
+
+def test_a_foreseen_profile_has_the_area_that_its_body_loses_and_reaches_as_far_as_it_slips() -> None:
+    place = np.linspace(-1.6, 1.6, 321)
+    own = WornProfiles(np.array([400.0]), place, 0.75 * np.maximum(1.0 - place**2, 0.0)[None], 0.4, 20.0, 0.5)
+    both = WornLine(np.zeros(1), np.array([0.0, 1e-3]), np.zeros((2, 1)), np.ones(2), np.array([0.1, 0.1]))
+    x, depth = LineStates._profile(LineStates.__new__(LineStates), own, 500.0, 30.0, both, both)
+    assert np.trapezoid(depth, x) == pytest.approx(0.4 * 500.0, rel=1e-3)
+    assert np.ptp(x[depth > 0.0]) == pytest.approx(2.0 * (100.0 + 0.5 * 10.0), rel=0.02)
 
 
 def test_a_profile_is_read_about_its_middle_with_its_roughness_and_the_error_of_its_zero() -> None:
