@@ -58,9 +58,7 @@ def test_a_contact_that_hardly_slides_is_followed_as_the_drive_goes(amplitude: f
 
 
 @given(amplitudes, st.floats(0.05, 0.6), st.floats(0.2, 1.0), st.integers(6, 200))
-def test_a_stroke_before_tells_where_the_bodies_slide(
-    amplitude: float, share: float, sprung: float, count: int
-) -> None:
+def test_a_stroke_before_tells_where_bodies_slide(amplitude: float, share: float, sprung: float, count: int) -> None:
     """The holder springs back by less than it was carried along, and is carried on as the force grows."""
     carried = share * amplitude
     stands = -sprung * carried
@@ -180,7 +178,7 @@ def test_a_loop_in_partial_slip_is_followed_within_its_own_force(wires: solvers.
     assert loop.friction_work == pytest.approx(fine.friction_work, rel=0.02)
 
 
-def test_no_step_is_refined_without_end_where_the_force_is_rough(
+def test_no_step_is_refined_without_end_by_rough_force(
     wires: solvers.ContactProblem, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     problem = with_holder(wires, "spring")

@@ -173,12 +173,6 @@ def test_a_plan_holds_every_kind_in_its_share_and_every_effect_about_as_often() 
     assert all(len(case.effects) == (2 if case.kind == "pair" else case.kind != "none") for case in cases)
 
 
-def test_a_plan_depends_on_its_seed_alone() -> None:
-    first, again = (planned_cases(30, 7, LIBRARY_EFFECTS, OUTSIDE_KINDS) for _ in range(2))
-    assert first == again
-    assert planned_cases(30, 8, LIBRARY_EFFECTS, OUTSIDE_KINDS) != first
-
-
 def test_cases_that_leave_their_effect_out_hide_among_others_that_leave_out_one_that_is_not_there() -> None:
     cases = planned_cases(400, 1, LIBRARY_EFFECTS, OUTSIDE_KINDS)
     told = [case for case in cases if case.left_out]
@@ -278,10 +272,3 @@ def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_p
     )
     own = reaches(imports_of(file), "wirewear", "studies")
     assert [name for name in own if not reaches({name}, *allowed)] == []
-
-
-@pytest.fixture(scope="module")
-def records(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("batches") / "records"
-    make_batch(folder, cases=30, seed=12, generator=PlainModel())
-    return folder

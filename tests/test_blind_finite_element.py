@@ -2,13 +2,12 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from studies.blind import generator_of, make_batch
+from studies.blind import generator_of
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import record_hash, record_tables, write_traceless
 from studies.blind.generators.finite_element import model
@@ -21,7 +20,7 @@ from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, Scatter, SpecimenDraw
 from studies.blind.generators.waveform import Waveform
-from tests.blind_batches import PlainModel, truth_in
+from tests.blind_batches import PlainModel
 from tests.synthetic_results import bowl, result
 from wirewear import read_record
 from wirewear.effects import Age, ContactLaw, Loading, Seam, Specimens, applied
@@ -51,11 +50,6 @@ def a_loop(cycle: int = 100, increments: int = 40, height_N: float = 1.2) -> Loo
 
 def plain_nuisances() -> Nuisances:
     return replace(a_case().nuisances, waveform=Waveform())
-
-
-def area(displacement: Array, force: Array) -> float:
-    following, next_force = np.roll(displacement, -1), np.roll(force, -1)
-    return float(np.sum(0.5 * (force + next_force) * (following - displacement)))
 
 
 def test_scatter_multiplies_what_the_effects_have_made_of_friction_load_and_angle() -> None:
@@ -196,9 +190,6 @@ SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 LAST_DIGITS = slice(9, None, 7)
 
-#: By chance a batch lies above this once in some thousands (Student's distribution, 19 degrees of freedom).
-CHANCE = 4.0
-
 
 def case(kind: str, *effects: TrueEffect, left_out: tuple[str, ...] = ()) -> Case:
     return Case("a case", kind, "easy", effects, left_out, Nominal(cycles=20_000), NUISANCES, 1)
@@ -231,14 +222,6 @@ def test_a_gap_is_smaller_under_more_noise(share: float) -> None:
     own = fair_size(case("single", SPRING), MODEL)
     other = fair_size(replace(case("single", SPRING), nuisances=noisier), MODEL)
     assert (other < own) == (share > 1.0)
-
-
-@pytest.fixture(scope="module")
-def large_batch(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Enough records for a forest to learn from."""
-    folder = tmp_path_factory.mktemp("blind") / "large"
-    make_batch(folder, cases=150, seed=5, generator=PlainModel())
-    return folder
 
 
 def metadata(folder: Path) -> list[float]:
@@ -275,42 +258,3 @@ def test_files_have_the_same_sizes_names_times_and_widths_with_a_strong_effect_a
     assert record_hash(tmp_path / "without" / case.name) != record_hash(tmp_path / "with" / case.name)
     without[LAST_DIGITS] = with_effect[LAST_DIGITS] = 0.0
     assert without.tolist() == with_effect.tolist()
-
-
-def deviations_from_chance(seen: "np.ndarray[Any, Any]", label: "np.ndarray[Any, Any]") -> float:
-    """How far a random forest's area under the ROC lies above that for shuffled labels, over their scatter."""
-    from sklearn.ensemble import RandomForestClassifier
-    from sklearn.metrics import roc_auc_score
-
-    random = np.random.default_rng(0)
-    areas = []
-    for labels in (label, *(random.permutation(label) for _ in range(20))):
-        forest = RandomForestClassifier(60, random_state=0, min_samples_leaf=3, oob_score=True).fit(seen, labels)
-        areas.append(roc_auc_score(labels, forest.oob_decision_function_[:, 1]))
-    return float((areas[0] - np.mean(areas[1:])) / np.std(areas[1:], ddof=1))
-
-
-@pytest.mark.slow
-def test_a_random_forest_learns_nothing_from_sizes_names_times_and_rounding(large_batch: Path) -> None:
-    truths = truth_in(large_batch)["truths"]
-    seen = np.array([metadata(large_batch / truth["case"]) for truth in truths])
-    labels = {
-        "whether there is an effect": np.array([bool(truth["effects"]) for truth in truths]),
-        "whether it is easy": np.array([truth["ease"] == "easy" for truth in truths]),
-        "whether it is in the sensors": np.array(
-            [any("displacement" in e["effect"] or "force" in e["effect"] for e in t["effects"]) for t in truths]
-        ),
-    }
-    for what, label in labels.items():
-        assert deviations_from_chance(seen, label) < CHANCE, what
-
-
-@pytest.mark.slow
-def test_the_same_forest_sees_a_trace_where_there_is_one(large_batch: Path) -> None:
-    truths = truth_in(large_batch)["truths"]
-    label = np.array([bool(truth["effects"]) for truth in truths])
-    seen = np.array([metadata(large_batch / truth["case"]) for truth in truths])
-    # As if one number in fifty of the loops had one digit more in records with an effect.
-    decimals = 3 + 7 + 4
-    seen[:, decimals] += 0.02 * label
-    assert deviations_from_chance(seen, label) > CHANCE

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.synthetic_results import result
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.base import budget
 from wirewear.simulation import simulate, write_meshes
@@ -50,7 +50,7 @@ def test_every_level_of_fidelity_fits_on_a_small_machine(memory: Callable[[float
 
 
 @pytest.mark.parametrize(("element_um", "size"), [(0.1, "15 TB"), (0.6, "43 GB")])
-def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_fits(
+def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_does(
     tmp_path: Path, element_um: float, size: str
 ) -> None:
     """On version 8318817 the first began to fill a matrix of 46 TB, the second grew until gmsh asked for more RAM."""

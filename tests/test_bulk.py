@@ -14,7 +14,7 @@ from solvers.drive import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse, minimal
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from tests.test_programme import LONG, block
 from wirewear import StudyError
 from wirewear.diagnosis.model.nominal import limits_of, require_foreseen

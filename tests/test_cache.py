@@ -113,9 +113,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[Study]:
     return asked
 
 
-def test_a_nominal_run_is_kept_for_its_own_code_and_constants(
-    runs: list[Study], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_nominal_run_is_kept_for_its_code_and_constants(runs: list[Study], monkeypatch: pytest.MonkeyPatch) -> None:
     first, again = nominal_run(coarse()), nominal_run(coarse())
     assert len(runs) == 1
     np.testing.assert_array_equal(first.evolution["cycle"], again.evolution["cycle"])
@@ -142,9 +140,7 @@ def test_a_damaged_nominal_run_is_made_anew_and_kept(runs: list[Study], home: Pa
     assert len(runs) == 2
 
 
-def test_of_runs_that_fail_the_one_that_comes_to_its_end_counts(
-    runs: list[Study], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_of_runs_that_fail_the_one_that_ends_counts(runs: list[Study], monkeypatch: pytest.MonkeyPatch) -> None:
     complete = synthetic_results.result()
 
     def run_study(study: Study, *, output: Path, **_: object) -> list[RunResult]:

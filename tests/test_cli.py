@@ -56,9 +56,7 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, Any]:
 
 
 @pytest.mark.seconds
-def test_run_takes_the_standard_fidelity_and_a_folder_named_after_the_study(
-    study_file: Path, asked: dict[str, Any]
-) -> None:
+def test_run_takes_standard_fidelity_and_a_folder_named_as_the_study(study_file: Path, asked: dict[str, Any]) -> None:
     result = wirewear("run", study_file)
     assert result.exit_code == 0, result.output
     assert (asked["fidelity"], asked["output"], asked["resume"]) == ("standard", Path("runs/my wires"), False)
@@ -89,9 +87,7 @@ def test_run_takes_the_place_of_no_result_unless_it_is_told_to(
     "error",
     [RunError("no space."), ResultError("no result."), GeometryError("a bad element."), SolverError("no convergence.")],
 )
-def test_every_error_of_ours_ends_in_its_sentence_and_exit_code_2(
-    study_file: Path, asked: dict[str, Any], error: Exception
-) -> None:
+def test_errors_of_ours_end_in_a_sentence_and_code_2(study_file: Path, asked: dict[str, Any], error: Exception) -> None:
     asked["raises"] = error
     result = wirewear("run", study_file)
     assert (result.exit_code, result.stdout, result.stderr) == (2, "", f"wirewear: {error}\n")

@@ -63,9 +63,7 @@ def assert_close(found: Array, expected: Array) -> None:
 @pytest.mark.parametrize(
     ("low", "planes"), [((-1.0, -1.0), (0, 1)), ((0.0, -1.0), (1,)), ((-1.0, 0.0), (0,)), ((0.0, 0.0), ())]
 )
-def test_the_compliance_by_symmetry_is_that_of_the_whole_body(
-    low: tuple[float, float], planes: tuple[int, ...]
-) -> None:
+def test_a_compliance_by_symmetry_is_that_of_the_whole_body(low: tuple[float, float], planes: tuple[int, ...]) -> None:
     mesh = gripped(brick((4, 8, 3), (1.0, 1.5, 0.7)), low=low)
     body = condense(mesh, patch_on(mesh), STEEL)
     assert body.folded.planes == planes

@@ -181,9 +181,7 @@ def test_slip_counts_under_the_pressures_at_both_ends_of_an_increment(rig: Conta
     assert report.friction_work == pytest.approx(FRICTION * path * float(areas @ mean), rel=0.01)
 
 
-def test_energy_and_stiffness_of_the_loop_are_those_of_the_closed_form(
-    gross_slip: Slip, mindlin: reference.PartialSlipPoint
-) -> None:
+def test_energy_and_stiffness_of_a_loop_are_closed_forms(gross_slip: Slip, mindlin: reference.PartialSlipPoint) -> None:
     states, reports = gross_slip
     closed = reference.dissipated_energy(mindlin, AMPLITUDE_mm, RIG_N_per_mm)
     assert closed == pytest.approx(0.2580, rel=2e-3)

@@ -80,7 +80,7 @@ def forces(problem: ContactProblem) -> list[float]:
 
 
 @pytest.mark.parametrize("arm", [9.0, RADIUS_mm])
-def test_a_rotating_holder_is_a_spring_of_its_rotational_stiffness_over_the_arm_squared(
+def test_a_rotating_holder_is_a_spring_of_its_stiffness_over_the_arm_squared(
     spring: ContactProblem, arm: float
 ) -> None:
     """Also where it rolls about the wire's own axis: the load leans as far as the contact rolls."""

@@ -12,7 +12,7 @@ from solvers import Archard, ContactProblem, ContactState, Drive, IncrementRepor
 from solvers.wear import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
 from wirewear import parse_study
 from wirewear.results import RunResult
@@ -116,7 +116,7 @@ def depth_error(one: ContactState, other: ContactState) -> float:
     )
 
 
-def test_with_constant_friction_archard_is_the_energy_law_with_its_coefficient_times_friction(
+def test_at_constant_friction_archard_is_the_energy_law_with_coefficient_times_friction(
     energy_law: ContactProblem,
 ) -> None:
     archard = replace(energy_law, wear=replace(energy_law.wear.scaled(FRICTION), law=Archard()))

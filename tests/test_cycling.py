@@ -207,9 +207,7 @@ def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: p
 BLOCKS = ((20.0, 1.0), (70.0, 2.0), (300.0, 1.0))
 
 
-def test_no_jump_passes_over_the_end_of_a_block_and_every_block_is_entered_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_no_jump_passes_the_end_of_a_block_and_every_block_is_entered_once(monkeypatch: pytest.MonkeyPatch) -> None:
     store = Store()
     result = run(monkeypatch, Stepper(), store, blocks=BLOCKS)
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
@@ -247,9 +245,7 @@ def test_a_loop_is_measured_where_the_energy_bends_between_two_milestones(monkey
     assert [cycle for cycle, _ in result.measured] == [1.0, 30.0, 70.0, 100.0, 220.0, 300.0]
 
 
-def test_a_jump_that_leaves_the_patch_is_taken_again_from_its_start_on_larger_meshes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_jump_that_leaves_the_patch_is_taken_again_on_larger_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     store = Store()
     result = run(monkeypatch, Stepper(reach=(50.0, 1e9)), store, limits=(1e9, 1e9))
     assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
@@ -257,9 +253,7 @@ def test_a_jump_that_leaves_the_patch_is_taken_again_from_its_start_on_larger_me
 
 
 @pytest.mark.parametrize("failure", [PatchLeftError("beyond the largest meshes"), NotConvergedError("not found")])
-def test_a_run_that_cannot_go_on_says_why_and_keeps_what_it_has(
-    monkeypatch: pytest.MonkeyPatch, failure: Exception
-) -> None:
+def test_a_run_that_cannot_go_on_says_why_and_is_kept(monkeypatch: pytest.MonkeyPatch, failure: Exception) -> None:
     store = Store()
     with pytest.raises(type(failure)):
         run(monkeypatch, Stepper(stop_after=100.0, failure=failure), store)

@@ -242,9 +242,7 @@ def test_the_skew_of_a_swept_scar_is_the_tangent_of_the_angle(error_deg: float, 
 
 
 @pytest.mark.parametrize("angle_deg", [60.0, 75.0, 90.0])
-def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_angle_its_shear_more(
-    angle_deg: float,
-) -> None:
+def test_wires_at_the_stated_angle_have_the_skew_of_their_run_and_at_another_its_shear(angle_deg: float) -> None:
     run = result()
     wires = {"diameter_mm": 0.45, "youngs_modulus_MPa": 2.1e5, "poissons_ratio": 0.3, "crossing_angle_deg": angle_deg}
     asked = {"normal_load_N": 2.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0, "cycles": 100_000}

@@ -81,9 +81,7 @@ def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
     assert not found
 
 
-def test_the_hash_changes_with_the_file_and_with_whatever_is_believed_of_an_effect(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_hash_changes_with_the_file_and_whatever_is_believed_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:
     known, before = all_effects(), digest()
     assert digest() == before
     found = {before}

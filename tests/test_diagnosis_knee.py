@@ -108,9 +108,7 @@ def shelves(observed: Observations) -> Array:
 
 
 @given(shelf_um=st.floats(0.0, 8.0), phase=st.floats(0.0, 1.0), step_um=st.floats(0.05, 3.0))
-def test_the_true_travel_lies_within_what_samples_allow_wherever_they_fall(
-    shelf_um: float, phase: float, step_um: float
-) -> None:
+def test_the_true_travel_lies_within_what_samples_allow(shelf_um: float, phase: float, step_um: float) -> None:
     travel, unsure = travel_between(branch(shelf_um, phase, step_um), 0.1)
     if np.isfinite(travel):
         # Between ±0.1 N the elastic parts take 0.05 µm each. Between one sample and the next lies any length.

@@ -73,9 +73,7 @@ def test_the_branches_of_a_reading_that_runs_back_begin_at_the_reversal() -> Non
 
 @settings(max_examples=12, deadline=None)
 @given(linear=st.floats(-12.0, 8.0), quadratic=st.floats(-1.5, 1.5), cycles=st.sampled_from([100.0, 10_000.0, 1e5]))
-def test_a_drive_that_holds_a_reading_holds_its_extent_wherever_it_is_outermost(
-    linear: float, quadratic: float, cycles: float
-) -> None:
+def test_a_drive_that_holds_a_reading_holds_its_whole_extent(linear: float, quadratic: float, cycles: float) -> None:
     values = {"linear_um_per_N": linear, "quadratic_um_per_N2": quadratic}
     setup = with_effect(nominal("sensor"), COUPLING, values)
     x = simulate(states(), setup, np.array([cycles])).displacement_um

@@ -58,9 +58,7 @@ def test_what_is_measured_of_the_models_own_loops_is_what_it_predicts() -> None:
         assert np.sqrt(np.mean(away**2)) < 3.0, part.observable.name
 
 
-def test_the_worked_example_of_the_docs_measures_what_it_predicts(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_worked_example_of_docs_measures_what_it_predicts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     example = install_example("An observable", tmp_path, monkeypatch)
     own = [one for one in _all_observables.__wrapped__() if one.name == example.name]
     observed = reduce(record(repeats=1, scatter=0.0, samples=400), own)

@@ -115,9 +115,7 @@ def test_the_verdict_never_contradicts_the_probabilities(parts: list[float], fai
 
 
 @given(st.lists(st.floats(0.01, 1.0), min_size=5, max_size=5))
-def test_a_set_has_the_level_without_its_last_class_has_less_and_always_a_cause_of_no_library(
-    parts: list[float],
-) -> None:
+def test_a_set_has_the_level_less_without_its_last_class_and_a_cause_of_no_library(parts: list[float]) -> None:
     known = dict(zip(KNOWN, (np.array(parts) / sum(parts)).tolist(), strict=True))
     *others, last = found = plausible(known)
     assert ("outside_library",) in found

@@ -38,9 +38,7 @@ def study(
 
 
 @given(st.floats(0.01, 1.0), st.floats(0.05, 1.0), angles, angles)
-def test_reach_and_chord_are_those_of_the_ellipse_s_outline(
-    major: float, flatness: float, angle: float, axis: float
-) -> None:
+def test_reach_and_chord_are_those_of_an_ellipse(major: float, flatness: float, angle: float, axis: float) -> None:
     minor = flatness * major
     ellipse = Ellipse(major, minor, angle)
     t = np.linspace(0.0, 2.0 * pi, 20_001)
@@ -82,9 +80,7 @@ def test_under_a_ball_the_contact_moves_on_the_flat_and_stays_on_the_ball() -> N
 
 
 @pytest.mark.parametrize(("angle_deg", "fixed_diameter_mm"), [(30.0, 0.45), (60.0, 0.45), (45.0, 0.2), (90.0, 0.9)])
-def test_patches_hold_the_fresh_contact_and_resolve_its_shape_along_each_axis(
-    angle_deg: float, fixed_diameter_mm: float
-) -> None:
+def test_patches_hold_the_fresh_contact_and_resolve_its_shape(angle_deg: float, fixed_diameter_mm: float) -> None:
     plan = discretise(study(angle_deg, fixed_diameter_mm), "standard")
     hertz = plan.hertz
     contact = Ellipse(hertz.major_semi_axis_mm, hertz.minor_semi_axis_mm, hertz.major_angle_rad)
@@ -112,9 +108,7 @@ def test_stages_widen_and_coarsen_with_the_scar_and_the_last_holds_the_final_one
 
 @pytest.mark.parametrize("fidelity", sorted(WIRE_LEVELS))
 @pytest.mark.parametrize("fixed_diameter_mm", [0.45, 0.9])
-def test_elements_are_even_along_the_motion_to_the_scar_s_edges_and_coarser_across(
-    fidelity: str, fixed_diameter_mm: float
-) -> None:
+def test_elements_are_even_along_the_motion_and_coarser_across(fidelity: str, fixed_diameter_mm: float) -> None:
     level = WIRE_LEVELS[fidelity]
     for direction in (0.0, 90.0):
         along_wire = study(90.0, fixed_diameter_mm, worn=True, direction_deg=direction)

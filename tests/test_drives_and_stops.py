@@ -11,7 +11,7 @@ from solvers import SolverError
 from tests.diagnosis_cases import record
 from tests.frozen_states import frozen_states
 from tests.studies import COARSE, WEARING, coarse
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
@@ -149,9 +149,7 @@ def driven(held: str, **effect: float) -> LoopCourse:
 
 
 @pytest.mark.parametrize(("held", "target"), [("held_slip_amplitude_um", 45.0), ("held_energy_mJ", 0.2)])
-def test_the_fast_model_holds_what_the_drive_holds_by_an_amplitude_that_grows_as_walls_do(
-    held: str, target: float
-) -> None:
+def test_the_fast_model_holds_what_the_drive_does_by_an_amplitude_that_grows(held: str, target: float) -> None:
     course = driven(held)
     x, q = course.displacement_um, course.tangential_force_N
     assert (half_width(x, q) if "um" in held else loop_area(x, q)) == pytest.approx(target, rel=2e-3)

@@ -67,9 +67,7 @@ DESCRIPTIONS: dict[effects.Seam, Any] = {
 @pytest.mark.seconds
 @everyone
 @given(cycles=st.floats(0.0, 1e6), energy=st.floats(0.0, 100.0))
-def test_an_effect_at_its_neutral_values_changes_nothing(
-    kind: type[effects.Effect[Any]], cycles: float, energy: float
-) -> None:
+def test_an_effect_of_neutral_values_is_none(kind: type[effects.Effect[Any]], cycles: float, energy: float) -> None:
     described = DESCRIPTIONS[kind.seam]
     assert kind.neutral(coarse().stated).changed(described, effects.Age(cycles, energy)) == described
 

@@ -7,7 +7,7 @@ import pytest
 
 from solvers import press
 from tests.studies import COARSE, WEARING, coarse, result_with
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.results import read_loops
@@ -129,9 +129,7 @@ def test_a_wear_rate_evolution_wears_by_its_factor_integrated_from_the_test_s_st
 
 
 @pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
-def test_each_effect_at_its_neutral_values_leaves_problem_and_pressed_wires_as_they_are(
-    kind: type[Effect[Any]],
-) -> None:
+def test_an_effect_at_neutral_values_leaves_problem_and_pressed_wires_as_they_are(kind: type[Effect[Any]]) -> None:
     study = coarse()
     changed = study.with_effects(kind.neutral(study.stated))
     states = []

@@ -117,9 +117,7 @@ def huge(file: Any) -> None:
         (huge, "cannot hold the arrays that it states"),
     ],
 )
-def test_a_file_that_reaches_beyond_itself_is_refused(
-    tmp_path: Path, change: Callable[[Any], None], words: str
-) -> None:
+def test_a_file_that_reaches_beyond_it_is_refused(tmp_path: Path, change: Callable[[Any], None], words: str) -> None:
     path = tmp_path / "result.h5"
     path.write_bytes(hdf5_image(change))
     with pytest.raises(ResultError, match=rf"^{path} .*{words}\.$"):

@@ -110,9 +110,7 @@ def read(text: DelimitedText, fast: bool) -> Numbers | str | None:
 
 
 @given(layout=st.sampled_from(LAYOUTS), rows=st.lists(st.tuples(FIELDS, FIELDS), min_size=1, max_size=5))
-def test_the_fast_reader_reads_what_the_slow_one_does_or_leaves_it_to_it(
-    layout: DelimitedLayout, rows: list[tuple[str, str]]
-) -> None:
+def test_the_fast_reader_reads_what_the_slow_one_does(layout: DelimitedLayout, rows: list[tuple[str, str]]) -> None:
     text = text_of(layout, rows)
     fast, slow = read(text, fast=True), read(text, fast=False)
     if fast is None:
@@ -168,9 +166,7 @@ def matlab(path: Path) -> None:
         ("cells without end", array(1, (1, 1_000_000), element(14, b"") * 1_000_000)),
     ],
 )
-def test_a_matlab_file_that_would_fill_the_memory_is_refused_before_it_is_read(
-    tmp_path: Path, what: str, body: bytes
-) -> None:
+def test_a_matlab_file_that_would_fill_memory_is_refused_unread(tmp_path: Path, what: str, body: bytes) -> None:
     path = tmp_path / "loops.mat"
     path.write_bytes(HEAD + element(15, zlib.compress(body, 9)))
     tracemalloc.start()
@@ -209,9 +205,7 @@ def test_a_large_text_that_is_no_map_is_refused_without_being_read(tmp_path: Pat
 
 
 @pytest.mark.parametrize("step", [5000.0, 0.005], ids=["nm", "mm"])
-def test_a_map_of_nanofocus_is_as_wide_as_its_field_whichever_unit_its_steps_are_in(
-    tmp_path: Path, step: float
-) -> None:
+def test_a_map_of_nanofocus_is_as_wide_as_its_field_in_whichever_unit_it_steps(tmp_path: Path, step: float) -> None:
     """The format says mm; files in public say 312.5 for a field of 160 µm and 512 points."""
     nms = pytest.importorskip("SurfaceTopography.IO.NMS", exc_type=ImportError)
     _, _, heights = strangers_maps.surface()

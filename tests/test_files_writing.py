@@ -36,9 +36,7 @@ def slow_writer(tmp_path: Path) -> Iterator[subprocess.Popen[str]]:
         process.kill()
 
 
-def test_a_killed_writer_leaves_the_old_file_and_the_next_one_clears_up(
-    tmp_path: Path, slow_writer: subprocess.Popen[str]
-) -> None:
+def test_a_killed_writer_leaves_the_old_file_and_is_cleared(tmp_path: Path, slow_writer: subprocess.Popen[str]) -> None:
     path = tmp_path / "result.txt"
     path.write_text("old")
     slow_writer.kill()
@@ -124,9 +122,7 @@ def test_a_link_stays_and_what_it_leads_to_is_written(tmp_path: Path, exists: bo
     assert second.is_symlink()
 
 
-def test_links_in_a_circle_and_of_others_are_refused_in_a_sentence(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_links_in_a_circle_and_of_others_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     circle, foreign = tmp_path / "circle.txt", tmp_path / "foreign.txt"
     circle.symlink_to(circle)
     foreign.symlink_to(tmp_path / "target.txt")

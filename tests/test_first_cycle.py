@@ -106,9 +106,7 @@ def test_line_contacts_wear_in_every_cycle_of_a_test(cycles: int) -> None:
 
 @pytest.mark.first_case
 @pytest.mark.parametrize("friction", [0.001, 0.01, 0.62, 1.5])
-def test_the_energy_of_a_loop_is_its_area_and_the_friction_work_at_any_friction(
-    friction: float, tmp_path: Path
-) -> None:
+def test_the_energy_of_a_loop_is_its_area_and_friction_work_at_any_friction(friction: float, tmp_path: Path) -> None:
     result = run(wires(100, friction), tmp_path)
     for loop in result.loops:
         area = 1e-3 * enclosed_area(loop.displacement_um, loop.tangential_force_N)

@@ -93,9 +93,7 @@ def test_forces_that_scatter_between_repeats_leave_positive_intervals() -> None:
     ],
     ids=["rectified", "wrong sign", "offset", "clipped", "millinewtons", "few samples"],
 )
-def test_spoilt_channels_are_refused_in_a_sentence_or_give_finite_numbers(
-    spoil: Callable[[MeasuredLoop], MeasuredLoop],
-) -> None:
+def test_spoilt_channels_are_refused_or_give_finite_numbers(spoil: Callable[[MeasuredLoop], MeasuredLoop]) -> None:
     one = changed(record(cycles=CYCLES[:2], repeats=2, evolution=False), spoil)
     with suppress(RecordError):
         fitted(one)

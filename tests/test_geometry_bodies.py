@@ -119,9 +119,7 @@ def test_a_mirrored_mesh_keeps_its_orientation_and_joins_its_surfaces() -> None:
 
 
 @pytest.mark.parametrize("ending", [".vtu", ".msh", ".inp"])
-def test_an_exported_mesh_reads_back_with_the_same_points_and_bricks(
-    meshed: BodyMesh, tmp_path: Path, ending: str
-) -> None:
+def test_an_exported_mesh_reads_back_with_its_points_and_bricks(meshed: BodyMesh, tmp_path: Path, ending: str) -> None:
     path = tmp_path / f"wire{ending}"
     meshed.mesh.write(path, {"height_mm": meshed.mesh.points[:, 2]} if ending == ".vtu" else None)
     back = meshio.read(path)

@@ -83,9 +83,7 @@ def test_one_file_a_cycle_with_decimal_commas_other_units_and_encoding(tmp_path:
     assert not check_record(record).problems
 
 
-def test_a_continuous_log_is_cut_into_cycles_by_the_frequency_and_the_cut_off_rest_is_left_out(
-    tmp_path: Path, cycle: Any
-) -> None:
+def test_a_continuous_log_is_cut_into_cycles_by_frequency_and_its_rest_left_out(tmp_path: Path, cycle: Any) -> None:
     _, displacement, force = cycle
     x, q = np.tile(displacement, 4)[:-40], np.tile(force, 4)[:-40]
     rows = "\n".join(f"{a:.5f}\t{b:.6f}\t0.5" for a, b in zip(x, q, strict=True))
@@ -131,9 +129,7 @@ normal_force_N = {{ column = 3, unit = "V", factor = 4.0 }}
         ("[loops.columns]", "[loops.column]", r"line \d+"),
     ],
 )  # fmt: skip
-def test_mistakes_in_a_mapping_are_one_sentence(
-    tmp_path: Path, cycle: Any, old: str, new: str, words: str | None
-) -> None:
+def test_mistakes_in_mappings_are_a_sentence(tmp_path: Path, cycle: Any, old: str, new: str, words: str | None) -> None:
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     assert old in GERMAN
     path = mapped(tmp_path, GERMAN.replace(old, new))
@@ -229,9 +225,7 @@ axis = "{axis}"
 
 
 @pytest.mark.parametrize(("wire", "axis"), [("moving", "x"), ("fixed", "x"), ("moving", "y")])
-def test_a_profilometer_map_of_a_tilted_wire_gives_the_depth_of_its_scar(
-    tmp_path: Path, cycle: Any, wire: str, axis: str
-) -> None:
+def test_a_map_of_a_tilted_wire_gives_the_depth_of_its_scar(tmp_path: Path, cycle: Any, wire: str, axis: str) -> None:
     """A bowl of 12 µm, 120 µm long and 60 µm wide, in a wire of 225 µm radius, off centre, tilted, turned, noisy."""
     pytest.importorskip("SurfaceTopography.IO", exc_type=ImportError)
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))

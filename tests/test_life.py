@@ -204,9 +204,7 @@ tensile_strength_MPa = 800.0
 
 
 @pytest.mark.seconds
-def test_a_study_is_run_and_its_page_says_where_a_pulled_flat_cracks(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pulled.toml").write_text(PULLED)
     made = CliRunner().invoke(cli, ["life", "pulled.toml", "--body", "specimen", "--output", "out"])

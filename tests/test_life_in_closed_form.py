@@ -13,7 +13,7 @@ from scipy.optimize import brentq, minimize
 from geometry import Elastic
 from geometry.arrays import Array
 from tests.test_life import DUCTILITY, OWN, STRENGTH, B, C
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import lives, reference
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import simulate

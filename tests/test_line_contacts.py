@@ -16,7 +16,7 @@ import solvers
 from geometry import Cylinder, TabledProfile
 from solvers.pairing import pair, primary_surface
 from solvers.strain import stiffness_matrix
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.faces.study_script import wide_console
@@ -209,7 +209,7 @@ def test_uniform_strain_is_reproduced_in_plane_and_out_of_it() -> None:
 
 
 @pytest.mark.parametrize("primary_is_upper", [True, False])
-def test_uniform_pressure_crosses_planar_meshes_that_do_not_match(primary_is_upper: bool) -> None:
+def test_uniform_pressure_crosses_meshes_that_do_not_match(primary_is_upper: bool) -> None:
     upper, lower = block(0.05, upper=True), block(0.07)
     primary, secondary = (upper, lower) if primary_is_upper else (lower, upper)
     nodes = np.flatnonzero(np.abs(primary.patch.axial_mm) < 0.42)
@@ -228,7 +228,7 @@ def test_a_cylinder_on_a_flat_is_hertzs_line_contact() -> None:
     assert half_width(problem, pressed.traction[:, 2]) == pytest.approx(HERTZ.half_width_mm, rel=0.01)
 
 
-def test_mirrored_planar_motion_gives_exactly_the_mirrored_forces() -> None:
+def test_mirrored_motion_gives_exactly_the_mirrored_forces() -> None:
     problem, pressed = line_contact()
     one, other = pressed, pressed
     for drive in (0.0006, 0.0012, 0.0030, 0.0050, 0.0044, 0.0030):
@@ -248,7 +248,7 @@ def line(x: list[float], profile: geometry.Profile | None = None) -> geometry.Co
 
 
 @pytest.mark.parametrize("name", PROFILES)
-def test_a_planar_body_is_meshed_with_valid_quads_between_its_face_and_its_back(name: str) -> None:
+def test_a_body_is_meshed_with_valid_quads_between_its_face_and_its_back(name: str) -> None:
     meshed = body(PROFILES[name])
     mesh, patch = meshed.mesh, meshed.patch
     assert meshed.quality == mesh.scaled_jacobians().min() > 0.3

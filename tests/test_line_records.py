@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from geometry.arrays import Array
 from tests.browser import page_faults
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.kinds import KINDS

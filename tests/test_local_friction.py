@@ -11,8 +11,7 @@ from threadpoolctl import threadpool_limits
 import solvers
 from geometry.arrays import Array
 from tests.bodies import FRICTION, driven, pressed
-from tests.local_laws import STROKE_mm, hertz_of_line
-from tests.wear_jumps import LINE_LOAD_N_per_mm, at_the_end, jumped, line_contact
+from tests.wear_jumps import LINE_LOAD_N_per_mm, STROKE_mm, at_the_end, hertz_of_line, jumped, line_contact
 from wirewear.reference import LineContact
 
 pytestmark = pytest.mark.seconds
@@ -105,7 +104,7 @@ def run_in(hertz: LineContact, law: solvers.RunningIn, cycles: float, slip: Call
     return float(np.trapezoid(friction(0.5 * energies.sum(axis=0)), x))
 
 
-def test_friction_that_runs_in_follows_the_energies_of_both_surfaces(
+def test_friction_that_runs_in_follows_energies_of_both_bodies(
     line: solvers.ContactProblem, hertz: LineContact
 ) -> None:
     law = solvers.RunningIn(0.5, 1000.0)

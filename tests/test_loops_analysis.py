@@ -100,9 +100,7 @@ def test_coarse_simulated_loops_give_slip_and_energy_within_half_a_percent() -> 
 
 
 @pytest.mark.parametrize(("samples", "rig_stiffness", "coarse"), [(40, 1e9, 2), (400, 1e9, 0), (40, 167.0, 0)])
-def test_a_stiffness_that_few_samples_tell_is_noted_for_each_branch(
-    samples: int, rig_stiffness: float, coarse: int
-) -> None:
+def test_a_stiffness_that_few_samples_tell_is_noted_by_branch(samples: int, rig_stiffness: float, coarse: int) -> None:
     _, displacement, force = SyntheticLoop(Recipe(rig_stiffness=rig_stiffness)).sampled(samples, 0.2)
     notes = analyse_loop(displacement, force, 2.0).notes
     assert sum("its stiffness is coarse" in note for note in notes) == coarse

@@ -51,9 +51,7 @@ def test_a_coarse_force_that_rings_after_reversals_keeps_its_slip_and_friction(s
 
 @pytest.mark.parametrize("friction", [0.001, 0.01, 0.05])
 @pytest.mark.parametrize("rig_stiffness", [1e9, 167.0])
-def test_slip_of_a_worn_contact_whose_hooks_rise_above_the_plateau_is_all_that_it_slides(
-    friction: float, rig_stiffness: float
-) -> None:
+def test_slip_under_hooks_above_the_plateau_is_all_that_a_contact_slides(friction: float, rig_stiffness: float) -> None:
     loop = SyntheticLoop(Recipe(friction, end_slope_rad=0.15, hook_power=3.0, rig_stiffness=rig_stiffness))
     _, displacement, force = loop.sampled(200, 0.2)
     figures = analyse_loop(displacement, force, 2.0)

@@ -98,9 +98,7 @@ def test_any_finite_samples_are_measured_or_refused_in_our_own_words(seed: int, 
 
 
 @pytest.mark.parametrize(("sample", "share"), [(20, 0.54), (40, 0.7), (148, 0.6), (222, 0.3)])
-def test_a_spike_towards_the_middle_is_left_out_though_a_stiff_rig_jumps_as_far_at_its_reversals(
-    sample: int, share: float
-) -> None:
+def test_a_spike_to_the_middle_is_left_out_though_a_stiff_rig_jumps_at_reversals(sample: int, share: float) -> None:
     random = np.random.default_rng(3)
     time_s = np.arange(256) / 512.0
     phase = 4.0 * np.pi * time_s
@@ -195,9 +193,7 @@ def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:
 @pytest.mark.parametrize("samples", [64, 128, 256])
 @pytest.mark.parametrize("noise", [0.0, 0.005])
 @pytest.mark.parametrize(("lag", "note"), [(3, "samples late"), (5, "samples late"), (-3, "before the reversals")])
-def test_a_late_channel_is_noted_and_the_intervals_hold_the_truth(
-    samples: int, noise: float, lag: int, note: str
-) -> None:
+def test_a_late_channel_is_noted_and_intervals_hold_the_truth(samples: int, noise: float, lag: int, note: str) -> None:
     """A late force is read as much earlier; few or noiseless samples tell a late displacement."""
     if lag < 0 and noise and samples > 128:
         return
@@ -237,9 +233,7 @@ def test_a_viscous_ellipse_is_noted_and_has_no_figures_of_sliding(noise: float) 
 @pytest.mark.parametrize("noise", [0.0, 0.003])
 @pytest.mark.parametrize("drift", [-0.05, 0.05])
 @pytest.mark.parametrize("start", [0.1, 0.4])
-def test_a_displacement_that_drifts_within_the_loop_is_noted_and_freed_from_it(
-    noise: float, drift: float, start: float
-) -> None:
+def test_a_displacement_that_drifts_is_noted_and_freed_from_it(noise: float, drift: float, start: float) -> None:
     time, displacement, force = LOOP.sampled(256, start)
     displacement, force = disturbed(displacement, force, 3, noise, 0.0)
     figures = analyse_loop(displacement + drift * 120.0 * time, force, 2.0, time_s=time)

@@ -13,8 +13,8 @@ from geometry import ContactPatch, Flat
 from geometry.arrays import Array
 from solvers import CondensedBody, place, press, unloaded_state
 from tests.synthetic_results import result as made_up
+from tests.test_line_study import TABLES
 from tests.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
-from tests.test_planar_study import TABLES
 from wirewear import read_record, record_of_result, reference, write_record
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
@@ -64,9 +64,7 @@ def worn(contact: dict[str, Any], folder: Path, cycles: int, surfaces: dict[str,
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("contact", "frame"), [(BALL, "test"), (WIRES, "body")], ids=["ball", "wires"])
-def test_bodies_go_on_from_their_own_exported_scars_as_without_a_break(
-    tmp_path: Path, contact: dict[str, Any], frame: str
-) -> None:
+def test_bodies_go_on_from_their_scars_as_without_a_break(tmp_path: Path, contact: dict[str, Any], frame: str) -> None:
     whole = worn(contact, tmp_path / "whole", 2 * HALF, {})
     surfaces = {}
     for body in whole.bodies:

@@ -176,7 +176,7 @@ def test_a_uniform_depth_moves_the_inside_down_by_no_more_than_the_surface() -> 
 
 @pytest.mark.seconds
 @pytest.mark.parametrize("upper", [True, False])
-def test_a_placed_body_sees_the_same_surface_whether_nodes_have_been_moved_into_it_or_not(
+def test_a_placed_body_sees_one_surface_whether_nodes_have_been_moved_into_it_or_not(
     fresh: BodyMesh, upper: bool
 ) -> None:
     depth = scar(fresh, 0.008)
@@ -253,9 +253,7 @@ def test_any_depth_keeps_its_volume_and_never_becomes_negative(
 
 @pytest.mark.seconds
 @given(worn(), st.integers(1, 4))
-def test_a_grid_that_contains_the_old_lines_shows_the_same_surface(
-    given_wear: tuple[ContactPatch, Array], pieces: int
-) -> None:
+def test_a_grid_that_holds_the_old_lines_shows_its_surface(given_wear: tuple[ContactPatch, Array], pieces: int) -> None:
     old, depth = given_wear
 
     def divided(lines: Array) -> Array:

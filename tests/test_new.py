@@ -61,7 +61,7 @@ def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
 @pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("logger", ["German", "English"])
-def test_a_guessed_mapping_gives_the_record_that_the_files_were_made_of(
+def test_a_guessed_mapping_gives_the_record_of_the_files(
     tmp_path: Path, example: ExperimentRecord, logger: str
 ) -> None:
     write = write_german if logger == "German" else write_english
@@ -148,9 +148,7 @@ def few_files(folder: Path, example: ExperimentRecord) -> list[Path]:
 
 
 @pytest.mark.seconds
-def test_a_dry_run_draws_loop_and_fitted_scars_and_refuses_a_wrong_unit(
-    tmp_path: Path, example: ExperimentRecord
-) -> None:
+def test_a_dry_run_draws_loop_and_scars_and_refuses_a_wrong_unit(tmp_path: Path, example: ExperimentRecord) -> None:
     mapping = mapping_of(tmp_path, few_files(tmp_path, example))
     sound = wirewear("import", mapping, "--output", tmp_path / "dry", "--dry-run")
     assert sound.exit_code == 0, sound.output

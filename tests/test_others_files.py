@@ -109,9 +109,7 @@ def test_a_number_of_any_length_is_out_of_range(digits: int, key: str) -> None:
         assert f"is a number of {digits} digits, but must lie between" in str(refused.value)
 
 
-def test_a_pattern_that_would_need_for_ever_is_refused_in_time(
-    tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pattern_that_needs_for_ever_is_refused(tmp_path: Path, cycle: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wirewear.records.importing.sources.PATTERN_s", 0.2)
     (tmp_path / f"cycle_{'1' * 60}_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     bad = GERMAN.replace(r"cycle_(?P<cycle>\d+)_rep(?P<repeat>\d+)", r"cycle_(?P<cycle>(\d+)+)x(?P<repeat>\d+)")
@@ -140,7 +138,7 @@ columns = { x_um = "x", y_um = "y", depth_um = "d", repeat = "repeat" }
         (SCARS, "scar.csv", "x,y,d,repeat\n0,0,1,{}\n"),
     ],
 )
-def test_what_counts_nothing_is_no_cycle_and_no_repeat(
+def test_what_counts_nothing_is_no_cycle(
     tmp_path: Path, cycle: Any, table: str, file: str, rows: str, value: str
 ) -> None:
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))

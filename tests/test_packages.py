@@ -32,9 +32,7 @@ def test_a_name_that_is_none_of_theirs_has_no_example() -> None:
     assert example("no_such_test") is None
 
 
-def test_a_command_takes_an_example_where_there_is_no_file_of_that_name(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_command_takes_an_example_where_no_file_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     told = CliRunner().invoke(cli, ["check", "no_gap"])
     assert told.exit_code == 0
@@ -43,9 +41,7 @@ def test_a_command_takes_an_example_where_there_is_no_file_of_that_name(
     assert "experiment.toml" in CliRunner().invoke(cli, ["check", "no_gap"]).output
 
 
-def test_the_package_that_is_built_holds_what_the_program_looks_for(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """The examples are copied as `setup.py` does when a wheel is built, and found beside the installed modules."""
     asked: dict[str, Any] = {}
     monkeypatch.setattr("setuptools.setup", lambda **given: asked.update(given["cmdclass"]))
@@ -65,9 +61,7 @@ def test_the_package_that_is_built_holds_what_the_program_looks_for(
     assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name
 
 
-def test_the_sentence_on_a_missing_library_names_the_packages_that_make_installs(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_sentence_on_a_missing_library_names_packages_that_make_installs(monkeypatch: pytest.MonkeyPatch) -> None:
     script = (ROOT / "tools" / "prepare_machine.sh").read_text(encoding="utf-8")
     assert f'packages="{SYSTEM_PACKAGES}"' in script
 

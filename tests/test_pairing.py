@@ -121,9 +121,7 @@ def test_the_gap_of_crossed_cylinders_is_the_sum_of_their_heights() -> None:
 
 
 @pytest.mark.parametrize("primary_is_upper", [True, False])
-def test_the_paired_gap_differs_from_the_exact_one_by_the_secondary_averaged_over_an_element(
-    primary_is_upper: bool,
-) -> None:
+def test_the_paired_gap_is_the_exact_one_with_the_secondary_averaged_over_elements(primary_is_upper: bool) -> None:
     # Averaging y^2 / 2R with a hat function of half-width h adds h^2 / 12R.
     spacing = 0.004
     bodies = upper_and_lower(even(0.04, 21), even(0.08, 41))

@@ -142,9 +142,7 @@ def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving
         ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
     ],
 )
-def test_what_is_no_contact_at_a_point_is_told_in_one_sentence(
-    contact: dict[str, Any], tables: dict[str, Any], says: str
-) -> None:
+def test_what_is_no_contact_at_a_point_is_told(contact: dict[str, Any], tables: dict[str, Any], says: str) -> None:
     told = refusal(contact, **tables)
     assert says in told
     assert "\n" not in told

@@ -242,9 +242,7 @@ def changed(folder: Path, old: str, new: str) -> Path:
         ('scar_ball = "scar_ball.csv"', 'scar_fixed = "scar_ball.csv"', "a ball-on-flat has a flat and a ball"),
     ],
 )
-def test_what_a_record_of_bodies_says_wrongly_is_told_in_one_sentence(
-    tmp_path: Path, old: str, new: str, says: str
-) -> None:
+def test_what_a_record_of_bodies_says_wrongly_is_told(tmp_path: Path, old: str, new: str, says: str) -> None:
     with pytest.raises(RecordError) as caught:
         read_record(changed(tmp_path / "record", old, new))
     assert says in str(caught.value)

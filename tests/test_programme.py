@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.studies import COARSE, WEARING, coarse
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.nominal import require_foreseen
@@ -134,9 +134,7 @@ def test_a_record_states_the_programme_that_its_simulation_had(measured: Experim
     assert [own.study.conditions.normal_load_N for own in believed.schedule.stretches[:3]] == [2.0, 1.5, 2.0]
 
 
-def test_a_block_of_a_record_is_a_test_of_its_own_conditions_in_which_all_blocks_wear(
-    measured: ExperimentRecord,
-) -> None:
+def test_a_block_of_a_record_is_a_test_of_its_conditions_in_which_all_wear(measured: ExperimentRecord) -> None:
     third = measured.of_block(3)
     assert third.tables.stated.friction == 0.5
     assert {loop.cycle for loop in third.loops} <= set(range(151, 211)) | set(range(361, 401))
@@ -177,9 +175,7 @@ def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_no
         fit_record(replace(record, tables=record.tables.model_copy(update={"conditions": steady})))
 
 
-def test_an_unknown_key_of_a_block_of_a_record_is_passed_over_with_its_line(
-    measured: ExperimentRecord, tmp_path: Path
-) -> None:
+def test_an_unknown_key_of_a_block_is_passed_over_with_its_line(measured: ExperimentRecord, tmp_path: Path) -> None:
     write_record(tmp_path, measured)
     file = tmp_path / "experiment.toml"
     text = file.read_text(encoding="utf-8").partition("# The files as wirewear wrote them")[0]

@@ -106,9 +106,7 @@ def test_240_mutated_records_are_read_correctly_or_refused_in_one_sentence_with_
         ("scar_fixed.csv", "1,-130,-120,", "1,-130,deep,", r"scar_fixed.csv, line 2, column y_um: 'deep' is no number"),
     ],
 )  # fmt: skip
-def test_refusals_name_file_line_and_what_would_be_right(
-    folder: Path, file: str, old: str, new: str, message: str
-) -> None:
+def test_refusals_name_line_and_what_would_be_right(folder: Path, file: str, old: str, new: str, message: str) -> None:
     edit(folder / file, old, new)
     with pytest.raises(RecordError, match=message):
         read_record(folder)
@@ -127,9 +125,6 @@ def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder
 @pytest.mark.parametrize(
     ("topic", "change", "words"),
     [
-        ("displacement", lambda f: [*f[:4], f"{1e-3 * float(f[4])}", *f[5:]], "looks like millimetres"),
-        ("tangential force", lambda f: [*f[:5], f"{1e3 * float(f[5])}", f[6]], "check its unit"),
-        ("tangential force", lambda f: [*f[:5], f"{-float(f[5])}", f[6]], "as if its sign were wrong"),
         ("time", lambda f: [*f[:3], f"{1e3 * float(f[3])}", *f[4:]], "looks like milliseconds"),
         ("time", lambda f: [*f[:3], "0" if f[2] == "128" else f[3], *f[4:]], "Time does not increase"),
         ("saturation", lambda f: [*f[:5], f"{min(float(f[5]), 1.15)}", f[6]], "as a sensor at its stop"),
@@ -142,9 +137,7 @@ def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder
         ("drift", lambda f: [*f[:4], f"{float(f[4]) + 9.0 * (f[1] != '100')}", *f[5:]], "middle of the stroke"),
     ],
 )  # fmt: skip
-def test_what_is_odd_in_a_record_is_told(
-    folder: Path, topic: str, change: Callable[[list[str]], list[str]], words: str
-) -> None:
+def test_what_is_odd_is_told(folder: Path, topic: str, change: Callable[[list[str]], list[str]], words: str) -> None:
     assert topic not in topics(folder)
     edit_loops(folder, change)
     assert words in topics(folder)[topic]

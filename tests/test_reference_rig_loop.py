@@ -36,9 +36,7 @@ def tensor(stress: Array) -> Array:
 
 @pytest.mark.parametrize("stress", [sphere, line])
 @pytest.mark.parametrize("at", [(0.3, 0.4, 0.2), (-1.25, 0.1, 0.3), (2.0, 1.0, 1.0)])
-def test_stresses_are_in_equilibrium(
-    stress: Callable[[float, float, float], Array], at: tuple[float, float, float]
-) -> None:
+def test_stresses_balance(stress: Callable[[float, float, float], Array], at: tuple[float, float, float]) -> None:
     step = 1e-4
     divergence = np.zeros(3)
     for axis in range(3):
@@ -50,9 +48,7 @@ def test_stresses_are_in_equilibrium(
 
 
 @pytest.mark.parametrize("stress", [sphere, line])
-def test_the_surface_carries_the_tractions_and_nothing_beside_the_contact(
-    stress: Callable[[Array, float, float], Array],
-) -> None:
+def test_the_surface_carries_tractions_and_none_beside_it(stress: Callable[[Array, float, float], Array]) -> None:
     x = np.linspace(-2.0 * A, 2.0 * A, 41)
     found = stress(x, 0.0, 0.0)
     share = np.sqrt(np.maximum(1.0 - (x / A) ** 2, 0.0))

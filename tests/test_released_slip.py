@@ -22,9 +22,7 @@ CYCLES = 5000.0
 @pytest.mark.seconds
 @pytest.mark.parametrize("rig_N_per_mm", STROKES_mm)
 @pytest.mark.parametrize("folded", [True, False])
-def test_friction_work_after_a_jump_is_that_of_the_cycle_on_the_worn_surfaces(
-    rig_N_per_mm: float, folded: bool
-) -> None:
+def test_friction_work_after_a_jump_is_that_of_a_cycle_on_worn_surfaces(rig_N_per_mm: float, folded: bool) -> None:
     stroke = STROKES_mm[rig_N_per_mm]
     problem = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm or None, wear=RATES)
     symmetry = solvers.symmetry_of(problem) if folded else solvers.Symmetry()

@@ -173,9 +173,7 @@ def run() -> RunResult:
     return dataclasses.replace(result("", 167.0), study=STUDY.variant("compliant").resolved())
 
 
-def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off_only(
-    run: RunResult, tmp_path: Path
-) -> None:
+def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off(run: RunResult, tmp_path: Path) -> None:
     record = read_record(write_record(tmp_path, record_of_result(run)))
     assert not check_record(record).problems
     comparison = compare(run, record)

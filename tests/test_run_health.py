@@ -69,7 +69,7 @@ def cycle(problem: ContactProblem) -> CycleTrace:
     return closed_cycle(problem, start, Drive(AMPLITUDE_mm), INCREMENTS)[1]
 
 
-def test_recorded_forces_stretch_the_rigs_spring_as_far_as_its_holder_stands(
+def test_recorded_forces_stretch_the_rig_as_far_as_its_holder_stands(
     problem: ContactProblem, cycle: CycleTrace
 ) -> None:
     for forces in forces_on(problem, cycle, 1, 8, ("moving", "fixed")):
@@ -78,9 +78,7 @@ def test_recorded_forces_stretch_the_rigs_spring_as_far_as_its_holder_stands(
         assert forces.holder_z_um == pytest.approx(np.full(len(forces.phase), approach_um), rel=0.05)
 
 
-def test_mirror_error_is_the_share_of_the_load_that_stands_elsewhere(
-    problem: ContactProblem, cycle: CycleTrace
-) -> None:
+def test_mirror_error_is_the_share_of_load_that_stands_elsewhere(problem: ContactProblem, cycle: CycleTrace) -> None:
     symmetry, place = symmetry_of(problem), INCREMENTS // 4
     moved = cycle.states[place].traction.copy()
     pressed_nodes = np.flatnonzero(moved[:, 2] > 0.0)
@@ -127,18 +125,14 @@ def test_energy_that_changes_as_a_power_of_the_cycles_is_summed_exactly(power: f
 
 
 @pytest.mark.parametrize(("worn_mJ", "mismatch"), [(1e-15, 0.0), (1e-8, 1.0)])
-def test_round_off_of_nodes_that_all_but_stick_is_no_energy_that_loops_lack(
-    cycle: CycleTrace, worn_mJ: float, mismatch: float
-) -> None:
+def test_round_off_of_nodes_that_stick_is_no_energy_lost(cycle: CycleTrace, worn_mJ: float, mismatch: float) -> None:
     loop = {"cycle": 1.0, "displacement_amplitude_um": 0.4, "max_tangential_force_N": 0.05}
     judge(counters := Counters(), cycle, [loop | {"dissipated_energy_mJ": 0.0, "mirror_error": 0.0}], worn_mJ)
     assert counters.energy_against_loops == mismatch
 
 
 @given(st.floats(-0.9, 2.0), st.floats(1.5, 10.0), st.floats(0.0, 5.0))
-def test_energy_bends_when_less_or_more_has_worn_than_a_power_of_the_cycles_tells(
-    power: float, ratio: float, before: float
-) -> None:
+def test_energy_bends_when_less_or_more_has_worn_than_a_power_tells(power: float, ratio: float, before: float) -> None:
     worn = (ratio ** (power + 1.0) - 1.0) / (power + 1.0)
     now = (ratio, ratio**power, before + worn)
     assert not bends((1.0, 1.0, before), now)

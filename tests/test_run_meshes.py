@@ -51,9 +51,7 @@ def assert_agree(found: RunResult, expected: RunResult, within: float) -> None:
         assert found.evolution[name][-1] == pytest.approx(expected.evolution[name][-1], rel=within), name
 
 
-def test_meshes_that_follow_the_scar_give_the_results_of_one_mesh_for_all_of_it(
-    following: RunResult, one_mesh: RunResult
-) -> None:
+def test_meshes_that_follow_the_scar_give_the_results_of_one_mesh(following: RunResult, one_mesh: RunResult) -> None:
     assert len(following.settings["mesh_changes"]) >= 1
     assert one_mesh.settings["mesh_changes"] == []
     assert_agree(following, one_mesh, 0.02)
@@ -67,9 +65,7 @@ def test_volume_stays_alpha_times_energy_through_changes_of_the_mesh(following: 
     assert following.quality["volume_against_energy"] < 1e-9
 
 
-def test_a_run_killed_after_a_change_of_mesh_and_resumed_ends_with_the_same_result(
-    following: RunResult, tmp_path: Path
-) -> None:
+def test_a_run_killed_after_a_change_of_mesh_ends_with_the_same_result(following: RunResult, tmp_path: Path) -> None:
     killer = Killer(1)
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, "follow_scar = true", killer)
@@ -79,9 +75,7 @@ def test_a_run_killed_after_a_change_of_mesh_and_resumed_ends_with_the_same_resu
         assert (resumed.evolution[name] == values).all(), name
 
 
-def test_a_soft_layer_that_spreads_the_first_contact_gets_meshes_that_hold_it(
-    following: RunResult, tmp_path: Path
-) -> None:
+def test_a_soft_layer_that_spreads_the_contact_gets_meshes_that_hold_it(following: RunResult, tmp_path: Path) -> None:
     rough = '\n[[effects]]\nname = "roughness_compliance"\nlayer_um = 1.0\ncycles = 3000.0\n'
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, "follow_scar = true" + rough, Killer(1))

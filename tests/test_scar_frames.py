@@ -10,12 +10,10 @@ import pytest
 from click.testing import CliRunner
 
 from tests.synthetic_results import bowl, result
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.diagnosis.model.candidates import nominal_line_setup
 from wirewear.diagnosis.model.line_states import LineStates
-from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.faces import cli
@@ -69,9 +67,7 @@ def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
 @pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0, 30.0])
-def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_were_exported_from(
-    tmp_path: Path, angle_deg: float
-) -> None:
+def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_are_of(tmp_path: Path, angle_deg: float) -> None:
     run = run_at(angle_deg)
     exported(run, tmp_path, angle_deg)
     record = import_record(tmp_path / "mapping.toml")
@@ -182,31 +178,6 @@ def believed(mapping: Path, stated: str) -> Path:
     text = mapping.read_text(encoding="utf-8")
     mapping.write_text(re.sub(r"(\[stated\].*\n)", rf"\1{stated}\n", text), encoding="utf-8")
     return mapping
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("angle_deg", [60.0, 90.0])
-def test_a_run_comes_back_from_its_heights_within_three_noises_and_without_a_gap(
-    tmp_path: Path, angle_deg: float
-) -> None:
-    """The model that it is diagnosed with is the run itself, as the record's nominal model would run the same again."""
-    short = {"conditions.cycles": 1000, "log.loop_cycles": (1, 1000)}
-    study = load_study(STEEL).variant("compliant").with_values({"wires.crossing_angle_deg": angle_deg, **short})
-    run = simulate(study, fidelity="quick")
-    exported(run, tmp_path, angle_deg)
-    stated = """friction = 0.62
-energy_wear_coefficient_mm3_per_J = 3e-5
-tangential_stiffness_N_per_mm = 167.0
-normal_spring_stiffness_N_per_mm = 1.0"""
-    record = import_record(believed(tmp_path / "mapping.toml", stated))
-    compared = compare(run, record)
-    assert len(compared.loops) == 2
-    for loop in compared.loops:
-        assert float(np.sqrt(np.mean((loop.simulated[1] - loop.measured[0, 1]) ** 2))) < 3.0 * 0.008
-    for pair in compared.scars:
-        assert float(np.sqrt(np.nanmean((pair.simulated - pair.mean) ** 2))) < 3.0 * NOISE_um
-    diagnosed = concluded(record, nominal_study(record), WearStates.of_run(run), reduce(record))
-    assert diagnosed.diagnosis.verdict == "no_gap"
 
 
 @pytest.mark.slow

@@ -226,9 +226,7 @@ FAULTS: dict[str, tuple[Change, str, bool]] = {
 
 
 @pytest.mark.parametrize("fault", FAULTS)
-def test_check_names_the_kind_of_a_fault_and_nothing_is_concluded_without_a_word(
-    sound: ExperimentRecord, fault: str
-) -> None:
+def test_check_names_a_fault_and_nothing_is_concluded_without_a_word(sound: ExperimentRecord, fault: str) -> None:
     change, words, concludes = FAULTS[fault]
     record = change(sound)
     texts = [problem.text for problem in check_record(record).problems]
@@ -275,9 +273,7 @@ def test_loops_that_were_refused_or_not_looked_at_support_no_conclusion(
     assert "How loops change" not in supported
 
 
-def test_a_normal_force_that_presses_negatively_is_read_turned_and_that_is_said(
-    sound: ExperimentRecord, tmp_path: Path
-) -> None:
+def test_a_normal_force_that_presses_negatively_is_said_to_be_turned(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", channel(NORMAL, scaled(-1.0))(sound))
     read = read_record(folder)
     for loop, own in zip(read.loops, sound.loops, strict=True):
@@ -285,9 +281,7 @@ def test_a_normal_force_that_presses_negatively_is_read_turned_and_that_is_said(
     assert any("factor = -1" in remark.text for remark in check_record(read).remarks)
 
 
-def test_loops_of_a_record_in_another_unit_of_the_normal_force_are_refused(
-    sound: ExperimentRecord, tmp_path: Path
-) -> None:
+def test_loops_of_a_record_in_another_unit_of_normal_force_are_refused(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", channel(NORMAL, scaled(1e3))(sound))
     with pytest.raises(RecordError, match="looks like millinewtons"):
         read_loops(folder)

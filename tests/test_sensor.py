@@ -56,9 +56,7 @@ def assert_same(left: LoopSignals, right: LoopSignals, within: float) -> None:
 
 @given(st.floats(-2.0, 2.0), st.floats(-1.0, 1.0), st.floats(0.0, 2.0))
 @settings(deadline=None, max_examples=40)
-def test_a_load_coupled_reading_leaves_the_loops_energy_within_a_thousandth(
-    linear: float, quadratic: float, remote: float
-) -> None:
+def test_a_load_coupled_reading_leaves_the_energy_of_the_loop(linear: float, quadratic: float, remote: float) -> None:
     truth = wire_loop(1024)
     read = Sensor(linear_um_per_N=linear, quadratic_um_per_N2=quadratic, remote_compliance_um_per_N=remote).read(truth)
     assert area_mJ(read) == pytest.approx(area_mJ(truth), rel=1e-3)
@@ -151,9 +149,7 @@ def stick_or_slide(amplitude_um: float, stiffness: float = 0.5) -> LoopSignals:
 
 @given(st.floats(0.5, 80.0), st.floats(-0.5, 3.0), st.floats(0.8, 1.2))
 @settings(deadline=None, max_examples=60)
-def test_the_stroke_behind_a_sensor_held_amplitude_is_read_as_the_asked_one(
-    asked: float, linear: float, gain: float
-) -> None:
+def test_the_stroke_behind_a_sensor_held_amplitude_is_read_as_asked(asked: float, linear: float, gain: float) -> None:
     sensor = Sensor(displacement_gain=gain, linear_um_per_N=linear)
     held = sensor_held_stroke(sensor, asked, stick_or_slide)
     assert sensor.read(stick_or_slide(held.amplitude_um)).displacement_amplitude_um == pytest.approx(asked, rel=1e-6)
@@ -186,9 +182,7 @@ def run() -> RunResult:
 
 
 @pytest.mark.seconds
-def test_a_record_read_through_a_known_polynomial_is_corrected_to_within_its_noise(
-    run: RunResult, tmp_path: Path
-) -> None:
+def test_a_record_read_through_a_known_polynomial_is_corrected_within_noise(run: RunResult, tmp_path: Path) -> None:
     """The force's noise, 0.008 N, adds 0.8 × 0.008 µm; a slope of 1 − 2·0.15·Q/0.8 lets it vary by half."""
     noise = SensorNoise(displacement_um=0.15, tangential_force_N=0.008, normal_force_N=0.01)
     coupled = dataclasses.replace(SENSOR, noise=noise)

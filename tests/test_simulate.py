@@ -114,9 +114,7 @@ def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None
 
 @pytest.mark.slow
 @pytest.mark.parametrize("logged", [0, 1, 3])
-def test_a_run_killed_at_any_moment_and_resumed_ends_with_the_same_result(
-    unbroken: RunResult, tmp_path: Path, logged: int
-) -> None:
+def test_a_run_killed_and_resumed_ends_with_the_same_result(unbroken: RunResult, tmp_path: Path, logged: int) -> None:
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, Killer(stop_after=logged))
     resumed = run(tmp_path, resume=True)
@@ -192,9 +190,7 @@ def without_wires(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_complete_runs_are_read_from_their_files_without_loading_wires(
-    tmp_path: Path, without_wires: None, jobs: int
-) -> None:
+def test_complete_runs_are_read_from_files_without_wires(tmp_path: Path, without_wires: None, jobs: int) -> None:
     study = coarse(COARSE + VARIANTS)
     leave_complete_runs(study, tmp_path, "compliant", "rigid")
     results = run_study(study, fidelity="quick", output=tmp_path, resume=True, jobs=jobs)

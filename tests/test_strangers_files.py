@@ -93,9 +93,7 @@ def test_signs_between_thousands_change_no_number(
 
 
 @pytest.mark.parametrize(("delimiter", "sign"), [(",", ","), ("   ", " ")])
-def test_signs_that_also_part_columns_are_refused_where_the_rows_differ(
-    tmp_path: Path, delimiter: str, sign: str
-) -> None:
+def test_signs_that_also_part_columns_are_refused_where_rows_differ(tmp_path: Path, delimiter: str, sign: str) -> None:
     rows = log(delimiter, sign, ".").partition("\n")[2].encode()
     text = DelimitedText(tmp_path, rows, DelimitedLayout(delimiter.strip() or None, names_line=False))
     with pytest.raises(RecordError, match=r"line 2, column \d: there are \d fields where line 1 has \d"):
@@ -228,9 +226,7 @@ def test_what_is_assumed_of_the_wires_is_said(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_the_displacement(
-    tmp_path: Path, sign: float
-) -> None:
+def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_motion(tmp_path: Path, sign: float) -> None:
     """A spring: Q = K δ, with a lag that no logger resolves and noise."""
     noise = 0.002 * np.random.default_rng(1).standard_normal(strangers.X.size)
     force = sign * (0.01 * strangers.X) + noise

@@ -12,7 +12,7 @@ import pytest
 
 from tests.browser import page_faults
 from tests.studies import COARSE, WEARING
-from tests.test_planar_study import TABLES
+from tests.test_line_study import TABLES
 from wirewear import lives
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError

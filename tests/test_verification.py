@@ -71,7 +71,7 @@ def family(*rows: Row) -> tuple[Family, ...]:
 
 
 @pytest.mark.parametrize(("rows", "code"), [((GOOD,), 0), ((GOOD, BAD), 1)])
-def test_the_command_fails_when_a_row_fails(
+def test_the_command_fails_with_a_row(
     rows: tuple[Row, ...], code: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setattr("wirewear.verification.FAMILIES", family(*rows))

@@ -10,8 +10,7 @@ from threadpoolctl import threadpool_limits
 import solvers
 from geometry.arrays import Array
 from tests.bodies import FRICTION
-from tests.local_laws import STROKE_mm, hertz_of_line
-from tests.wear_jumps import LINE_LOAD_N_per_mm, at_the_end, jumped, line_contact
+from tests.wear_jumps import LINE_LOAD_N_per_mm, STROKE_mm, at_the_end, hertz_of_line, jumped, line_contact
 from wirewear.base.errors import StudyError
 from wirewear.study import parse_study
 

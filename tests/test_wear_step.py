@@ -184,9 +184,7 @@ def test_layers_between_the_surfaces_wear_with_the_books_in_order(
 
 
 @pytest.mark.seconds
-def test_a_coefficient_that_changes_on_the_way_wears_by_its_values_within_the_jump(
-    problem: solvers.ContactProblem,
-) -> None:
+def test_a_coefficient_that_changes_wears_by_its_values_within_the_jump(problem: solvers.ContactProblem) -> None:
     def fading(cycle: float, _energy_mJ: float) -> solvers.ContactProblem:
         return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * (cycle - 1.0) / CYCLES))
 

@@ -181,7 +181,7 @@ def test_what_is_no_number_of_its_range_is_refused(command: Sequence[str], value
 
 
 @pytest.mark.parametrize("options", [["--body", "moving"], ["--integration-points"], ["--no-pictures"]])
-def test_options_of_wires_are_refused_for_line_contacts(
+def test_options_of_wires_are_refused_for_lines(
     options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("wirewear.faces.looking.one_run", lambda _: Mock(length_mm=1.0, contact_kind="line-contact"))
@@ -328,9 +328,7 @@ def mistakes() -> list[tuple[str, str, str]]:
         ),
     ],
 )
-def test_a_mistake_is_told_in_one_sentence_with_its_place_and_what_would_be_right(
-    old: str, new: str, message: str
-) -> None:
+def test_a_mistake_is_told_with_its_place_and_what_would_be_right(old: str, new: str, message: str) -> None:
     assert MINIMAL.count(old) == 1
     with pytest.raises(StudyError) as caught:
         parse_study(MINIMAL.replace(old, new), "s.toml")

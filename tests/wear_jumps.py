@@ -12,6 +12,7 @@ from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
 from geometry.arrays import Array
 from solvers.wear_step.symmetry import Mirror, mirrored
 from tests.bodies import FRICTION, STEEL, crossed_wires, pressed
+from wirewear.reference import Elastic, LineContact, contact_modulus, hertz_line
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 1.5e-8)
@@ -41,6 +42,12 @@ def _line_bodies(element_mm: float) -> tuple[solvers.PlacedBody, solvers.PlacedB
         solvers.place(solvers.condense(b.mesh, b.patch, STEEL), upper=upper, axis_angle_rad=0.0) for b, upper in bodies
     ]
     return placed[0], placed[1]
+
+
+def hertz_of_line() -> LineContact:
+    """The fresh contact of a cylinder on a flat."""
+    steel = Elastic(STEEL.youngs_modulus_MPa, STEEL.poissons_ratio)
+    return hertz_line(LINE_LOAD_N_per_mm, 6.0, contact_modulus(steel, steel))
 
 
 def line_contact(

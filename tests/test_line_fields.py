@@ -8,7 +8,7 @@ import pytest
 
 from geometry import build_planar
 from tests.bodies import STEEL
-from tests.test_planar_study import study
+from tests.test_line_study import study
 from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.interior.lines import line_states, line_strength, state_grid

@@ -1,4 +1,4 @@
-"""Planar studies: what their files may hold, what a run leaves, and how scars grow."""
+"""Studies of line contacts: what their files may hold, what a run leaves, and how scars grow."""
 
 from contextlib import nullcontext
 from copy import deepcopy
@@ -53,7 +53,7 @@ def worn() -> RunResult:
         ("holder", {"tangential_stiffness_N_per_mm2": "soft"}, 'or "rigid"'),
     ],
 )
-def test_a_mistake_in_a_planar_study_is_told_in_one_sentence(
+def test_a_mistake_in_a_study_of_a_line_is_told_in_a_sentence(
     table: str, values: dict[str, Any], complaint: str
 ) -> None:
     with pytest.raises(StudyError, match=complaint):
@@ -61,7 +61,7 @@ def test_a_mistake_in_a_planar_study_is_told_in_one_sentence(
 
 
 @pytest.mark.slow
-def test_a_worn_planar_contact_is_a_segment_of_the_cylinder(worn: RunResult) -> None:
+def test_a_worn_contact_is_a_segment_of_the_cylinder(worn: RunResult) -> None:
     """Oracle of line contacts in gross slip: A = 2b³/(3R), h = b²/(2R); 5 % for the elastic contact's own width."""
     pad, specimen = (worn.scar(20_000, body) for body in ("pad", "specimen"))
     exact = reference.line_contact_scar(1e-6 * (pad.area_um2 + specimen.area_um2), 6.0)
@@ -72,7 +72,7 @@ def test_a_worn_planar_contact_is_a_segment_of_the_cylinder(worn: RunResult) -> 
 
 
 @pytest.mark.slow
-def test_planar_scars_deepen_as_the_cycles_to_two_thirds(worn: RunResult) -> None:
+def test_scars_deepen_as_the_cycles_to_two_thirds(worn: RunResult) -> None:
     before, after = worn.evolution["max_depth_pad_um"][1:]
     assert np.log(after / before) / np.log(4.0) == pytest.approx(2.0 / 3.0, abs=0.07)
 
@@ -106,7 +106,7 @@ class Killer(NoObserver):
 
 
 @pytest.mark.slow
-def test_a_planar_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
+def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
     short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
     unbroken = simulate(short, fidelity="quick")
     with pytest.raises(KeyboardInterrupt):
