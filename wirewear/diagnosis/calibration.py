@@ -11,8 +11,11 @@ from dataclasses import dataclass
 from functools import cache
 from hashlib import sha256
 from importlib.resources import files
+from math import inf
 from pathlib import Path
 from typing import Any
+
+import numpy as np
 
 from wirewear.base.cache import added_code
 from wirewear.effects import all_effects
@@ -21,6 +24,12 @@ FILE_NAME = "calibration.toml"
 
 #: Where the file stands, for commands that learn constants.
 FILE = Path(__file__).with_name(FILE_NAME)
+
+#: Sources of what is not tuned: steps and ranges, where observables are read, least data, statistics, what is told.
+UNTUNED = {"resolution", "definition", "least_data", "convention", "as_likely_as_not", "told"}
+
+#: Units of numbers that cannot exceed one.
+_UP_TO_ONE = {"correlation", "probability", "share of the variance"}
 
 
 @dataclass(frozen=True)
@@ -32,6 +41,11 @@ class Constant:
     unit: str
     source: str
     commit: str
+
+    @property
+    def tuned(self) -> bool:
+        """Whether it was set so that answers are right."""
+        return self.source not in UNTUNED
 
 
 @dataclass(frozen=True)
@@ -108,6 +122,17 @@ def digest() -> str:
     added = added_code(effects.values())
     spelled = json.dumps({"effects": believed, "added": added}, sort_keys=True)
     return sha256(_content() + spelled.encode()).hexdigest()
+
+
+def scale(name: str, factor: float) -> None:
+    """Multiply a constant in this process, for modules that are imported from now on; correlations stay below one."""
+    item: dict[str, Any] = _tables()
+    for part in name.split("."):
+        item = item[part]
+    most = 1.0 - 1e-6 if item["unit"] in _UP_TO_ONE else inf
+    values = np.minimum(np.multiply(item["value"], factor), most).tolist()
+    # Counts stay whole.
+    item["value"] = round(values) if isinstance(item["value"], int) else values
 
 
 @cache

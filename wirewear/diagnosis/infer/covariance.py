@@ -32,8 +32,11 @@ _HOOKS, _SMOOTH = constants("model.numerical.hooks"), constants("model.numerical
 #: Share of the force that slopes cause by which hooks differ as a whole.
 HOOK = _HOOKS.number("whole")
 
-#: The remainder is correlated over this difference of the cycles' logarithm.
+#: Smooth differences are correlated over this difference of the cycles' logarithm.
 LASTING_REACH = _SMOOTH.number("lasting_reach")
+
+#: Share of a variance that lasts: the rest passes from one logged cycle to the next, as ripples of worn surfaces do.
+LASTING = _SMOOTH.number("lasting")
 
 #: Correlation of both branches of smooth differences under a turn of the loop.
 TURNED = _SMOOTH.number("turned")
@@ -108,7 +111,7 @@ def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Ar
         rows, error = part.rows, part.observable.solver_error(loops, part.sites)
         if error.size.any():
             smooth = found.setdefault(part.observable.name, np.zeros(shape))
-            smooth[rows, rows] = smooth_block(part, error.size, loops.scale)
+            smooth[rows, rows] = smooth_block(part, error.size, loops.scale, LASTING)
         if error.own is not None:
             found[OWN][rows, rows] += np.diag(error.own**2)
         if error.common is not None:
@@ -126,12 +129,13 @@ def smooth_covariance(layout: Layout, size: Array, scale: Scale) -> Array:
     return covariance
 
 
-def smooth_block(part: Part, size: Array, scale: Scale) -> Array:
-    """Covariance (m, m) of one observable: smooth along branches and over the logarithm of cycles."""
+def smooth_block(part: Part, size: Array, scale: Scale, lasting: float = 1.0) -> Array:
+    """Covariance (m, m) of one observable: smooth along branches and, for the share that lasts, over log cycles."""
     sites = part.sites
     smooth = part.observable.smoothness(sites, scale)
     other = np.outer(sites.branch, sites.branch) < 0
-    trend = alike(sites.cycle, LASTING_REACH) * np.where(other, -TURNED * smooth.turned, 1.0)
+    trend = lasting * alike(sites.cycle, LASTING_REACH) * np.where(other, -TURNED * smooth.turned, 1.0)
+    trend += (1.0 - lasting) * (sites.cycle[:, None] == sites.cycle) * ~other
     kernel = trend * np.exp(-0.5 * (smooth.along[:, None] - smooth.along) ** 2)
     kernel = np.where(smooth.family[:, None] == smooth.family, kernel, 0.0)
     # Nothing is known to be smooth to the last digit.
@@ -162,8 +166,8 @@ PRIOR_REPEATS = _KNOWN.number("prior_repeats")
 STATED_REPEATS = _KNOWN.number("stated_repeats")
 CONTRADICTED = _KNOWN.number("contradicted")
 
-#: A sensor's zero is the same unknown in all repeats.
-SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "amplitude", "force_offset")}
+#: A sensor's zero is the same unknown in all repeats; what its gain may be off by is tolerated.
+SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "force_offset")}
 
 #: Noise counts for so much more variance where the repeats' scatter is told from it.
 NOISE_INFLATION = _KNOWN.number("noise_inflation")

@@ -13,7 +13,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.infer.covariance import LASTING_REACH
+from wirewear.diagnosis.infer.covariance import LASTING, LASTING_REACH
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES, Branches, Family, Shape
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
 from wirewear.diagnosis.model.forward import simulate
@@ -32,9 +32,6 @@ _STEP = _KNOWN.number("step")
 
 #: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
 KNOTS = _KNOWN.count("knots")
-
-#: Share of a developing distortion's variance that stays the same throughout.
-LASTING = _KNOWN.number("lasting")
 
 
 @dataclass(frozen=True, eq=False)
@@ -244,7 +241,7 @@ def _in_time(family: Family, problem: Problem, setup: Setup, base: Array, knots:
 
 
 def _kernel(time: Array, lasting: float) -> Array:
-    """Covariance (k, k) of a size over logarithms of cycles (k,)."""
+    """Covariance (k, k) of a size over logarithms of cycles (k,), of which a share stays the same throughout."""
     apart = np.abs(time[:, None] - time)
     kernel: Array = lasting + (1.0 - lasting) * np.exp(-apart / LASTING_REACH) + 1e-9 * np.eye(time.size)
     return kernel
