@@ -242,7 +242,10 @@ class Observable(ABC):
 
     @abstractmethod
     def predict(self, course: LoopCourse, sites: Sites) -> Array:
-        """Values (n,) of a computed course that holds all of the sites' cycles."""
+        """Values (n,) of a computed course that holds all of the sites' cycles.
+
+        Loops of several setups come as one course, whose cycles go on; scars and profiles (`of_scars`) come one by one.
+        """
 
     def solver_error(self, loops: ModelLoops, sites: Sites) -> SolverSize:  # noqa: ARG002
         """How far solvers differ in it, beyond what is tolerated, on a test whose computed loops are these."""
