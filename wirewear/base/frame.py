@@ -14,6 +14,17 @@ from wirewear.base.errors import counted
 
 HERE = Path(__file__).parent
 
+#: Okabe and Ito's colour-blind safe palette, in the order in which variants take it.
+VARIANT_COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+
+#: Depth in red, green and blue: matplotlib's magma, from the pale unworn surface to the dark bottom of the scar.
+_MAGMA = bytes.fromhex(
+    "fcf4b6fcecaefde3a5fdda9cfed194fec88cfebf84feb67cfeae77fea36ffd9b6bfd9266fc8961fa7f5ef8765cf66c5c"
+    "f2645cee5b5ee95462e34e65de4968d5446dcf4070c53c74bf3a77b5367aae347ba6317d9e2f7f982d808e2a81882781"
+    "7e24827822816e1e81681c815f187f59157e51127c491078400f7438106c2f116327125820114b19103f130d340e0b2b"
+)
+DEPTH_SHADES = tuple(zip(_MAGMA[::3], _MAGMA[1::3], _MAGMA[2::3], strict=True))
+
 #: How the program is cited where a page says so; CITATION.cff says the same.
 CITATION = (
     "wirewear: simulation of fretting tests, and diagnosis of why simulation and rig disagree, version {version}, "

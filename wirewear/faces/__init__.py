@@ -3,6 +3,7 @@
 Its entry point loads the commands, so that a program interrupted while it starts says so.
 """
 
+import atexit
 import codecs
 import gc
 import io
@@ -32,7 +33,7 @@ def main() -> None:
     # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
-    # What is loaded here stays: looking through it for garbage, now or later, finds none.
+    # What is loaded here stays: looking through it for garbage, now or later, finds none; nor does it at the end.
     gc.disable()
     try:
         from wirewear.faces.commands import cli
@@ -40,6 +41,7 @@ def main() -> None:
         sys.stderr.write("wirewear: interrupted; nothing was written.\n")
         sys.exit(130)
     gc.freeze()
+    atexit.register(gc.freeze)
     gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
     gc.enable()
     try:

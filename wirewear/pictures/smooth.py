@@ -64,8 +64,6 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
     Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
-    from scipy.interpolate import PchipInterpolator
-
     lengths = np.hypot(*(np.diff(values) / (np.ptp(values) or 1.0) for values in (x, q)))
     passed = np.concatenate([[True], lengths > 0.0])
     if passed.sum() < CLOSED_FROM:

@@ -10,12 +10,11 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
-from wirewear.base.frame import figure, number, numbers
+from wirewear.base.frame import DEPTH_SHADES, VARIANT_COLOURS, figure, number, numbers
 from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.pictures.style import DEPTH_COLOURS, VARIANT_COLOURS
 from wirewear.results import PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
 from wirewear.results.scar import called, health, limit_of
@@ -48,8 +47,8 @@ _COURSES = {
 }
 
 
-#: Points of a loop and of a section; lines of a surface along each side; scars at most; colours of the depth.
-LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS, SHADES = 160, 161, 72, 8, 48
+#: Points of a loop and of a section; lines of a surface along each side; scars at most.
+LOOP_POINTS, SECTION_POINTS, LINES, MOST_SCARS = 160, 161, 72, 8
 
 MARGIN = 1.25  #: Surfaces are shown to this many times the worn half-length.
 BEYOND = 4.0  #: The map of the material's response reaches beyond the test's displacement by this factor.
@@ -70,9 +69,7 @@ def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]
 
 def page_data(results: Iterable[RunResult]) -> dict[str, Any]:
     """Everything that the page of these runs draws."""
-    runs = [_data_of_run(result, index) for index, result in enumerate(results)]
-    shades = DEPTH_COLOURS(np.linspace(0.0, 1.0, SHADES))[:, :3]
-    return {"runs": runs, "shades": np.round(255 * shades).astype(int).tolist()}
+    return {"runs": [_data_of_run(result, index) for index, result in enumerate(results)], "shades": DEPTH_SHADES}
 
 
 def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
