@@ -19,7 +19,7 @@ from tests.test_programme import LONG, block
 from wirewear import StudyError
 from wirewear.diagnosis.model.nominal import limits_of, require_foreseen
 from wirewear.interior.bodies import body_states
-from wirewear.interior.lines import line_states
+from wirewear.interior.lines import INSIDE_LINES
 from wirewear.records import read_record, record_of_result, write_record
 from wirewear.records.values import believed_study
 from wirewear.results import read_result
@@ -134,7 +134,7 @@ def test_a_run_keeps_the_bulk_stress_of_each_position_and_its_fields_have_it(of:
     axial = 400.0 + 150.0 * np.sin(2.0 * np.pi * forces.phase)
     np.testing.assert_allclose(forces.bulk_stress_MPa, axial[:, None] * [1.0, 0.0, 0.0], atol=1e-9)
     if of == "line":
-        state = line_states(result, own, 1, ["mid-back"], worn=False)[0]
+        state = INSIDE_LINES.states(result, own, 1, ["mid-back"], worn=False)[0]
         far = int(np.abs(state.places_mm[:, 0]).argmax())
         np.testing.assert_allclose(state.stress[far, :3], 550.0 * np.array([1.0, 0.3, 0.0]), atol=25.0)
 

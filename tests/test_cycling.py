@@ -16,10 +16,10 @@ from solvers import (
     PatchLeftError,
 )
 from wirewear.base.cache import Identity
-from wirewear.simulation import NoObserver
+from wirewear.simulation import Observer
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import Checkpoint, MeshHistory
+from wirewear.simulation.folder import Checkpoint, Meshes, MeshHistory
 from wirewear.simulation.tally import Tally
 
 
@@ -85,13 +85,10 @@ class Store:
 
 
 @dataclass(frozen=True)
-class Stages:
+class Stages(Meshes):
     """Meshes for a scar that has worn by up to `limits` cycles."""
 
     limits: tuple[float, ...]
-
-    def first(self) -> MeshHistory:
-        return MeshHistory()
 
     def problem(self, history: MeshHistory, _report: object) -> Any:
         return history.stage
@@ -101,9 +98,6 @@ class Stages:
 
     def outgrown(self, history: MeshHistory, state: Any, cycle: float) -> MeshHistory | None:
         return self.next_stage(history, cycle) if state >= self.limits[history.stage] else None
-
-    def moved_nodes(self, history: MeshHistory, problem: Any, *_: object) -> tuple[MeshHistory, Any]:
-        return history, problem
 
 
 def stage_of(problem: Any) -> int:
@@ -191,7 +185,7 @@ def run(
     test = FrettingTest(tuple((end, motion(own)) for end, own in blocks), Stages(limits), MILESTONES, 0.1)
     recorded: Any = record or Record()
     kept: Any = store
-    result: Any = cycle_through(test, recorded, kept, NoObserver(), resume=resume)
+    result: Any = cycle_through(test, recorded, kept, Observer(), resume=resume)
     return cast(Result, result)
 
 

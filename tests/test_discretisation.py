@@ -16,7 +16,7 @@ from tests.studies import MINIMAL
 from wirewear import parse_study
 from wirewear.reference import relative_curvatures
 from wirewear.results import Evolution, RunResult
-from wirewear.simulation import NoObserver, convergence, discretise
+from wirewear.simulation import Observer, convergence, discretise
 from wirewear.simulation.discretisation import unknowns
 from wirewear.simulation.expected_contact import Ellipse, patch_axes, scar_ellipse
 from wirewear.simulation.plan import mesh_stages, spare_stages
@@ -170,8 +170,8 @@ WORN = MINIMAL + "[wear]\nenergy_wear_coefficient_mm3_per_J = 3e-5\n"
 RUNS = (*convergence.MESH.runs, *convergence.POSITIONS.runs, *convergence.JUMPS.runs)
 
 
-def _nobody(_label: str) -> nullcontext[NoObserver]:
-    return nullcontext(NoObserver())
+def _nobody(_label: str) -> nullcontext[Observer]:
+    return nullcontext(Observer())
 
 
 class FakeRunner:
@@ -203,7 +203,7 @@ class FakeRunner:
 
 
 def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
-    study = convergence.point_contact(("moving", "fixed")).refined(parse_study(WORN, "s.toml"), "quick")
+    study = convergence.POINTS.refined(parse_study(WORN, "s.toml"), "quick")
     plans = {name: discretise(study.variant(name), "quick") for name in study.variant_names}
     base = plans.pop(convergence.BASE)
     assert tuple(plans) == RUNS
@@ -224,7 +224,7 @@ def test_each_refinement_refines_one_resolution_and_leaves_the_others() -> None:
 
 
 def rows_of(runner: FakeRunner, output: Path) -> list[convergence.Converged]:
-    study, subject = parse_study(WORN, "s.toml"), convergence.point_contact(("moving", "fixed"))
+    study, subject = parse_study(WORN, "s.toml"), convergence.POINTS
     with pytest.MonkeyPatch.context() as patched:
         patched.setattr(convergence, "run_study", runner)
         return convergence.converge(study, subject, fidelity="quick", output=output, observer_of=_nobody, jobs=3)

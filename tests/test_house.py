@@ -17,6 +17,7 @@ from packaging.requirements import Requirement
 from packaging.specifiers import SpecifierSet
 
 from tools.house import branches_on_kinds, circles, imports_among, modules_of, nodes_of, weights
+from wirewear.kinds import KINDS, Kind
 
 pytestmark = pytest.mark.seconds
 
@@ -198,6 +199,10 @@ def test_a_simulation_is_asked_for_at_its_door() -> None:
         if target.startswith("wirewear.simulation.")
     ]
     assert past_the_door == []
+
+
+def test_kinds_of_contact_have_all_that_is_asked_of_them() -> None:
+    assert [(name, own) for name, kind in KINDS.items() for own in Kind.__annotations__ if not hasattr(kind, own)] == []
 
 
 def test_few_modules_stand_loose_at_the_root() -> None:

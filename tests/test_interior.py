@@ -20,7 +20,7 @@ from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
 from wirewear.interior.bodies import Section, fanned, section
 from wirewear.interior.state import averaging, crossland, smith_watson_topper
-from wirewear.interior.strength import strength_of, yield_sentence
+from wirewear.interior.strength import StrengthAsked, strength_of, yield_sentence
 from wirewear.results import write_result
 
 
@@ -181,8 +181,8 @@ def test_averages_keep_linear_fields_in_the_middle_and_a_length_of_zero_leaves_a
 @pytest.mark.seconds
 def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_strength() -> None:
     run = run_with_forces()
-    sharp = strength_of(run, "fixed", CYCLE, yield_strength_MPa=100.0)
-    smooth = strength_of(run, "fixed", CYCLE, yield_strength_MPa=1e5, averaging_length_um=60.0)
+    sharp = strength_of(run, "fixed", CYCLE, StrengthAsked(100.0))
+    smooth = strength_of(run, "fixed", CYCLE, StrengthAsked(1e5, averaging_length_um=60.0))
     for name in ("von_mises", "critical_plane", "crossland"):
         assert getattr(smooth, name).value_MPa < getattr(sharp, name).value_MPa, name
     assert (sharp.yields, smooth.yields) == (True, False)

@@ -14,7 +14,7 @@ from tests.bodies import crossed_wires
 from tests.wear_jumps import INCREMENTS, RATES, at_the_end
 from wirewear.effects import Age
 from wirewear.simulation.cycler import Cycler, Motion
-from wirewear.simulation.cycling import WholeCycles
+from wirewear.simulation.cycling import WearStepper, whole_cycles
 from wirewear.simulation.tally import Tally
 
 STAGE = 1.0 - 0.5**0.5  # Alexander's method, as the wear step takes it.
@@ -119,8 +119,8 @@ def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = Fals
         Tally(),
     )
 
-    def begun() -> WholeCycles:
-        return WholeCycles(
+    def begun() -> WearStepper:
+        return whole_cycles(
             Cycler(motion, tally, lambda *_: None), solvers.JumpController(0.1, largest_share=largest_share)
         )
 

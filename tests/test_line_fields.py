@@ -11,8 +11,8 @@ from tests.bodies import STEEL
 from tests.test_line_study import study
 from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
-from wirewear.interior.lines import line_states, line_strength, state_grid
-from wirewear.interior.strength import StrengthAsked, yield_sentence
+from wirewear.interior.lines import INSIDE_LINES, state_grid
+from wirewear.interior.strength import StrengthAsked, strength_of, yield_sentence
 from wirewear.results import read_result
 from wirewear.simulation import run_study
 from wirewear.simulation.line_model import placed_body, plan
@@ -43,7 +43,7 @@ def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
 
 def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:
     result = read_result(folder)
-    grid = state_grid(line_states(result, "specimen", 1, ["mid-forward"])[0])
+    grid = state_grid(INSIDE_LINES.states(result, "specimen", 1, ["mid-forward"])[0])
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
     a, p0 = exact.half_width_mm, exact.peak_pressure_MPa
@@ -65,18 +65,20 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
     asked = StrengthAsked(yield_strength_MPa=100.0)
-    pad, specimen = (line_strength(result, body, 1, asked) for body in ("pad", "specimen"))
+    pad, specimen = (strength_of(result, body, 1, asked, INSIDE_LINES) for body in ("pad", "specimen"))
     # At µ = 0.6 the largest stress lies at the surface (Johnson 1985, section 7.1): √3 µ p0 and more.
     assert specimen.von_mises.value_MPa > np.sqrt(3.0) * 0.6 * exact.peak_pressure_MPa
     assert specimen.von_mises.depth_um < 100.0 * exact.half_width_mm
     assert specimen.critical_plane.depth_um < 100.0 * exact.half_width_mm
     assert (specimen.body, pad.body, pad.yields) == ("specimen", "pad", True)
     assert "specimen: yields at 100 MPa from cycle 1" in yield_sentence([specimen])
-    smooth = line_strength(result, "specimen", 1, StrengthAsked(averaging_length_um=1e3 * exact.half_width_mm))
+    smooth = strength_of(
+        result, "specimen", 1, StrengthAsked(averaging_length_um=1e3 * exact.half_width_mm), INSIDE_LINES
+    )
     with pytest.raises(
         ResultError, match=r"^stresses cannot be averaged over 1e\+09 µm: the pad is thinner than that\.$"
     ):
-        line_strength(result, "pad", 1, StrengthAsked(averaging_length_um=1e9))
+        strength_of(result, "pad", 1, StrengthAsked(averaging_length_um=1e9), INSIDE_LINES)
     assert smooth.critical_plane.value_MPa < specimen.critical_plane.value_MPa
 
 

@@ -11,7 +11,7 @@ import pytest
 from wirewear import reference
 from wirewear.base.errors import RunError, StudyError
 from wirewear.results import RunResult, read_result
-from wirewear.simulation import Moment, NoObserver, run_study, simulate
+from wirewear.simulation import Moment, Observer, run_study, simulate
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 from wirewear.study import LineStudy, study_from_tables
 
@@ -90,7 +90,7 @@ def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> 
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
 
 
-class Killer(NoObserver):
+class Killer(Observer):
     """Interrupts in the middle of a cycle, some increments after a number of logged loops."""
 
     def __init__(self, stop_after: int) -> None:

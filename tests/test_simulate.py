@@ -11,7 +11,7 @@ from tests import synthetic_results
 from tests.studies import steel_wires
 from wirewear import RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
-from wirewear.simulation import Moment, NoObserver, run_study
+from wirewear.simulation import Moment, Observer, run_study
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 from wirewear.simulation.plan import RunPlan
 
@@ -35,7 +35,7 @@ jump_tolerance = 0.3
 """
 
 
-class Recorder(NoObserver):
+class Recorder(Observer):
     """Counts what it is told, and interrupts the run after a number of logged jumps."""
 
     def __init__(self, stop_after: int | None = None) -> None:

@@ -17,7 +17,6 @@ from wirewear import run_study
 from wirewear.base.errors import StudyError
 from wirewear.pictures.scar_maps import scars_from_above
 from wirewear.simulation import simulate
-from wirewear.simulation.problem import wear_rates
 from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
@@ -80,7 +79,7 @@ def test_a_run_of_wires_tells_when_a_layer_was_worn_through_and_shows_where(tmp_
     deepest = run_study(bare, fidelity="quick", output=tmp_path / "bare")[0].evolution["max_depth_fixed_um"]
     layers = [{"thickness_um": 0.5 * float(deepest[-1]), "wear_factor": 0.9, "friction": 0.5}]
     coated = bare.with_values({"wires.fixed.layers": layers})
-    rates = wear_rates(coated)
+    rates = coated.tables.wear_rates
     assert rates.lower_layers == ()
     assert rates.upper_layers[0].friction_factor == pytest.approx(0.5 / bare.contact.friction)
     result = run_study(coated, fidelity="quick", output=tmp_path / "coated")[0]

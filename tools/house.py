@@ -58,6 +58,8 @@ def _imported(name: str, file: Path, modules: Mapping[str, Path]) -> Iterator[st
                 args=[ast.Constant(value=str(called)), *_],
             ) if called in modules:
                 yield called
+            case ast.Call(func=ast.Name(id="elsewhere"), args=[ast.Constant(value=str(place))]):
+                yield place.partition(":")[0]
 
 
 def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:

@@ -33,7 +33,7 @@ from wirewear.base.reading import with_checksum
 from wirewear.faces.study_script import StudyScript
 from wirewear.kinds import load_any_study
 from wirewear.results import read_results as read_runs
-from wirewear.simulation import Moment, NoObserver, discretise
+from wirewear.simulation import Moment, Observer, discretise
 from wirewear.simulation.folder import read_checkpoint
 from wirewear.simulation.problem import _load
 from wirewear.study import LineStudy
@@ -95,7 +95,7 @@ def made_runs(base: Path) -> None:
     """A result, a checkpoint of a run that was stopped, a planar result, and a record of each."""
     wires = parse_study(STUDY, "study.toml")
 
-    class Stopping(NoObserver):
+    class Stopping(Observer):
         def moved(self, _moment: Moment) -> None:
             if (base / "stopped" / "checkpoint.h5").exists():
                 raise KeyboardInterrupt

@@ -23,7 +23,7 @@ from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
-from wirewear.simulation import NoObserver, run_study
+from wirewear.simulation import Observer, run_study
 from wirewear.study.programme import held_keys
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
@@ -76,7 +76,7 @@ def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[A
     study = kind.with_effects(nominal, leading, length_mm, amplitude_um, _INCREMENTS).logging(
         tuple(sorted({*logged, last}))
     )
-    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    quiet = observer_of or (lambda _: nullcontext(Observer()))
     with temporary_folder("wirewear-confirm-") as folder:
         (result,) = run_study(study, fidelity="quick", output=folder, observer_of=quiet)
     ends = [result.scar(last, body) for body in result.bodies] if kind.foresees_scars else []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import click
 
@@ -81,14 +81,14 @@ def fields(
         bodies = asked_bodies(result, body)
         _tell_taken(cycle, result, bodies)
         usable_folder(folder)
-        shown = {
+        shown: dict[str, Any] = {
             "wires": bodies,
             "integration_points": integration_points,
             "pictures": not no_pictures and "all" not in at,
             "animation": animate,
         }
         written = kind.write_fields(
-            result, folder, shown, cycle=cycle, at=chosen, worn=not fresh_nodes, tracked=tracked
+            result, folder, **shown, cycle=cycle, at=chosen, worn=not fresh_nodes, tracked=tracked
         )
     for path in written:
         click.echo(path)
@@ -186,17 +186,19 @@ def _assessing(
     What is refused is refused here, before anything is computed.
     """
     from wirewear.faces.looking import one_run
+    from wirewear.interior.strength import assessable, strength_of
     from wirewear.kinds import kind_of
 
     result = one_run(path)
     kind = kind_of(result)
+    inside = kind.inside
     _require_known(path, kind, {"--body": body != "both"})
     every = cycles or _recorded(result.contact_forces)
     bodies = asked_bodies(result, body)
     for cycle in cycles:
         _tell_taken(cycle, result, bodies)
-    chosen = {one: [*dict.fromkeys(kind.assessable(result, one, cycle, asked) for cycle in every)] for one in bodies}
-    return chosen, lambda one, cycle: kind.strength(result, one, cycle, asked)
+    chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}
+    return chosen, lambda one, cycle: strength_of(result, one, cycle, asked, inside)
 
 
 def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:

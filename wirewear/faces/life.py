@@ -37,13 +37,13 @@ def lives(
     """
     from wirewear.interior.averaging import averaging_radius_mm
     from wirewear.interior.life import WEAR_STATES, life_of
-    from wirewear.interior.strength import StrengthAsked
+    from wirewear.interior.strength import StrengthAsked, assessable
     from wirewear.kinds import kind_of
     from wirewear.study import study_from_tables
     from wirewear.study.life import LifeTable, material_of_body
     from wirewear.study.messages import validated
 
-    kind = kind_of(result)
+    inside = kind_of(result).inside
     where = f"[life] of {result.label!r}"
     asked = validated(LifeTable, (result.study.get("life") or {}) | dict(values or {}), where, StudyError)
     study = study_from_tables(result.study, result.label)
@@ -52,8 +52,8 @@ def lives(
     for body in bodies or result.bodies:
         table = asked.of_material(material_of_body(result.study, body))
         length_um = 2e3 * averaging_radius_mm(table, plane=False)
-        kind.assessable(result, body, 1, StrengthAsked(averaging_length_um=length_um))
-        states_at, told = partial(kind.inner_states, result, body), partial(tell, body)
+        assessable(result, body, 1, StrengthAsked(averaging_length_um=length_um), inside)
+        states_at, told = partial(inside.states, result, body), partial(tell, body)
         most = wear_states or WEAR_STATES
         found.append(life_of(result, body, table, states_at, stretches, wear_states=most, tell=told))
     return tuple(found)

@@ -19,7 +19,7 @@ from wirewear.faces.looking import Run
 from wirewear.kinds import any_study, load_any_study
 from wirewear.records import AnyRecord, ExperimentRecord, RecordReport, check_record
 from wirewear.records import read_record as read_plain
-from wirewear.simulation import Moment, NoObserver, Observer, ProgressBar, run_study, simulate
+from wirewear.simulation import Moment, Observer, ProgressBar, run_study, simulate
 from wirewear.study.any_study import alone
 
 if TYPE_CHECKING:
@@ -128,7 +128,7 @@ def in_notebook() -> bool:
     return type(shell).__name__ == "ZMQInteractiveShell"
 
 
-class NotebookBar:
+class NotebookBar(Observer):
     """A bar that a notebook draws anew in its place. Use as a context manager."""
 
     def __init__(self, label: str) -> None:
@@ -190,7 +190,7 @@ class NotebookBar:
 def watched(label: str, *, shown: bool) -> Iterator[Observer]:
     """A bar for a run, where it is to be shown: of the notebook, or of the terminal."""
     if not shown:
-        yield NoObserver()
+        yield Observer()
     elif in_notebook():
         with NotebookBar(label) as bar:
             yield bar

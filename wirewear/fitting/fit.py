@@ -64,10 +64,10 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     """Run the fitted study, and set its loops beside those of the record.
     Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
-    from wirewear.simulation import NoObserver, run_study
+    from wirewear.simulation import Observer, run_study
 
     tests = loops_of_tests(fitted.record)
-    quiet = observer_of or (lambda _: nullcontext(NoObserver()))
+    quiet = observer_of or (lambda _: nullcontext(Observer()))
     length_mm = fitted.record.tables.length_mm
     (result,) = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
     whole = result if length_mm is None else result.of_length(length_mm)

@@ -14,8 +14,8 @@ from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, HexMesh, bu
 from geometry.arrays import Array, IntArray
 from solvers.strain import hydrostatic, principal, turned, von_mises
 from solvers.surface_stress import SurfaceStress
-from wirewear.interior.state import InnerState, SolvedBody
-from wirewear.results import RunResult
+from wirewear.interior.state import InnerState, Inside, SolvedBody
+from wirewear.results import ContactForces, RunResult
 
 #: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
 _DEEPER = 1.4
@@ -65,33 +65,15 @@ class BodyState(InnerState[WornBody]):
         return np.asarray(self.applied / np.where(size > 0.0, size, 1.0)[:, None])
 
 
-def body_states(
-    result: RunResult, wire: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
-) -> tuple[BodyState, ...]:
-    """A wire of a run at positions of the cycle recorded nearest to `cycle`, all recorded ones by default.
-
-    worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh, as
-    in a run that does not move nodes.
-    Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the mesh
-    too much.
+def worn_body(result: RunResult, forces: ContactForces, worn: bool = True) -> WornBody:
+    """A body of a run when such forces acted, where they were fresh if not worn; the last two asked for are kept with
+    their factors. GeometryError if wear distorts the mesh too much.
     """
-    forces = result.forces(cycle, wire)
-    chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
-    body = worn_body(result, wire, cycle, worn=worn)
-    return BodyState.of(body, forces, chosen, is_upper=result.is_upper(wire))
-
-
-def worn_body(result: RunResult, wire: str, cycle: float, *, worn: bool = True) -> WornBody:
-    """A wire as it was at the cycle recorded nearest to `cycle`; the last two asked for are kept with their factors.
-    Raises ResultError if the run has recorded nothing of that wire near that cycle, and GeometryError if wear distorts
-    the mesh too much.
-    """
-    forces = result.forces(cycle, wire)
     depth = None
     if worn:
-        scar = result.scar(forces.cycle, wire)
         # A scar's transverse axis is that of the test, an upper body's own runs backwards.
-        order = slice(None, None, -1 if result.is_upper(wire) else 1)
+        order = slice(None, None, -1 if result.is_upper(forces.body) else 1)
+        scar = result.scar(forces.cycle, forces.body)
         depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
     return _meshed(*forces.meshed, None if depth is None else depth.tobytes())
 
@@ -206,6 +188,10 @@ def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
     grid.field_data["drive_um"] = [forces.drive_um[state.position]]
     grid.set_active_scalars("von_mises_MPa", preference="point")
     return grid
+
+
+INSIDE_POINTS = Inside(BodyState, worn_body, lambda _, forces: forces.meshed[0].least_extent_mm, body_grid)
+body_states = INSIDE_POINTS.states
 
 
 def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:

@@ -1,4 +1,4 @@
-"""Stresses inside the bodies of a line contact: solved anew from a result, written, drawn and judged."""
+"""Stresses inside the bodies of a line contact: solved anew from a result, written and drawn."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping, Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
@@ -19,10 +19,9 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.interior.bodies import Tracked, plane_section, stressed_grid, untracked
 from wirewear.interior.pictures import STRESS_COLOURS
-from wirewear.interior.state import InnerState, SolvedBody
-from wirewear.interior.strength import Strength, StrengthAsked, require_room, strength_over
+from wirewear.interior.state import InnerState, Inside, SolvedBody
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
-from wirewear.results import BODIES, RunResult
+from wirewear.results import BODIES, ContactForces, RunResult
 from wirewear.simulation import line_plan
 from wirewear.study import LineStudy, study_from_tables
 
@@ -39,27 +38,15 @@ class LineBody(SolvedBody[PlanarMesh]):
         return LineSurfaceStress.of(self.meshed, self.material)
 
 
-def line_states(
-    result: RunResult, body: str, cycle: int, at: Sequence[str | int] | None = None, *, worn: bool = True
-) -> tuple[InnerState[LineBody], ...]:
-    """A body at positions of a recorded cycle, all recorded ones by default.
-
-    worn: the nodes stand in the worn surface; else where they were when fresh.
-    Raises ResultError if no contact forces of that body are recorded at that cycle, or there is no such position;
-    GeometryError if wear distorts the mesh too much.
-    """
-    forces = result.forces(cycle, body)
-    chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
-    depth = b""
-    if worn:
-        depth = np.maximum(1e-3 * result.scar(forces.cycle, body).depth_um, 0.0).tobytes()
-    found = _meshed(_tables(result), result.fidelity, body, depth)
-    return InnerState.of(found, forces, chosen, is_upper=result.is_upper(body))
+def _worn(result: RunResult, forces: ContactForces, worn: bool) -> LineBody:
+    """The pad or specimen of a run when such forces acted."""
+    depth = np.maximum(1e-3 * result.scar(forces.cycle, forces.body).depth_um, 0.0).tobytes() if worn else b""
+    return _meshed(_tables(result), result.fidelity, forces.body, depth)
 
 
-def run_geometry(result: RunResult, body: str) -> PlanarGeometry:
-    """What the mesh of a body was built from in a run."""
-    return _geometry(_study(_tables(result)), result.fidelity, body)
+def _least_extent_mm(result: RunResult, forces: ContactForces) -> float:
+    geometry = _geometry(_study(_tables(result)), result.fidelity, forces.body)
+    return min(2.0 * geometry.half_width_mm, geometry.height_mm)
 
 
 @lru_cache(maxsize=2)
@@ -96,14 +83,18 @@ def state_grid(state: InnerState[LineBody]) -> pyvista.UnstructuredGrid:
     return stressed_grid(state, pyvista.CellType.QUAD)
 
 
+INSIDE_LINES = Inside(InnerState[LineBody], _worn, _least_extent_mm, state_grid)
+
+
 def write_line_fields(
     result: RunResult,
     folder: Path,
     *,
-    cycle: int,
+    cycle: float,
     at: Sequence[str | int] | None,
     worn: bool = True,
     tracked: Tracked = untracked,
+    **_shown: Any,
 ) -> list[Path]:
     """Write `<body>_<cycle>_<position>.vtu` and `section_<cycle>_<position>.png` for positions, None for all.
 
@@ -115,7 +106,7 @@ def write_line_fields(
     written = []
     for one in tracked(range(len(recorded.phase)) if at is None else at, "solving and writing"):
         k = recorded.position(one)
-        states = {body: line_states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
+        states = {body: INSIDE_LINES.states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
         grids = {body: state_grid(state) for body, state in states.items()}
         with writing(ResultError, f"cannot write fields to {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
@@ -165,21 +156,3 @@ def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: s
     figure.colorbar(colours, ax=panels, label="von Mises stress [MPa]", pad=0.01)
     figure.suptitle(title, fontsize=9)
     return figure
-
-
-def line_strength(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> Strength:
-    """Stresses of the pad or specimen over a recorded cycle, at all its recorded positions, at nodes near the contact.
-
-    Averages are over discs. Raises ResultError when no contact forces of it are recorded or it is smaller than the
-    averaging length, GeometryError when wear distorts the mesh too much.
-    """
-    return strength_over(line_states(result, body, line_assessable(result, body, cycle, asked)), asked, state_grid)
-
-
-def line_assessable(result: RunResult, body: str, cycle: int, asked: StrengthAsked) -> int:
-    """The cycle itself, seen without any computation to allow what is asked of a body.
-    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
-    """
-    forces, geometry = result.forces(cycle, body), run_geometry(result, body)
-    require_room(body, min(2.0 * geometry.half_width_mm, geometry.height_mm), asked.averaging_length_um)
-    return forces.cycle

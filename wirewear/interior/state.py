@@ -8,7 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
@@ -20,7 +20,10 @@ from solvers.drive import section_stress
 from solvers.interior import Interior
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, integration_points, scattered, tensors
-from wirewear.results import ContactForces
+from wirewear.results import ContactForces, RunResult
+
+if TYPE_CHECKING:
+    import pyvista
 
 
 class SurfaceLoads(Protocol):
@@ -173,6 +176,37 @@ class InnerState(Generic[B]):
     def world_points_um(self, points_mm: Array) -> Array:
         """Points (k, 3) of the body's own axes in the axes of the test, in µm."""
         return np.asarray(1e3 * points_mm @ self.to_world.T + self.origin_um)
+
+
+S = TypeVar("S", bound=InnerState[Any])
+
+
+@dataclass(frozen=True)
+class Inside(Generic[S]):
+    """How bodies of a kind of contact are looked into.
+
+    state: what a body is at one position.  body: one as it was when such forces acted, with its nodes in the worn
+    surface or where they were when fresh.  least_extent_mm: its thickness.  grid: of a state, in µm.
+    """
+
+    state: type[S]
+    body: Callable[[RunResult, ContactForces, bool], Any]
+    least_extent_mm: Callable[[RunResult, ContactForces], float]
+    grid: "Callable[[S], pyvista.UnstructuredGrid]"
+
+    def states(
+        self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
+    ) -> tuple[S, ...]:
+        """A body of a run at positions of the cycle recorded nearest to `cycle`, all recorded ones by default.
+
+        worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh,
+        as in a run that does not move nodes.
+        Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the
+        mesh too much.
+        """
+        forces = result.forces(cycle, body)
+        chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
+        return self.state.of(self.body(result, forces, worn), forces, chosen, is_upper=result.is_upper(body))
 
 
 def _beneath(points: Array) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -13,15 +13,13 @@ from geometry import Elastic
 from geometry.arrays import Array, IntArray
 from solvers.strain import von_mises
 from wirewear.base.errors import ResultError, counted
-from wirewear.interior.bodies import body_grid, body_states
-from wirewear.interior.state import InnerState, averaging, crossland, smith_watson_topper
+from wirewear.interior.bodies import INSIDE_POINTS
+from wirewear.interior.state import InnerState, Inside, averaging, crossland, smith_watson_topper
 from wirewear.results import RunResult
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:
     import pyvista
-
-S = TypeVar("S", bound=InnerState[Any])
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,34 +130,14 @@ class Strength:
 
 
 def strength_of(
-    result: RunResult,
-    wire: str,
-    cycle: float,
-    *,
-    yield_strength_MPa: float | None = None,
-    crossland_slope: float = 0.3,
-    averaging_length_um: float = 0.0,
+    result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
 ) -> Strength:
-    """Stresses of a wire over the cycle recorded nearest to `cycle`, at all its recorded positions.
+    """Stresses of a body over the cycle recorded nearest to `cycle`, at all its recorded positions, at nodes near the
+    contact. Averages are over balls, of a line contact over discs.
     Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length;
     GeometryError if wear distorts the mesh too much.
     """
-    asked = StrengthAsked(yield_strength_MPa, crossland_slope, averaging_length_um)
-    return strength_over(body_states(result, wire, assessable(result, wire, cycle, asked)), asked, body_grid)
-
-
-def assessable(result: RunResult, wire: str, cycle: float, asked: StrengthAsked) -> int:
-    """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a wire.
-    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
-    """
-    forces = result.forces(cycle, wire)
-    geometry, _ = forces.meshed
-    require_room(wire, geometry.least_extent_mm, asked.averaging_length_um)
-    return forces.cycle
-
-
-def strength_over(states: Sequence[S], asked: StrengthAsked, grid: Callable[[S], pyvista.UnstructuredGrid]) -> Strength:
-    """The strength of a body from its states at all positions of a cycle, drawn as `grid` has it."""
+    states = inside.states(result, body, assessable(result, body, cycle, asked, inside))
     first = states[0]
     chosen, patch = _near(first), first.body.patch
     averaged = asked.averaging_length_um > 0.0
@@ -171,10 +149,23 @@ def strength_over(states: Sequence[S], asked: StrengthAsked, grid: Callable[[S],
         to_world=first.to_world,
         material=first.body.material,
         surface=np.zeros((0, 4), dtype=np.int64) if flat else first.body.mesh.surfaces["contact"],
-        grid=lambda position: grid(states[position]),
+        grid=lambda position: inside.grid(states[position]),
         depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
     )
     return assessed(shown, material, chosen, asked)
+
+
+def assessable(
+    result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
+) -> int:
+    """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a body.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces, length_um = result.forces(cycle, body), asked.averaging_length_um
+    if length_um > 1e3 * inside.least_extent_mm(result, forces):
+        over = f"stresses cannot be averaged over {length_um:g} µm"
+        raise ResultError(f"{over}: the {called(body)} is thinner than that.")
+    return forces.cycle
 
 
 @dataclass(frozen=True)
@@ -229,13 +220,6 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         critical_plane=where(planes.parameter),
         crossland=where(combined),
     )
-
-
-def require_room(body: str, least_mm: float, length_um: float) -> None:
-    """See that a ball of that diameter has room in a body of such a least extent. Raises ResultError if it has none."""
-    if length_um > 1e3 * least_mm:
-        over = f"stresses cannot be averaged over {length_um:g} µm"
-        raise ResultError(f"{over}: the {called(body)} is thinner than that.")
 
 
 def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: float) -> MaterialPoints:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from wirewear.kinds.kind import Kind
 from wirewear.kinds.lines import LineContacts
-from wirewear.kinds.points import AnyBodies, BallOnFlat
-from wirewear.kinds.wires import CrossedWires
+from wirewear.kinds.points import AnyBodies, BallOnFlat, CrossedWires
 
 if TYPE_CHECKING:
     from collections.abc import Mapping

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -12,14 +13,29 @@ if TYPE_CHECKING:
     from wirewear.diagnosis.model.nominal import ObserverOf
     from wirewear.diagnosis.model.setup import Setup
     from wirewear.diagnosis.model.wear_states import WearStates
-    from wirewear.interior.state import InnerState
-    from wirewear.interior.strength import Strength, StrengthAsked
+    from wirewear.interior.state import Inside
     from wirewear.records.exporting import Surface
+    from wirewear.records.importing.guessed_conditions import Touching
     from wirewear.records.importing.guessing import GuessedMapping
     from wirewear.study.template import Template
 
 
-class Kind(Protocol):
+class _Elsewhere:
+    """An attribute that another room has, which is loaded when the attribute is asked for."""
+
+    def __init__(self, place: str) -> None:
+        self.module, _, self.name = place.partition(":")
+
+    def __get__(self, _kind: object, _type: type) -> Any:
+        return getattr(import_module(self.module), self.name)
+
+
+def elsewhere(place: str) -> Any:
+    """What stands at a place, such as `wirewear.simulation:write_meshes`, as an attribute of a kind."""
+    return _Elsewhere(place)
+
+
+class Kind:
     """A kind of contact. Its studies, records and results are its own; whoever has one asks its kind.
 
     Attributes:
@@ -30,6 +46,22 @@ class Kind(Protocol):
         options: keys of its records alone that `wirewear new --mapping` takes as options.
         foresees_scars: whether the fast model's worn bodies are as those of a run, so that both are compared.
         rigid_N_per_mm: a rig as stiff as this takes nothing of any stroke.
+        template: what a new study begins with.
+        refined: what a study of convergence refines and watches.
+        inside: how its bodies are looked into.
+        write_meshes: writes and draws the meshes of both bodies of a study at a fidelity.
+        write_beside: writes what the folder of a study's runs holds beside their results.
+        checked_model: a study that is to be diagnosed against a record; RecordError where it is of another test.
+        touching: the bodies of a mapping by what is known of the test, and the elastic constants of both.
+        surfaces: worn bodies as a profilometer with noise in µm and a seed sees them, by names of files.
+        write_fields: stresses inside both bodies; knows what `inside_options` say as well.
+        drawings: what can be drawn of results, by file name.
+        states: wear states of a finite element run of a study and the tables of a record, which an observer may watch,
+            and what that run says against them; StudyError or SolverError if the study cannot be run, RunError if no
+            loop of the run slides as a whole.
+        setup: the circumstances that a study states of a record's test, for the fast model.
+        with_effects: a study with further effects of the whole contact of a length in mm, and another amplitude in µm,
+            of loops of so many increments.
     """
 
     name: ClassVar[str]
@@ -39,57 +71,24 @@ class Kind(Protocol):
     options: ClassVar[frozenset[str]]
     foresees_scars: ClassVar[bool]
     rigid_N_per_mm: ClassVar[float]
-
-    @property
-    def template(self) -> Template:
-        """What a new study begins with."""
-
-    def write_meshes(self, study: Any, fidelity: str, folder: Path) -> list[Path]:
-        """Write and draw the meshes of both bodies."""
-
-    @property
-    def refined(self) -> Any:
-        """What a study of convergence refines and watches."""
-
-    def write_beside(self, results: Sequence[Any], folder: Path) -> None:
-        """Write what the folder of a study's runs holds beside their results, for people and other programs."""
-
-    def checked_model(self, record: Any, study: Any) -> Any:
-        """A study that is to be diagnosed against a record; RecordError where it is of another test."""
-
-    def states(self, study: Any, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of a finite element run of a record's test, and what that run says against them.
-        Raises StudyError or SolverError if the study cannot be run, and RunError if no loop of the run slides as a
-        whole.
-        """
-
-    def setup(self, study: Any, tables: Any) -> Setup:
-        """The circumstances that a study states of a record's test, for the fast model."""
-
-    def with_effects(
-        self, study: Any, effects: Sequence[Any], length_mm: float, amplitude_um: float, increments: int
-    ) -> Any:
-        """A study with further effects of the whole contact and another amplitude, of loops of so many increments."""
+    template: Template
+    refined: Any
+    inside: Inside[Any]
+    write_meshes: Callable[[Any, str, Path], list[Path]]
+    write_beside: Callable[[Sequence[Any], Path], None]
+    checked_model: Callable[[Any, Any], Any]
+    touching: Callable[[Mapping[str, Any], Mapping[str, float], Mapping[str, float]], Touching]
+    surfaces: Callable[[Any, float, int], Mapping[str, Surface]]
+    write_fields: Callable[..., list[Path]]
+    drawings: Callable[[Sequence[Any]], Mapping[str, Callable[[], Figure]]]
+    states: Callable[[Any, Any, ObserverOf | None], tuple[WearStates, tuple[str, ...]]]
+    setup: Callable[[Any, Any], Setup]
+    with_effects: Callable[[Any, Sequence[Any], float, float, int], Any]
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]
     ) -> GuessedMapping:
         """A mapping guessed from files, what is known of the test, and the elastic constants of the bodies."""
+        from wirewear.records.importing.guessing import guessed_mapping
 
-    def surfaces(self, result: Any, noise_um: float, seed: int) -> Mapping[str, Surface]:
-        """Worn bodies as a profilometer sees them, by names of files."""
-
-    def write_fields(self, result: Any, folder: Path, shown: Mapping[str, Any], **asked: Any) -> list[Path]:
-        """Stresses inside both bodies; `shown` is what `inside_options` say, the rest as of `write_fields`."""
-
-    def assessable(self, result: Any, body: str, cycle: float, asked: StrengthAsked) -> int:
-        """The recorded cycle nearest to one; ResultError where it does not allow what is asked of a body."""
-
-    def inner_states(self, result: Any, body: str, cycle: int) -> Sequence[InnerState[Any]]:
-        """A body at all recorded positions of a recorded cycle."""
-
-    def strength(self, result: Any, body: str, cycle: int, asked: StrengthAsked) -> Strength:
-        """The strength of a body at a recorded cycle."""
-
-    def drawings(self, results: Sequence[Any]) -> Mapping[str, Callable[[], Figure]]:
-        """What can be drawn of results, by file name."""
+        return guessed_mapping(files, dict(known), self.touching(known, own, pad))

@@ -51,15 +51,17 @@ def write_as_heights(
         return [write_csv(folder / f"{name}.csv", frame) for name, frame in frames.items()]
 
 
-def scar_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
     """Both bodies of a run at its end, by names of files."""
+    random = np.random.default_rng([seed, 1])
     last = max((scar.cycle for scar in result.scars), default=0)
     ends = [scar for scar in result.scars if scar.cycle == last]
     return {f"scar_{scar.body}": surface_of_body(scar, noise_um, random) for scar in ends}
 
 
-def profile_surfaces(result: RunResult, noise_um: float, random: np.random.Generator) -> dict[str, Surface]:
+def profile_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:
     """Both bodies of a run at its end across the scar, by names of files."""
+    random = np.random.default_rng([seed, 1])
     last = max(scar.cycle for scar in result.scars)
     pad = PadFace(**{key: result.study["pad"].get(key) for key in FACE_KEYS}).profile
     found = {}

@@ -8,25 +8,25 @@ its own stands in `line_model` and `line_runs`.
 from wirewear.simulation.contact_forces import mean_pressures
 from wirewear.simulation.convergence import (
     LINES,
+    POINTS,
     Converged,
     converge,
     convergence_table,
     last_of,
-    point_contact,
     write_convergence,
 )
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
 from wirewear.simulation.line_model import plan as line_plan
-from wirewear.simulation.observers import Moment, NoObserver, Observer, ProgressBar
+from wirewear.simulation.observers import Moment, Observer, ProgressBar
 from wirewear.simulation.plan import require_affordable_wires
 from wirewear.simulation.problem import contact_problem
 from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
 from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [
-    "LINES", "Converged", "Moment", "NoObserver", "Observer", "ObserverOf", "ProgressBar", "bodies_stiffness_N_per_mm2",
-    "contact_problem", "converge", "convergence_table", "discretise", "last_of", "line_plan", "mean_pressures",
-    "needed_memory", "point_contact", "require_affordable_wires", "run_study", "simulate", "write_convergence",
-    "write_line_meshes", "write_meshes",
+    "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar",
+    "bodies_stiffness_N_per_mm2", "contact_problem", "converge", "convergence_table", "discretise", "last_of",
+    "line_plan", "mean_pressures", "needed_memory", "require_affordable_wires", "run_study", "simulate",
+    "write_convergence", "write_line_meshes", "write_meshes",
 ]  # fmt: skip

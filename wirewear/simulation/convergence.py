@@ -134,7 +134,7 @@ def depth_of(body: int) -> Callable[[Any], float]:
     return lambda result: float(result.evolution[f"max_depth_{result.bodies[body]}_um"][-1])
 
 
-def figures_of(bodies: tuple[str, str]) -> tuple[Figure, ...]:
+def figures_of(bodies: tuple[str, ...]) -> tuple[Figure, ...]:
     """What is watched of a contact at a point between bodies of these names."""
     depths = (Figure(f"depth of the {called(name)}", "µm", depth_of(k)) for k, name in enumerate(bodies))
     return (*FORCES, *depths, VOLUME, *PRESSURES)
@@ -178,11 +178,11 @@ Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 class RefinedSubject:
     """A kind of contact whose studies are refined.
 
-    figures: what is watched.  finer: of a study at a level of fidelity, what makes each resolution that it has finer by
-    a factor.
+    figures: what is watched of bodies of these names.  finer: of a study at a level of fidelity, what makes each
+    resolution that it has finer by a factor.
     """
 
-    figures: Sequence[Figure]
+    figures: Callable[[tuple[str, ...]], Sequence[Figure]]
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:
@@ -232,13 +232,9 @@ def finer_line(study: LineStudy, fidelity: str) -> Mapping[Resolution, Callable[
     return finer
 
 
-def point_contact(bodies: tuple[str, str]) -> RefinedSubject:
-    """A contact at a point between bodies of these names."""
-    return RefinedSubject(figures_of(bodies), finer_point)
-
-
+POINTS = RefinedSubject(figures_of, finer_point)
 LINES = RefinedSubject(
-    (
+    lambda _: (
         Figure("largest tangential force", "N/mm", last_of("max_tangential_force_N")),
         Figure("energy of the last cycle", "mJ/mm", last_of("dissipated_energy_mJ")),
         Figure("slip amplitude δ0", "µm", last_of("slip_amplitude_um")),
@@ -275,7 +271,9 @@ def converge(
         engine=engine,
     )
     return _extrapolated(
-        subject.figures, tuple(subject.finer(study, fidelity)), {result.variant: result for result in results}
+        subject.figures(study.body_names),
+        tuple(subject.finer(study, fidelity)),
+        {result.variant: result for result in results},
     )
 
 

@@ -5,8 +5,8 @@ where that is kept a `RunStore`; how a jump is taken is a `WearStepper`.
 """
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Protocol
 
 from threadpoolctl import threadpool_limits
 
@@ -22,109 +22,53 @@ from wirewear.simulation.recorded import Recorded
 _MET = 1e-6  # A jump that ends within this share of a milestone has met it.
 
 
-class WearStepper(Protocol):
-    """Takes cycle jumps.  first_jump: the size to try first, cycles."""
+@dataclass(frozen=True)
+class WearStepper:
+    """Takes cycle jumps.
 
-    @property
-    def first_jump(self) -> float:
-        """Cycles of the first jump to try."""
+    first_jump: the size to try first, cycles.
+    step: one accepted jump of a problem from the state after so many cycles, of about so many more, not beyond the next
+    milestone nor the end; the problem is on the meshes of now, without the effects of age.  Raises PatchLeftError if
+    the contact left a patch: the run goes on with larger meshes, from the state given; SolverError if no jump could be
+    taken.
+    """
 
-    def step(
-        self,
-        problem: ContactProblem,
-        state: ContactState,
-        done: float,
-        wanted: float,
-        milestones: tuple[float, ...],
-        end: float,
-        /,
-    ) -> JumpStep[ContactState]:
-        """One accepted jump from the state after `done` cycles, of about `wanted`, not beyond the next milestone.
-
-        problem: on the meshes of now, without the effects of age.
-        Raises PatchLeftError if the contact left a patch; the run goes on with larger meshes, from the state given.
-        Raises SolverError if no jump could be taken.
-        """
+    first_jump: float
+    step: Callable[[ContactProblem, ContactState, float, float, tuple[float, ...], float], JumpStep[ContactState]]
 
 
 def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) -> WearStepper:
     """How a test's contact wears: not at all, in jumps of a given size, or with the error of each jump controlled."""
-    if problem.unchanging:
-        return Unworn()
-    if test.explicit_jump_cycles is not None:
-        return ExplicitJumps(cycler, test.explicit_jump_cycles)
-    return WholeCycles(cycler, JumpController(test.jump_tolerance))
+    size = test.explicit_jump_cycles
+    if not problem.unchanging and size is None:
+        return whole_cycles(cycler, JumpController(test.jump_tolerance))
+
+    def step(
+        own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], _end: float
+    ) -> JumpStep[ContactState]:
+        """To the next milestone where nothing wears; else one cycle that stands for the jump."""
+        jump = next_milestone(milestones, done) - done
+        if problem.unchanging or size is None:
+            return JumpStep(state, jump, 0.0, wanted)
+        return JumpStep(cycler.worn(own, state, done, min(size, jump)), min(size, jump), 0.0, wanted)
+
+    return WearStepper(1.0 if problem.unchanging or size is None else size, step)
+
+
+def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
+    """Jumps in which all positions of a cycle wear the surface at the jump's end together; see `solvers.wear_step`."""
+
+    def step(
+        own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], end: float
+    ) -> JumpStep[ContactState]:
+        return take_step(controller, state, wanted, done, milestones, end, cycler.wearing(own, state, done))
+
+    return WearStepper(controller.first_jump, step)
 
 
 def next_milestone(milestones: tuple[float, ...], done: float) -> float:
     """The first milestone after `done` cycles."""
     return min(milestone for milestone in milestones if milestone > done)
-
-
-@dataclass(frozen=True)
-class Unworn:
-    """Nothing wears: the next milestone is a jump away."""
-
-    first_jump: float = 1.0
-
-    def step(
-        self,
-        _problem: ContactProblem,
-        state: ContactState,
-        done: float,
-        wanted: float,
-        milestones: tuple[float, ...],
-        _end: float,
-    ) -> JumpStep[ContactState]:
-        """The same state at the next milestone."""
-        return JumpStep(state, next_milestone(milestones, done) - done, 0.0, wanted)
-
-
-@dataclass(frozen=True)
-class ExplicitJumps:
-    """Jumps of a given number of cycles, each one simulated cycle, without control of the error."""
-
-    cycler: Cycler
-    first_jump: float
-
-    def step(
-        self,
-        problem: ContactProblem,
-        state: ContactState,
-        done: float,
-        wanted: float,
-        milestones: tuple[float, ...],
-        _end: float,
-    ) -> JumpStep[ContactState]:
-        """One cycle that stands for the jump."""
-        size = min(self.first_jump, next_milestone(milestones, done) - done)
-        return JumpStep(self.cycler.worn(problem, state, done, size), size, 0.0, wanted)
-
-
-@dataclass(frozen=True)
-class WholeCycles:
-    """Jumps in which all positions of a cycle wear the surface at the jump's end together; see `solvers.wear_step`."""
-
-    cycler: Cycler
-    controller: JumpController
-
-    @property
-    def first_jump(self) -> float:
-        """That of the controller."""
-        return self.controller.first_jump
-
-    def step(
-        self,
-        problem: ContactProblem,
-        state: ContactState,
-        done: float,
-        wanted: float,
-        milestones: tuple[float, ...],
-        end: float,
-    ) -> JumpStep[ContactState]:
-        """One accepted jump; see `solvers.jumps`."""
-        attempt = self.cycler.wearing(problem, state, done)
-        return take_step(self.controller, state, wanted, done, milestones, end, attempt)
 
 
 def cycle_through(

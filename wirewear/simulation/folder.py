@@ -4,12 +4,13 @@ The checkpoint is the state of an unfinished run beside its result: enough to go
 """
 
 import json
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 import h5py
 import numpy as np
@@ -42,55 +43,44 @@ class MeshHistory:
     changes: tuple[dict[str, float], ...] = ()
 
 
-class Meshes(Protocol):
-    """The meshes that a run goes through, and when it takes the next."""
+class Meshes(ABC):
+    """The meshes that a run goes through, and when it takes the next: the same ones to its end, if nothing else is
+    said.
+    """
 
     def first(self) -> MeshHistory:
         """The meshes of the fresh contact."""
+        return MeshHistory()
 
+    @abstractmethod
     def problem(self, history: MeshHistory, report: Report, /) -> ContactProblem:
         """The contact problem on a run's meshes."""
 
-    def next_stage(self, history: MeshHistory, cycle: float, /) -> MeshHistory | None:
+    def next_stage(self, _history: MeshHistory, _cycle: float, /) -> MeshHistory | None:
         """The history with the meshes for a larger scar begun; None where there are none."""
+        return None
 
-    def outgrown(self, history: MeshHistory, state: ContactState, cycle: float, /) -> MeshHistory | None:
+    def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float, /) -> MeshHistory | None:
         """The next stage, if there is one and the scar has grown beyond what the meshes of now are for."""
+        return None
 
     def moved_nodes(
-        self, history: MeshHistory, problem: ContactProblem, state: ContactState, cycle: float, report: Report, /
+        self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report, /
     ) -> tuple[MeshHistory, ContactProblem]:
         """History and problem with the nodes moved into the worn surface where that is due, else as they are."""
+        return history, problem
 
 
 @dataclass(frozen=True)
-class OneMesh:
-    """Meshes that serve a whole run; `build` makes the problem on them."""
+class OneMesh(Meshes):
+    """Meshes that serve a whole run; `build` makes the problem on them. A contact that leaves them has failed."""
 
     build: Callable[[], ContactProblem]
 
-    def first(self) -> MeshHistory:
-        """The only one."""
-        return MeshHistory()
-
-    def problem(self, _history: MeshHistory, report: Report) -> ContactProblem:
+    def problem(self, _history: MeshHistory, report: Report, /) -> ContactProblem:
         """The contact problem."""
         report("meshing and condensing")
         return self.build()
-
-    def next_stage(self, _history: MeshHistory, _cycle: float) -> MeshHistory | None:
-        """There is none."""
-        return None
-
-    def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float) -> MeshHistory | None:
-        """The scar never outgrows them; where the contact leaves them, the run has failed."""
-        return None
-
-    def moved_nodes(
-        self, history: MeshHistory, problem: ContactProblem, _state: ContactState, _cycle: float, _report: Report
-    ) -> tuple[MeshHistory, ContactProblem]:
-        """Nodes stay."""
-        return history, problem
 
 
 @dataclass(frozen=True)
@@ -174,30 +164,36 @@ def _read(group: Any) -> dict[str, Any]:
 T = TypeVar("T")
 
 
-class RunStore(Protocol):
-    """Where a run keeps its result and its checkpoint."""
+class RunStore(ABC):
+    """Where a run keeps its result, and its checkpoint if it can be resumed.  identity: equal for runs that give the
+    same result.
+    """
 
-    @property
-    def identity(self) -> Identity:
-        """Equal for runs that give the same result."""
+    identity: Identity
 
-    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """The last checkpoint and the result so far, if the run has come that far."""
-
+    @abstractmethod
     def result(self) -> RunResult:
         """The result as it was written last."""
 
+    @abstractmethod
     def write(self, result: RunResult, /) -> None:
         """Keep the result in place of the one before."""
 
-    def write_checkpoint(self, checkpoint: Checkpoint, /) -> None:
+    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
+        """The last checkpoint and the result so far, if the run has come that far."""
+        return None
+
+    def write_checkpoint(self, _checkpoint: Checkpoint, /) -> None:
         """Keep the checkpoint in place of the one before."""
+        return
 
     def begin(self) -> None:
         """The run starts from its beginning: nothing of an earlier one is to stay."""
+        return
 
     def drop_checkpoint(self) -> None:
         """Delete the checkpoint, if there is one."""
+        return
 
 
 @dataclass(frozen=True)
@@ -209,7 +205,7 @@ class Found:
 
 
 @dataclass(frozen=True)
-class RunFolder:
+class RunFolder(RunStore):
     """The folder of the run of an identity.
 
     derived: patterns of the files that are made of a result.
@@ -326,15 +322,11 @@ def _refuse_other_runs(output: Path, own: set[Path]) -> None:
 
 
 @dataclass
-class InMemory:
+class InMemory(RunStore):
     """Keeps the last result of a run that leaves no files; such a run cannot be resumed."""
 
     identity: Identity
     _kept: list[RunResult] = field(default_factory=list)
-
-    def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
-        """There is no checkpoint."""
-        return None
 
     def result(self) -> RunResult:
         """The last result."""
@@ -343,12 +335,3 @@ class InMemory:
     def write(self, result: RunResult) -> None:
         """Keep the result."""
         self._kept[:] = [result]
-
-    def write_checkpoint(self, _checkpoint: Checkpoint) -> None:
-        """Keep nothing: the run cannot be resumed."""
-
-    def begin(self) -> None:
-        """There is nothing of an earlier run."""
-
-    def drop_checkpoint(self) -> None:
-        """There is none."""

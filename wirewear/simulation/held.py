@@ -9,9 +9,10 @@ import numpy as np
 from scipy.optimize import brentq
 
 from geometry.arrays import Array, IntArray
-from solvers import ContactState, CycleTrace, Holder, SolverError
+from solvers import ContactState, CycleTrace, SolverError
 from wirewear.effects import Age, Seam, applied
 from wirewear.loops.sensor import LoopSignals, Sensor, enclosed_area
+from wirewear.study import AnyStudy
 from wirewear.study.programme import held_by
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
@@ -221,12 +222,13 @@ def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
     )
 
 
-def held_of(study: Any, friction: float, holder: Holder) -> HeldFigure | None:
+def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
     """What a study's drive holds in place of its amplitude, None where it holds that."""
     stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
     if stated is None:
         return None
-    friction_N = friction * holder.normal_load_N
+    holder = study.tables.rig
+    friction_N = study.contact.friction * holder.normal_load_N
     sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
     unit, per_mm = "um", cast("Callable[[CycleTrace], float] | None", lambda _: 1e3)
     measure: Measure

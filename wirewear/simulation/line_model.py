@@ -17,16 +17,15 @@ from geometry import (
     TabledProfile,
     build_planar,
 )
-from solvers import ContactProblem, DriveTiming, Holder, PlacedBody, WearRates, condense, place
+from solvers import ContactProblem, PlacedBody, condense, place
 from wirewear import reference
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import StudyError, counted
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
-from wirewear.simulation.problem import measured
+from wirewear.simulation.problem import laws_of, measured
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
-from wirewear.study.layers import layers_of
 from wirewear.study.lines import LineHolder
 from wirewear.study.study import LineStudy
 from wirewear.study.surfaces import StatedSurface
@@ -220,37 +219,7 @@ def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
 
 def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> ContactProblem:
     """The pad on its rig above the specimen."""
-    rates, conditions = study.energy_coefficients(), study.conditions
-    return ContactProblem(
-        upper=pad,
-        lower=specimen,
-        holder=holder_of(study.holder, conditions.normal_load_N_per_mm),
-        friction=study.contact.friction,
-        friction_law=study.contact.friction_law,
-        timing=DriveTiming(study.drive, conditions.frequency_Hz),
-        wear=WearRates(
-            upper_mm3_per_mJ=1e-3 * rates[0],
-            lower_mm3_per_mJ=1e-3 * rates[1],
-            law=study.wear.of_law,
-            upper_layers=layers_of(study.pad.layers, study.contact.friction),
-            lower_layers=layers_of(study.specimen.layers, study.contact.friction),
-        ),
-    )
-
-
-def holder_of(rig: LineHolder, load_N_per_mm: float) -> Holder:
-    """The rig per mm of thickness."""
-
-    def compliance(stiffness: float | str) -> float:
-        return 0.0 if isinstance(stiffness, str) else 1.0 / stiffness
-
-    return Holder(
-        load_N_per_mm,
-        tangential_compliance_mm_per_N=compliance(rig.tangential_stiffness_N_per_mm2),
-        normal_stiffness_N_per_mm=rig.normal_spring_stiffness_N_per_mm2,
-        rotational_compliance_rad_per_N_mm=compliance(rig.rotational_stiffness_N_per_rad),
-        pivot_height_mm=rig.pivot_height_mm or 0.0,
-    )
+    return ContactProblem(upper=pad, lower=specimen, **laws_of(study))
 
 
 def _largest_tilt(rig: LineHolder, stroke_mm: float) -> float:

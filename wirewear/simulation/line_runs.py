@@ -7,22 +7,14 @@ from typing import Any, ClassVar
 import numpy as np
 
 from solvers import ContactProblem, CycleTrace, unloaded_state
-from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
+from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, Scar
 from wirewear.simulation.contact_forces import forces_on
-from wirewear.simulation.cycler import FrettingTest, Motion
+from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.folder import MeshHistory, OneMesh
-from wirewear.simulation.held import held_of
-from wirewear.simulation.line_model import (
-    LinePlan,
-    bodies,
-    holder_of,
-    line_problem,
-    needed_memory,
-    plan,
-    require_affordable_lines,
-)
+from wirewear.simulation.line_model import LinePlan, bodies, line_problem, needed_memory, plan, require_affordable_lines
+from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.study import LineStudy
 
@@ -80,11 +72,10 @@ class LineRunRecord(Recorded):
 
 
 @dataclass(frozen=True)
-class LineRun:
-    """A study without variants, or one of its variants, at a fidelity; as `RunPlan` is one of a contact at a point."""
+class LineRun(PlannedRun):
+    """That of a line contact; as `RunPlan` is one of a contact at a point."""
 
     study: LineStudy
-    fidelity: str
     planned: LinePlan
 
     derived: ClassVar[tuple[str, ...]] = (
@@ -97,41 +88,26 @@ class LineRun:
         return cls(study, fidelity, plan(study.driven.envelope, fidelity))
 
     @property
-    def label(self) -> str:
-        """What the run is called beside others of its study."""
-        return self.study.variant_name or self.study.name
-
-    @property
     def identity(self) -> Identity:
-        """Equal for runs that give the same result."""
-        study = self.study
-        asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
-        added = {"added": added_code((*study.effects, *study.laws))}
-        return identity_of(asked, RUN_CODE, self.planned.settings() | added)
+        return self.identified(self.planned.settings())
 
     @property
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
-        study, driven, n = self.study, self.study.driven, self.planned.increments_per_cycle
+        study, driven, increments = self.study, self.study.driven, self.planned.increments_per_cycle
 
-        def motion(own: LineStudy) -> Motion:
-            return Motion(
-                drive=own.drive,
-                increments=n,
-                wear_increments=n,
-                follows_force=own.mesh.increments_per_cycle is None,
-                fresh=unloaded_state,
-                aged=lambda problem, age: problem_with(problem, own.effects, age),
-                under=lambda problem: line_problem(own, problem.upper, problem.lower),
-                held=held_of(own, own.contact.friction, holder_of(own.holder, own.conditions.normal_load_N_per_mm)),
-            )
+        def motion(own: LineStudy) -> dict[str, Any]:
+            return {
+                "increments": increments,
+                "wear_increments": increments,
+                "follows_force": own.mesh.increments_per_cycle is None,
+                "fresh": unloaded_state,
+                "aged": lambda problem, age: problem_with(problem, own.effects, age),
+            }
 
-        stretches = driven.schedule.stretches
-        motions = {own.block: motion(own.study) for own in stretches}
-        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
         milestones = tuple(float(cycle) for cycle in sorted({1, *study.log.loop_cycles, study.conditions.cycles}))
         mesh = OneMesh(lambda: line_problem(driven, *bodies(driven, self.planned)))
-        return FrettingTest(ends, mesh, milestones, self.planned.jump_tolerance, stop=study.tables.stop)
+        return self.tested(motion, mesh, milestones, self.planned.jump_tolerance)
 
     def require_affordable(self) -> None:
         """See that the compliances of both bodies can be held; StudyError if they take more memory than there is."""

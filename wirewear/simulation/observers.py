@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from types import TracebackType
-from typing import Any, Protocol
 
 import numpy as np
 from rich.console import Console
@@ -33,8 +32,8 @@ def moment_of(state: ContactState, done: float, end: float, elapsed_s: float) ->
     return Moment(done, int(end), 1e-3 * state.wear.energy_mJ, 1e3 * deepest, min(fraction, 1.0), elapsed_s)
 
 
-class Observer(Protocol):
-    """Called by a run; must not change anything."""
+class Observer:
+    """Called by a run; must not change anything. This one takes note of nothing."""
 
     def stage(self, text: str) -> None:
         """A part of the preparation begins."""
@@ -49,23 +48,7 @@ class Observer(Protocol):
         """Something that the user of the run should know."""
 
 
-class NoObserver:
-    """Watches nothing."""
-
-    def stage(self, text: str) -> None:
-        """Ignore it."""
-
-    def moved(self, moment: Moment) -> None:
-        """Ignore it."""
-
-    def logged(self, result: Any) -> None:
-        """Ignore it."""
-
-    def note(self, sentence: str) -> None:
-        """Ignore it."""
-
-
-class ProgressBar:
+class ProgressBar(Observer):
     """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager.
 
     Off a terminal, where nothing can be drawn anew, a line for each loop that is measured.

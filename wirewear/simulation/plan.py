@@ -1,10 +1,10 @@
 """What one run is to do: resolution, meshes, cycles at which its loop is measured; whether memory and time allow it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
 from itertools import pairwise
 from math import ceil, log
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -17,15 +17,14 @@ from wirewear.results.flat import TIME_SERIES_FILES
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.folder import MeshHistory, Report
+from wirewear.simulation.folder import Meshes, MeshHistory, Report
 from wirewear.simulation.held import held_of
 from wirewear.simulation.problem import (
     condense_bodies,
     contact_problem,
     fresh_state,
-    holder_of,
+    laws_of,
     problem_at,
-    under_conditions,
     with_nodes_moved,
     worn_depths,
 )
@@ -101,7 +100,7 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
 
 
 @dataclass(frozen=True)
-class PointMeshes:
+class PointMeshes(Meshes):
     """The meshes that a study's run goes through, and when it takes the next.
 
     stages: planned, taken as the scar grows.  spare: taken one after another where the contact leaves those.
@@ -193,11 +192,50 @@ PICTURES = (
 
 
 @dataclass(frozen=True)
-class RunPlan:
+class PlannedRun:
     """A study without variants, or one of its variants, at a fidelity."""
 
-    study: Study
+    study: Any
     fidelity: str
+
+    @property
+    def label(self) -> str:
+        """What the run is called beside others of its study."""
+        return str(self.study.variant_name or self.study.name)
+
+    def identified(self, plan: Mapping[str, Any]) -> Identity:
+        """Equal for runs of such a plan that give the same result; an interrupted run goes on only with its own."""
+        study = self.study
+        asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
+        return identity_of(asked, RUN_CODE, {**plan, "added": added_code((*study.effects, *study.laws))})
+
+    def tested(
+        self,
+        motion: Callable[[Any], Mapping[str, Any]],
+        meshes: Meshes,
+        milestones: tuple[float, ...],
+        tolerance: float,
+        explicit_jump_cycles: float | None = None,
+    ) -> FrettingTest:
+        """The test as the run goes through it; `motion` says what a block's is besides drive, rig and laws."""
+
+        def moved(own: Any) -> Motion:
+            def under(problem: ContactProblem) -> ContactProblem:
+                return replace(problem, **laws_of(own))
+
+            return Motion(drive=own.drive, under=under, held=held_of(own), **motion(own))
+
+        stretches = self.study.driven.schedule.stretches
+        motions = {own.block: moved(own.study) for own in stretches}
+        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
+        return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, self.study.tables.stop)
+
+
+@dataclass(frozen=True)
+class RunPlan(PlannedRun):
+    """That of a contact at a point."""
+
+    study: Study
     discretisation: Discretisation
     meshes: PointMeshes
 
@@ -216,32 +254,21 @@ class RunPlan:
         return cls(study, fidelity, discretisation, meshes)
 
     @property
-    def label(self) -> str:
-        """What the run is called beside others of its study."""
-        return self.study.variant_name or self.study.name
-
-    @property
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
-        wear, stretches = self.study.wear, self.study.driven.schedule.stretches
-        motions = {own.block: self._motion(own.study) for own in stretches}
-        ends = tuple((float(own.end), motions[own.block]) for own in stretches)
-        jump = wear.explicit_jump_cycles if wear else None
-        tolerance, stop = self.discretisation.jump_tolerance, self.study.tables.stop
-        return FrettingTest(ends, self.meshes, self.milestones, tolerance, jump, stop)
+        sizes, wear = self.discretisation, self.study.wear
 
-    def _motion(self, study: Study) -> Motion:
-        """That of a block."""
-        return Motion(
-            drive=study.drive,
-            increments=self.discretisation.increments_per_cycle,
-            wear_increments=self.discretisation.increments_per_wear_cycle,
-            follows_force=study.fidelity(self.fidelity).increments_per_cycle is None,
-            fresh=lambda problem: fresh_state(problem, study),
-            aged=lambda problem, age: problem_at(problem, study, age),
-            under=lambda problem: under_conditions(problem, study),
-            held=held_of(study, study.contact.friction, holder_of(study)),
-        )
+        def motion(own: Study) -> dict[str, Any]:
+            return {
+                "increments": sizes.increments_per_cycle,
+                "wear_increments": sizes.increments_per_wear_cycle,
+                "follows_force": own.fidelity(self.fidelity).increments_per_cycle is None,
+                "fresh": lambda problem: fresh_state(problem, own),
+                "aged": lambda problem, age: problem_at(problem, own, age),
+            }
+
+        jump = wear.explicit_jump_cycles if wear else None
+        return self.tested(motion, self.meshes, self.milestones, sizes.jump_tolerance, jump)
 
     @property
     def logged_cycles(self) -> tuple[int, ...]:
@@ -273,16 +300,13 @@ class RunPlan:
 
     @property
     def identity(self) -> Identity:
-        """Equal for runs that give the same result; an interrupted run goes on only with its own."""
-        study = self.study
-        asked = {"study": study.resolved(), "variant": study.variant_name, "fidelity": self.fidelity}
-        plan = {
-            "discretisation": asdict(self.discretisation),
-            "meshes": [asdict(stage) for stage in self.meshes.stages],
-            "milestones": self.milestones,
-            "added": added_code((*study.effects, *study.laws)),
-        }
-        return identity_of(asked, RUN_CODE, plan)
+        return self.identified(
+            {
+                "discretisation": asdict(self.discretisation),
+                "meshes": [asdict(stage) for stage in self.meshes.stages],
+                "milestones": self.milestones,
+            }
+        )
 
     @property
     def needed_memory(self) -> float:

@@ -5,7 +5,7 @@ from dataclasses import asdict, replace
 from functools import lru_cache
 from math import radians
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
@@ -27,8 +27,7 @@ from wirewear.base.cache import (
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
-from wirewear.study import Study
-from wirewear.study.layers import layers_of
+from wirewear.study import AnyStudy, Study
 from wirewear.study.surfaces import StatedSurface
 
 
@@ -131,11 +130,7 @@ def contact_problem(study: Study, meshes: BothMeshes, stage: Callable[[str], Non
     return solvers.ContactProblem(
         upper=upper,
         lower=lower,
-        holder=holder_of(study),
-        friction=study.contact.friction,
-        friction_law=study.contact.friction_law,
-        timing=solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
-        wear=wear_rates(study),
+        **laws_of(study),
         primary_is_upper=study.contact.primary_wire == "fixed",
         formulation=study.contact.formulation,
     )
@@ -204,17 +199,15 @@ def measured(
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 
-def under_conditions(problem: solvers.ContactProblem, study: Study) -> solvers.ContactProblem:
-    """The problem of the same bodies under the load, on the rig and with the laws of a study."""
-    contact = study.contact
-    return replace(
-        problem,
-        holder=holder_of(study),
-        friction=contact.friction,
-        friction_law=contact.friction_law,
-        timing=solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
-        wear=wear_rates(study),
-    )
+def laws_of(study: AnyStudy[Any]) -> dict[str, Any]:
+    """Rig, friction, drive and wear of a contact problem, before any effect and variation."""
+    return {
+        "holder": study.tables.rig,
+        "friction": study.contact.friction,
+        "friction_law": study.contact.friction_law,
+        "timing": solvers.DriveTiming(study.drive, study.conditions.frequency_Hz),
+        "wear": study.tables.wear_rates,
+    }
 
 
 def problem_at(problem: solvers.ContactProblem, study: Study, age: Age) -> solvers.ContactProblem:
@@ -235,23 +228,6 @@ def fresh_state(problem: solvers.ContactProblem, study: Study) -> solvers.Contac
     return solvers.flattened(problem, solvers.unloaded_state(problem), specimens_of(study).flattening_mm, amplitude)
 
 
-def holder_of(study: Study) -> solvers.Holder:
-    """The held body's holder with its springs."""
-    holder, conditions = study.holder, study.conditions
-    return solvers.Holder(
-        normal_load_N=conditions.normal_load_N,
-        tangential_compliance_mm_per_N=_compliance(holder.tangential_stiffness_N_per_mm),
-        normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
-        rotational_compliance_rad_per_N_mm=_compliance(holder.rotational_stiffness_N_mm_per_rad),
-        pivot_height_mm=holder.pivot_height_mm or 0.0,
-        approach_mm=None if conditions.approach_um is None else 1e-3 * conditions.approach_um,
-    )
-
-
-def _compliance(stiffness: float | Literal["rigid"]) -> float:
-    return 0.0 if stiffness == "rigid" else 1.0 / stiffness
-
-
 def condense_bodies(
     study: Study, meshes: BothMeshes, stage: Callable[[str], None]
 ) -> tuple[solvers.CondensedBody, solvers.CondensedBody]:
@@ -261,20 +237,3 @@ def condense_bodies(
     moving = condensed_body(meshes.moving, driven.material)
     stage(f"condensing the {called(held.name)}")
     return moving, condensed_body(meshes.fixed, held.material)
-
-
-def wear_rates(study: Study) -> solvers.WearRates:
-    """Wear law and coefficients of the held (upper) and driven (lower) body, before any variation."""
-    if study.wear is None:
-        return solvers.WearRates()
-    wear, (driven, held) = study.wear, study.bodies
-    energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
-    # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
-    both = 1e-3 * (archard or energy or 0.0)
-    return solvers.WearRates(
-        upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
-        lower_mm3_per_mJ=wear.moving_share * both,
-        law=wear.of_law,
-        upper_layers=layers_of(held.layers, study.contact.friction),
-        lower_layers=layers_of(driven.layers, study.contact.friction),
-    )

@@ -16,7 +16,7 @@ from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
 from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
 from wirewear.simulation.line_runs import LineRun, LineRunRecord
-from wirewear.simulation.observers import NoObserver, Observer
+from wirewear.simulation.observers import Observer
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
 from wirewear.simulation.tally import bends
@@ -171,7 +171,7 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     plan = way.of(study, fidelity)
     plan.require_affordable()
     kept = InMemory(plan.identity)
-    return cycle_through(plan.test, record_of(plan), kept, observer or NoObserver(), resume=False)
+    return cycle_through(plan.test, record_of(plan), kept, observer or Observer(), resume=False)
 
 
 def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:

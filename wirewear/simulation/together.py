@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from functools import partial
 from multiprocessing.managers import SyncManager
 from pathlib import Path
-from queue import Empty
+from queue import Empty, Queue
 from threading import Event
 from typing import Any, Protocol, TypeVar
 
@@ -18,7 +18,7 @@ from wirewear.base.errors import LostTaskError, RunError
 from wirewear.base.writing import prepared_folder
 from wirewear.results import RESULT_FILE_NAME, RunResult
 from wirewear.simulation.folder import Found, RunFolder, occupied_by_runs
-from wirewear.simulation.observers import Moment, NoObserver, Observer
+from wirewear.simulation.observers import Moment, Observer
 
 _POLL_s = 0.1
 
@@ -32,22 +32,12 @@ Made = TypeVar("Made")
 ObserverFor = Callable[[str], AbstractContextManager[Observer]]
 
 
-class Mailbox(Protocol):
-    """The part of a queue between processes that is used here."""
-
-    def put(self, item: Any) -> None:
-        """Send an item."""
-
-    def get(self, block: bool = True, timeout: float | None = None) -> Any:
-        """Receive an item, or raise queue.Empty after the timeout."""
-
-
 @dataclass(frozen=True)
-class RemoteObserver:
+class RemoteObserver(Observer):
     """Sends what a run tells it to the process that watches."""
 
     index: int
-    mailbox: Mailbox
+    mailbox: Queue[Any]
 
     def stage(self, text: str) -> None:
         """Pass on that a part of the preparation begins."""
@@ -78,7 +68,7 @@ def run_side_by_side(
     then the first error is raised.
     """
     if not isinstance(engine, LocalProcesses):
-        return results_of(engine, [partial(task, NoObserver()) for task in tasks])
+        return results_of(engine, [partial(task, Observer()) for task in tasks])
     manager = SyncManager(ctx=multiprocessing.get_context("spawn"))
     manager.start(end_with_parent)
     with manager, ThreadPoolExecutor(1) as waiting:
@@ -109,7 +99,7 @@ def _done_until(stop: Event, engine: Engine, tasks: Sequence[Callable[[], Made]]
     return sorted(every, key=lambda one: one.place)
 
 
-def _deliver(mailbox: Mailbox, observers: Sequence[Observer]) -> None:
+def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
     try:
         while True:
             index, kind, item = mailbox.get(timeout=_POLL_s)
@@ -171,7 +161,7 @@ def run_together(
 
 
 def _nobody(_label: str) -> AbstractContextManager[Observer]:
-    return nullcontext(NoObserver())
+    return nullcontext(Observer())
 
 
 def _run_all(

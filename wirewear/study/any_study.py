@@ -69,6 +69,20 @@ def _put(data: dict[str, Any], key: str, value: Any, where: str) -> None:
 Tables = TypeVar("Tables", bound=CommonTables)
 
 
+T_co = TypeVar("T_co", covariant=True)
+
+
+class _OfTables(Generic[T_co]):
+    """What a study's tables hold under the same name."""
+
+    def __set_name__(self, _study: type, name: str) -> None:
+        self.name = name
+
+    def __get__(self, study: AnyStudy[Any], _type: type) -> T_co:
+        value: T_co = getattr(study.tables, self.name)
+        return value
+
+
 @dataclass(frozen=True, repr=False)
 class AnyStudy(Generic[Tables]):
     """A study whose keys have been checked; `variants` pairs each variant's name with its complete tables.
@@ -80,75 +94,25 @@ class AnyStudy(Generic[Tables]):
     variants: tuple[tuple[str, Tables], ...] = ()
     variant_name: str = ""
 
-    @property
-    def name(self) -> str:
-        """Title of the study."""
-        return self.tables.name
-
-    @property
-    def kind(self) -> str:
-        """Kind of contact."""
-        return self.tables.kind
-
-    @property
-    def contact_kind(self) -> str:
-        """Kind of contact, as results and records name it."""
-        return self.tables.contact_kind
-
-    @property
-    def conditions(self) -> Any:
-        """Load, stroke, frequency and length of the test."""
-        return self.tables.conditions
-
-    @property
-    def contact(self) -> Any:
-        """Friction."""
-        return self.tables.contact
-
-    @property
-    def wear(self) -> Any:
-        """Wear law, or None when nothing wears."""
-        return self.tables.wear
-
-    @property
-    def holder(self) -> Any:
-        """Stiffness of the rig and of the loading train."""
-        return self.tables.holder
-
-    @property
-    def mesh(self) -> Any:
-        """Extent of the fine mesh."""
-        return self.tables.mesh
-
-    @property
-    def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
-        """Those of friction and of wear, if it wears."""
-        return self.tables.laws
-
-    @property
-    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Coatings and hard skins on both bodies, by their names."""
-        return self.tables.layers
+    name = _OfTables[str]()
+    kind = _OfTables[str]()  #: Of contact.
+    contact_kind = _OfTables[str]()  #: As results and records name it.
+    conditions = _OfTables[Any]()  #: Load, stroke, frequency and length of the test.
+    contact = _OfTables[Any]()  #: Friction.
+    wear = _OfTables[Any]()  #: Wear law, or None when nothing wears.
+    holder = _OfTables[Any]()  #: Stiffness of the rig and of the loading train.
+    mesh = _OfTables[Any]()  #: Extent of the fine mesh.
+    laws = _OfTables[tuple[FrictionLaw | WearLaw, ...]]()  #: Those of friction and of wear, if it wears.
+    layers = _OfTables[dict[str, tuple[LayerTable, ...]]]()  #: Coatings and hard skins on both bodies, by their names.
+    drive = _OfTables[Drive]()  #: Displacement, load and bulk stresses in the course of a cycle.
+    effects = _OfTables[tuple[Effect[Any], ...]]()  #: That the nominal model lacks.
+    log = _OfTables[Log]()  #: Which cycles are recorded.
+    worn_per_cycle = _OfTables[float]()
 
     @property
     def body_names(self) -> tuple[str, ...]:
         """Of the driven body and of the held one."""
         return tuple(self.layers)
-
-    @property
-    def drive(self) -> Drive:
-        """Displacement, load and bulk stresses in the course of a cycle."""
-        return self.tables.drive
-
-    @property
-    def effects(self) -> tuple[Effect[Any], ...]:
-        """Effects that the nominal model lacks."""
-        return self.tables.effects
-
-    @property
-    def log(self) -> Log:
-        """Which cycles are recorded."""
-        return self.tables.log
 
     @property
     def driven(self) -> Self:
@@ -163,11 +127,6 @@ class AnyStudy(Generic[Tables]):
         """The blocks of cycles that the test goes through, each with the study of its conditions."""
         alone = replace(self, tables=self.tables.model_copy(update={"programme": ()}))
         return Schedule(self.tables.programme, self.conditions.cycles, alone, partial(_under, alone))
-
-    @property
-    def worn_per_cycle(self) -> float:
-        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³ for either stroke of one amplitude."""
-        return self.tables.worn_per_cycle
 
     @cached_property
     def envelope(self) -> Self:

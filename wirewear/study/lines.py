@@ -7,7 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from pydantic import Field, PlainValidator
 
 from geometry import Elastic, PlanarGeometry
-from solvers import Coulomb, Drive, EnergyLaw, Waveform, WearLaw
+from solvers import Coulomb, Drive, EnergyLaw, Holder, Waveform, WearLaw, WearRates
 from wirewear.base.errors import Quantity
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
@@ -15,9 +15,9 @@ from wirewear.study.bulk import BULK, BulkTable, bulk_of
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
-from wirewear.study.layers import LAYERS, LayerTable
+from wirewear.study.layers import LAYERS, LayerTable, layers_of
 from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import PLANAR_KINDS, CommonTables, HeldByDrive, StatesItsKind
+from wirewear.study.tables import PLANAR_KINDS, CommonTables, HeldByDrive, StatesItsKind, compliance
 from wirewear.study.template import Template
 
 CYLINDER_ON_FLAT = PLANAR_KINDS[1]  #: A line contact whose pad is a cylinder.
@@ -225,6 +225,28 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         """With the stresses that both bodies carry."""
         bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]
         return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
+
+    @property
+    def rig(self) -> Holder:
+        rig = self.holder
+        return Holder(
+            self.conditions.normal_load_N_per_mm,
+            tangential_compliance_mm_per_N=compliance(rig.tangential_stiffness_N_per_mm2),
+            normal_stiffness_N_per_mm=rig.normal_spring_stiffness_N_per_mm2,
+            rotational_compliance_rad_per_N_mm=compliance(rig.rotational_stiffness_N_per_rad),
+            pivot_height_mm=rig.pivot_height_mm or 0.0,
+        )
+
+    @property
+    def wear_rates(self) -> WearRates:
+        rates = self.energy_coefficients()
+        return WearRates(
+            upper_mm3_per_mJ=1e-3 * rates[0],
+            lower_mm3_per_mJ=1e-3 * rates[1],
+            law=self.wear.of_law,
+            upper_layers=layers_of(self.pad.layers, self.contact.friction),
+            lower_layers=layers_of(self.specimen.layers, self.contact.friction),
+        )
 
     @property
     def worn_by_sliding(self) -> float:

@@ -7,13 +7,13 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, PlainValidator
 
-from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Waveform, WearLaw
+from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Waveform, WearLaw, WearRates
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.bulk import bulk_of
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
-from wirewear.study.layers import LayerTable
+from wirewear.study.layers import LayerTable, layers_of
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
 from wirewear.study.wires import BothWires
@@ -319,9 +319,24 @@ class CommonTables(StatesItsKind, ABC):
         load: float = getattr(self.conditions, self.load_key)
         return self.worn_by_sliding * load * float(self.conditions.displacement_amplitude_um)
 
+    @property
+    @abstractmethod
+    def rig(self) -> Holder:
+        """The held body's holder with its springs, as the solvers take it; per millimetre of a line contact."""
+
+    @property
+    @abstractmethod
+    def wear_rates(self) -> WearRates:
+        """Wear law and coefficients of the held (upper) and the driven (lower) body, before any variation."""
+
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:
         """What does not go together in the tables of the bodies, if anything."""
+
+
+def compliance(stiffness: float | Literal["rigid"]) -> float:
+    """Of a spring; of a rigid one 0."""
+    return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
 class ContactTables(CommonTables):
@@ -356,6 +371,34 @@ class ContactTables(CommonTables):
         """By the largest factor of the wear's variation."""
         wear = self.wear
         return 0.0 if wear is None else wear.largest_factor * wear.volume_per_sliding_mm3_per_N_m(self.contact.friction)
+
+    @property
+    def rig(self) -> Holder:
+        holder, conditions = self.holder, self.conditions
+        return Holder(
+            normal_load_N=conditions.normal_load_N,
+            tangential_compliance_mm_per_N=compliance(holder.tangential_stiffness_N_per_mm),
+            normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
+            rotational_compliance_rad_per_N_mm=compliance(holder.rotational_stiffness_N_mm_per_rad),
+            pivot_height_mm=holder.pivot_height_mm or 0.0,
+            approach_mm=None if conditions.approach_um is None else 1e-3 * conditions.approach_um,
+        )
+
+    @property
+    def wear_rates(self) -> WearRates:
+        if self.wear is None:
+            return WearRates()
+        wear, (driven, held) = self.wear, self.bodies_of_test()
+        energy, archard = wear.energy_wear_coefficient_mm3_per_J, wear.archard_wear_coefficient_mm3_per_N_m
+        # Per joule and per newton metre alike: 1 J = 1000 mJ = 1000 N mm.
+        both = 1e-3 * (archard or energy or 0.0)
+        return WearRates(
+            upper_mm3_per_mJ=(1.0 - wear.moving_share) * both,
+            lower_mm3_per_mJ=wear.moving_share * both,
+            law=wear.of_law,
+            upper_layers=layers_of(held.layers, self.contact.friction),
+            lower_layers=layers_of(driven.layers, self.contact.friction),
+        )
 
     def too_far(self) -> keys.Inconsistency | None:
         """A stroke longer than a body is thick."""

@@ -233,7 +233,7 @@ def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
             result,
             body,
             table.of_material(material_of_body(result.study, body)),
-            partial(kind_of(result).inner_states, result, body),
+            partial(kind_of(result).inside.states, result, body),
             stretches,
         ).cycles
         for body in result.bodies

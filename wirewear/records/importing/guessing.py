@@ -245,7 +245,7 @@ def evolution_source(tables: Sequence[GuessedFile], *, per_length: bool = False)
     return {"files": files} | named | tables[0].spelling | {"columns": columns}, remarks
 
 
-def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float]) -> Touching:
+def crossed_wires(known: Mapping[str, Any], elastic: Mapping[str, float], _: Any = None) -> Touching:
     """Wires of such constants, and what is assumed or left open of them."""
     remarks = []
     if "diameter_mm" not in known:
