@@ -269,7 +269,7 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
 def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
     from solvers import SolverError
     from wirewear.results import RESULT_FILE_NAME, read_result
-    from wirewear.simulation import NoObserver, run_study
+    from wirewear.simulation import Observer, run_study
 
     problem: Exception | None = None
     farthest: RunResult | None = None
@@ -285,7 +285,7 @@ def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> R
                 study.changed({**changes, **faster}),
                 fidelity="quick",
                 output=output,
-                observer_of=observer_of or (lambda _: nullcontext(NoObserver())),
+                observer_of=observer_of or (lambda _: nullcontext(Observer())),
             )[0]
         except StudyError as error:
             problem = error
