@@ -318,7 +318,8 @@ def bedded(
 
 def piece_to_condense(mesh: HexMesh | QuadMesh, patch: ContactPatch, gripped: IntArray) -> Piece:
     """The smallest piece of a body whose nodes `gripped` are held."""
-    planes = _symmetry_planes(mesh, patch, gripped)
+    across = () if isinstance(mesh, QuadMesh) else (1,)
+    planes = tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, gripped, axis))
     part, number = one_side(mesh, planes)
     side = tuple(slice(n // 2, None) if axis in planes else slice(None) for axis, n in enumerate(patch.shape))
     contact, held = number[patch.nodes[side]].ravel(), number[gripped]
@@ -331,15 +332,10 @@ def compliance_of(piece: Piece, patch: ContactPatch, schurs: list[Array]) -> Pat
     unknowns = (3 * piece.contact[:, None] + np.arange(3)).ravel()
     parts = np.empty((len(schurs), len(unknowns), len(unknowns)))
     for part, held in zip(parts, piece.held[:, unknowns], strict=True):
-        part[...] = _inverse(schurs.pop(0))
+        inverse, _ = lapack.dpotri(cholesky_factor(schurs.pop(0)), lower=1, overwrite_c=1)
+        part[...] = np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)
         part[held, held] = 0.0
     return PatchCompliance.of_parities(patch.shape, piece.planes, parts)
-
-
-def _symmetry_planes(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray) -> tuple[int, ...]:
-    """Axes about whose zero the body with its patch and its held nodes is its own mirror image to the last bit."""
-    across = () if isinstance(mesh, QuadMesh) else (1,)
-    return tuple(axis for axis in (0, *across) if _is_symmetric(mesh, patch, held, axis))
 
 
 def _is_symmetric(mesh: HexMesh | QuadMesh, patch: ContactPatch, held: IntArray, axis: int) -> bool:
@@ -374,8 +370,3 @@ def held_on_planes(piece: HexMesh | QuadMesh, planes: tuple[int, ...]) -> BoolAr
             held[piece.points[:, axis] == 0.0] |= (np.arange(3) == axis) != odd
         ways.append(held.ravel())
     return np.array(ways)
-
-
-def _inverse(matrix: Array) -> Array:
-    inverse, _ = lapack.dpotri(cholesky_factor(matrix), lower=1, overwrite_c=1)
-    return np.asarray(np.tril(inverse) + np.tril(inverse, -1).T)

@@ -117,7 +117,8 @@ def run_cycle(
 
     guide: of a cycle with the same stroke and little wear since.
     """
-    return _follow(problem, state, _path_from(state, drive, increments), cycles, watch, guide)
+    there, back = (_cosine_stroke(drive, side * _side(state), increments) for side in (1.0, -1.0))
+    return _follow(problem, state, there + back, cycles, watch, guide)
 
 
 def traced_cycle(
@@ -217,11 +218,6 @@ def _side(state: ContactState) -> float:
 
 def _cosine_stroke(drive: Drive, side: float, increments: int) -> Path:
     return drive.stroke(side, side * cosine_places(drive.amplitude_mm, increments // 2))
-
-
-def _path_from(state: ContactState, drive: Drive, increments: int) -> Path:
-    there, back = (_cosine_stroke(drive, side * _side(state), increments) for side in (1.0, -1.0))
-    return there + back
 
 
 def _follow(

@@ -15,10 +15,8 @@ from wirewear.faces import group
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
-    from rich.progress import Progress
-
     from wirewear.study import Study
-    from wirewear.sweeps.running import Forecast
+    from wirewear.sweeps.running import Forecast, SweepObserver
     from wirewear.sweeps.sweep import SweepRow
 
 
@@ -100,35 +98,28 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
 
 
 @contextmanager
-def _told_of(runs: int) -> Iterator[_Told]:
-    """A bar on standard error over so many runs, and what moves it."""
+def _told_of(runs: int) -> Iterator[SweepObserver]:
+    """A bar on standard error over so many runs, and what moves it and tells the rest."""
     from rich.progress import MofNCompleteColumn, Progress, TimeRemainingColumn
 
     from wirewear.faces.study_script import progress_bar
+    from wirewear.sweeps.running import SweepObserver
 
     columns = (*Progress.get_default_columns()[:3], TimeRemainingColumn(), MofNCompleteColumn())
     with progress_bar(*columns) as bar:
-        yield _Told(bar, runs)
+        task = bar.add_task("runs", total=runs)
 
+        class Told(SweepObserver):
+            def note(self, sentence: str) -> None:
+                click.echo(f"wirewear: {sentence}", err=True)
 
-class _Told:
-    """Tells a terminal how far a sweep is."""
+            def foreseen(self, forecast: Forecast) -> None:
+                click.echo(forecast.sentence, err=True)
 
-    def __init__(self, bar: Progress, of: int) -> None:
-        self._bar = bar
-        self._task = bar.add_task("runs", total=of)
+            def done(self, _row: SweepRow, rows: int, _of: int) -> None:
+                bar.update(task, completed=rows)
 
-    def note(self, sentence: str) -> None:
-        """Print it."""
-        click.echo(f"wirewear: {sentence}", err=True)
-
-    def foreseen(self, forecast: Forecast) -> None:
-        """Print it."""
-        click.echo(forecast.sentence, err=True)
-
-    def done(self, row: SweepRow, rows: int, of: int) -> None:  # noqa: ARG002
-        """Move the bar."""
-        self._bar.update(self._task, completed=rows)
+        yield Told()
 
 
 @group.cli.command()

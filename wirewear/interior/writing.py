@@ -189,7 +189,8 @@ def draw_strength(strength: Strength) -> Figure:
         values = np.asarray(strength.grid.point_data[name])
         levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
         if above:
-            _draw_above(column[0], strength, values, levels)
+            surface = fanned(np.asarray(strength.grid.points)[:, :2], values, strength.surface)
+            column[0].tricontourf(surface.places, surface.values, levels=levels, cmap=STRESS_COLOURS)
             column[0].set_ylim(low[1], high[1])
         _draw_beneath(column[-1], strength, name, float(0.5 * (low[1] + high[1])), levels)
         column[-1].set(ylim=(low[2], high[2]), xlabel="x, along the motion [µm]")
@@ -214,11 +215,6 @@ def draw_strength(strength: Strength) -> Figure:
     title = f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}{bulk}"
     figure.suptitle(title, fontsize=9, color=INK)
     return figure
-
-
-def _draw_above(axes: Axes, strength: Strength, values: Array, levels: Array) -> None:
-    surface = fanned(np.asarray(strength.grid.points)[:, :2], values, strength.surface)
-    axes.tricontourf(surface.places, surface.values, levels=levels, cmap=STRESS_COLOURS)
 
 
 def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:

@@ -308,20 +308,16 @@ def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int
     level = float(np.percentile(np.abs(force), 75))
     if not level:
         return np.empty(0), force.size, 0.0
-    falls = _falls(force, max(CERTAIN_SLIP * np.sqrt(2.0) * _stick_noise(loop, branch, slip), LEAST_DROP * level))
+    least = max(CERTAIN_SLIP * np.sqrt(2.0) * _stick_noise(loop, branch, slip), LEAST_DROP * level)
+    falling = np.diff(force) < 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], falling, [False]]).astype(int)))
+    falls = [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if force[a] - force[b] > least and b - a <= MOST_STEPS]
     sizes = np.array([force[start] - force[stop] for start, stop in falls])
     if not falls:
         return sizes, force.size, 0.0
     usual = (falls[-1][1] - falls[0][0]) / max(len(falls) - 1, 1)
     first, last = max(falls[0][0] - usual, 0.0), min(falls[-1][1] + usual, force.size - 1)
     return sizes / level, force.size, float(last - first) / (force.size - 1)
-
-
-def _falls(force: Array, least: float) -> list[tuple[int, int]]:
-    """First and last sample of each stretch over which the force falls, by at least that much."""
-    falling = np.diff(force) < 0.0
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], falling, [False]]).astype(int)))
-    return [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if force[a] - force[b] > least and b - a <= MOST_STEPS]
 
 
 def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:

@@ -145,7 +145,7 @@ def check_record(record: AnyRecord) -> RecordReport:
     record = record.of_block()
     checked = looked_at(record)
     remarks = [Remark("note", TABLE_FILE_NAME, f"{note}.") for note in record.notes]
-    remarks += loop_remarks(checked)
+    remarks += [remark for check in _CHECKS for remark in check(checked)] if checked.record.loops else []
     remarks += _OF_SURFACES[record.tables.worn.name](checked)
     verdicts = list(support(checked, any(remark.level == "problem" for remark in remarks)))
     return RecordReport(
@@ -171,11 +171,6 @@ def looked_at(record: AnyRecord) -> CheckedRecord:
         except LoopError as error:
             refused[loop.repeat, loop.cycle] = str(error)
     return CheckedRecord(record, loop_statistics(record.loops), figures, refused)
-
-
-def loop_remarks(checked: CheckedRecord) -> list[Remark]:
-    """What is odd about the loops of a record and their course over the cycles."""
-    return [remark for check in _CHECKS for remark in check(checked)] if checked.record.loops else []
 
 
 def problems_told(record: AnyRecord) -> tuple[str, ...]:

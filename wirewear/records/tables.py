@@ -15,7 +15,7 @@ from wirewear.study import Study, keys, study_from_tables
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey
 from wirewear.study.keys import Inconsistency
-from wirewear.study.tables import CROSSED_WIRES, HeldOfWhole
+from wirewear.study.tables import CROSSED_WIRES, HeldOfWhole, HolderTable
 from wirewear.study.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
@@ -92,19 +92,9 @@ class StatedFriction(keys.Table):
     friction: keys.Friction | None = Field(None, description="coefficient of friction", examples=[0.62])
 
 
-class StatedRig(StatedFriction):
+class StatedRig(HolderTable, StatedFriction):
     """What the rig's owner states of it, and of what changes over the cycles."""
 
-    tangential_stiffness_N_per_mm: keys.HolderStiffness = Field(
-        "rigid", description='stiffness of the rig along the motion, a number or "rigid"', examples=[167.0]
-    )
-    rotational_stiffness_N_mm_per_rad: keys.RotationalStiffness = Field(
-        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
-    )
-    pivot_height_mm: keys.PivotHeight | None = Field(None, description="height of that pivot above the contact")
-    normal_spring_stiffness_N_per_mm: keys.SpringStiffness = Field(
-        0.0, description="stiffness of the loading spring; 0 is a dead weight"
-    )
     friction_evolution: StatedFrictionEvolution | None = Field(None, description="running-in of the friction")
     wear_rate_evolution: StatedWearRateEvolution | None = Field(None, description="running-in of the wear")
 

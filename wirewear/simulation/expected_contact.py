@@ -192,7 +192,9 @@ def expected_contact(study: Study) -> ExpectedContact:
         curvature = 0.375 * load_N / (modulus * hertz.contact_radius_mm**3)
         gap = (curvature, curvature, 0.0)
     factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
-    flattened = _flattened_volume(study, gap)
+    nominal = Specimens(study.crossing_angle_deg)
+    depth = applied(study.effects, Seam.SPECIMENS, nominal, Age.new()).flattening_mm
+    flattened = float(0.5 * pi * depth**2 / (gap[0] * gap[1]) ** 0.5)
     lacking = sum(body.surface.volume_mm3 for body in (driven, held) if body.surface is not None)
     volume = max(_worn_volume(study, factors), flattened) + lacking
     sticks = lacking == 0.0 and _sticks(study, hertz)
@@ -229,10 +231,3 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     largest = study.wear.largest_factor * factors.beyond_margin
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
     return per_sliding * conditions.drive.mean_load * conditions.normal_load_N * sliding_m
-
-
-def _flattened_volume(study: Study, gap: GapCurvatures) -> float:
-    """Volume in mm³ on which the unworn bodies overlap when they are flattened by an effect."""
-    nominal = Specimens(study.crossing_angle_deg)
-    depth = applied(study.effects, Seam.SPECIMENS, nominal, Age.new()).flattening_mm
-    return float(0.5 * pi * depth**2 / (gap[0] * gap[1]) ** 0.5)

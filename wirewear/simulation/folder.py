@@ -101,16 +101,6 @@ class Checkpoint:
     identity: str
 
 
-def _write_checkpoint(folder: Path, checkpoint: Checkpoint) -> None:
-    """Write or replace the checkpoint of a run's folder in one step.
-    Raises ResultError if the file cannot be written.
-    """
-    path = folder / CHECKPOINT_FILE_NAME
-    image = hdf5_image(lambda file: _fill(file, checkpoint))
-    with writing(ResultError, f"cannot write the checkpoint {path}", "--resume goes on once it can be written"):
-        write_bytes(path, image)
-
-
 def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
     file.attrs["format"] = _FORMAT
     file.attrs["identity"] = checkpoint.identity
@@ -278,7 +268,10 @@ class RunFolder(RunStore):
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         """Write or replace the checkpoint."""
-        _write_checkpoint(self.path, checkpoint)
+        path = self.path / CHECKPOINT_FILE_NAME
+        image = hdf5_image(lambda file: _fill(file, checkpoint))
+        with writing(ResultError, f"cannot write the checkpoint {path}", "--resume goes on once it can be written"):
+            write_bytes(path, image)
 
     def drop_checkpoint(self) -> None:
         """Delete the checkpoint, if there is one."""

@@ -88,11 +88,6 @@ def scar_half_width(face: Face, area_mm2: float, pad_half_width_mm: float) -> fl
     return reference.even_line_scar(face, area_mm2, pad_half_width_mm).half_width_mm
 
 
-def edge_graded(fine_mm: float, fine_from_mm: float, half_mm: float) -> EdgeGradedAxis | GradedAxis:
-    """Mesh lines that are fine towards the ends and coarser in the middle."""
-    return EdgeGradedAxis(fine_mm, _MIDDLE * fine_mm, fine_from_mm, half_mm)
-
-
 def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> float:
     """Half-width of the part of a flat contact that lies away from both edges, even when it has moved so far, mm."""
     return max(face.half_width_mm - reach_mm - moved_mm, _LEAST_MIDDLE * face.half_width_mm)
@@ -161,7 +156,7 @@ def plan(study: LineStudy, fidelity: str) -> LinePlan:
 
     def along(moved: float) -> GradedAxis | EdgeGradedAxis:
         if isinstance(face, RoundedFlat):
-            return edge_graded(fine, middle_of(face, reach, moved), half + moved)
+            return EdgeGradedAxis(fine, _MIDDLE * fine, middle_of(face, reach, moved), half + moved)
         if not wears:
             return GradedAxis(fine, half + moved, fine, half + moved)
         fine_to = min(1.5 * fresh.half_width_mm + moved, half + moved)

@@ -106,12 +106,6 @@ def _scar(
     )
 
 
-def rows_until(evolution: Mapping[str, Array], done: float) -> list[dict[str, float]]:
-    """The rows of an evolution up to a cycle."""
-    count = int((evolution["cycle"] <= done).sum())
-    return [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
-
-
 def evolution_row(
     problem: ContactProblem,
     state: ContactState,
@@ -220,7 +214,9 @@ class Recorded(ABC):
         self._loops = [loop for loop in before.loops if loop.cycle <= done]
         self._scars = [scar for scar in before.scars if scar.cycle <= done]
         self._forces = [forces for forces in before.contact_forces if forces.cycle <= done]
-        self._rows = rows_until(before.evolution, done)
+        evolution = before.evolution
+        count = int((evolution["cycle"] <= done).sum())
+        self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
     def pressed(self, _state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone."""

@@ -7,7 +7,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any, Protocol, TextIO
+from typing import Any, TextIO
 
 import numpy as np
 
@@ -179,8 +179,8 @@ def _row(values: dict[str, Any]) -> SweepRow | None:
         return None
 
 
-class SweepObserver(Protocol):
-    """Watches a sweep."""
+class SweepObserver:
+    """Watches a sweep. This one takes note of nothing."""
 
     def note(self, sentence: str) -> None:
         """What the user should know."""
@@ -190,19 +190,6 @@ class SweepObserver(Protocol):
 
     def done(self, row: SweepRow, rows: int, of: int) -> None:
         """A run came to its end: so many are done now."""
-
-
-class Nobody:
-    """Watches nothing."""
-
-    def note(self, sentence: str) -> None:
-        """Pass over it."""
-
-    def foreseen(self, forecast: Forecast) -> None:
-        """Pass over it."""
-
-    def done(self, row: SweepRow, rows: int, of: int) -> None:
-        """Pass over it."""
 
 
 @dataclass(frozen=True)
@@ -232,7 +219,7 @@ def run_sweep(
     the sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another
     program.
     """
-    watcher = observer or Nobody()
+    watcher = observer or SweepObserver()
     with occupied(output, f"the sweep {sweep.name!r}"):
         journal = Journal(prepared_folder(output), sweep.identity)
         rows, note = journal.begun()
@@ -258,40 +245,32 @@ def _make_missing(
     output = journal.path.parent
     missing = [place for place in range(len(sweep)) if place + 1 not in rows]
     results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
+
+    def make(places: Iterable[int]) -> None:
+        numbers = [place + 1 for place in places]
+        study, fidelity = sweep.study, sweep.fidelity
+        tasks = [partial(run_case, study, sweep.design.values(n - 1), fidelity, n, results) for n in numbers]
+        with journal.open() as file:
+            for one in engine.done(tasks):
+                row = _row_of(numbers[one.place], one.result, one.error)
+                # A lost process may have had bad luck: the next time, the run is tried again.
+                if not isinstance(one.error, LostTaskError):
+                    journal.add(file, row)
+                rows[row.number] = row
+                observer.done(row, len(rows), len(sweep))
+
     sizes = sizes_of(sweep)
     foreseeable = bool(np.isfinite(sizes).all())
     first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
-    _do(sweep, first, rows, journal, engine, observer, results)
+    make(first)
     expected = None
     if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
         expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
         observer.foreseen(expected)
         _require_room(expected, output)
     if not only_pilots:
-        _do(sweep, [place for place in missing if place not in first], rows, journal, engine, observer, results)
+        make(place for place in missing if place not in first)
     return expected
-
-
-def _do(
-    sweep: Sweep,
-    places: Iterable[int],
-    rows: dict[int, SweepRow],
-    journal: Journal,
-    engine: Engine,
-    observer: SweepObserver,
-    results: Path | None,
-) -> None:
-    numbers = [place + 1 for place in places]
-    study, fidelity = sweep.study, sweep.fidelity
-    tasks = [partial(run_case, study, sweep.design.values(n - 1), fidelity, n, results) for n in numbers]
-    with journal.open() as file:
-        for one in engine.done(tasks):
-            row = _row_of(numbers[one.place], one.result, one.error)
-            # A lost process may have had bad luck: the next time, the run is tried again.
-            if not isinstance(one.error, LostTaskError):
-                journal.add(file, row)
-            rows[row.number] = row
-            observer.done(row, len(rows), len(sweep))
 
 
 def _row_of(number: int, row: SweepRow | None, error: BaseException | None) -> SweepRow:

@@ -177,7 +177,8 @@ def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     axes.set(
         title=f"loop, cycle {cycle_name(pair[0].cycle)}", xlabel="displacement δ [µm]", ylabel="tangential force Q [N]"
     )
-    _zero_lines(axes)
+    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
+    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
 
 
 def _difference(axes: Axes, signature: Signature) -> None:
@@ -247,11 +248,6 @@ def _reach(scar: Scar) -> float:
     line = np.linspace(-half, half, 2 * _POINTS)
     worn = scar.sampled(line, line) > 0.05 * scar.max_depth_um
     return float(np.maximum(np.abs(line)[:, None], np.abs(line)[None, :])[worn].max()) if worn.any() else half
-
-
-def _zero_lines(axes: Axes) -> None:
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
 
 
 GRID, LATIN_HYPERCUBE, SOBOL = "grid", "latin-hypercube", "sobol"

@@ -129,7 +129,8 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
     elif length and (worn or evolution):
         tables["conditions"] = asked_of(known)
     else:
-        raise no_loops(kinds)
+        why = "; ".join(kinds.unread) or "a displacement and a force must be among the columns"
+        raise RecordError(f"no file holds loops: {why}; name them in a mapping of your own (docs/records.md).")
     tables |= {key: own for key, own in ((name, worn), ("evolution", evolution)) if own}
     left = [] if loops is kinds.unknown else left_out(kinds.unknown)
     return GuessedMapping(tables, (*touching.remarks, *remarks, *of_evolution, *of_worn, *left, *kinds.unread))
@@ -183,12 +184,6 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
 
 
 _HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
-
-
-def no_loops(kinds: RecognisedFiles) -> RecordError:
-    """What is said of files of which none holds loops."""
-    why = "; ".join(kinds.unread) or "a displacement and a force must be among the columns"
-    return RecordError(f"no file holds loops: {why}; name them in a mapping of your own (docs/records.md).")
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:

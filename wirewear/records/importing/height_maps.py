@@ -92,11 +92,6 @@ class Matrix:
     step_um: Pair | None = None
     unit_um: float | None = None
 
-    @property
-    def states_scale(self) -> bool:
-        """Whether the text says all that is needed to read heights."""
-        return (self.sizes_um or self.step_um) is not None and self.unit_um is not None
-
     def read(self, file: Path) -> StatedMap:
         """The heights with what is stated of them. Raises RecordError if a field is no number."""
         layout = (self.guessed.tables or (self.guessed.layout,))[0]
@@ -228,7 +223,7 @@ def is_map(path: Path) -> bool:
         matrix = matrix_of(path)
     except RecordError:
         return False
-    return matrix is not None and matrix.states_scale
+    return matrix is not None and ((matrix.sizes_um or matrix.step_um) is not None and matrix.unit_um is not None)
 
 
 def height_map(file: Path, told: MapScale | None = None) -> Map:
