@@ -16,12 +16,12 @@ from studies.rig_stiffness_2d.article import Case, cases, comparisons, findings
 from studies.rig_stiffness_2d.rigs import Change, Rig, equally_stiff, rig_of, shipped
 from studies.tribometers import article
 from studies.tribometers.article import compliance_suffices, one_rig_one_stiffness, stiffness_comparisons
+from studies.tribometers.contact_stiffness import line_contact_stiffness
 from studies.tribometers.judge import Tribometer, judge, read_tribometers
 from studies.tribometers.rows import NUMBERS, read_rows
 from wirewear import reference
 from wirewear.loops import analyse_loop
 from wirewear.simulation import simulate
-from wirewear.simulation.contact_stiffness import line_contact_stiffness
 from wirewear.study import LineStudy
 from wirewear.study.materials import material_named
 

@@ -26,8 +26,8 @@ from wirewear.base.writing import prepared_folder
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters
-from wirewear.simulation.contact_stiffness import ASSUMED, Bodies, line_contact_stiffness
 
+from .contact_stiffness import ASSUMED, Bodies, line_contact_stiffness
 from .judge import Tribometer, hertz_length, judge, tribometers_table, verdicts_table
 from .rows import TribometerRow, read_rows
 

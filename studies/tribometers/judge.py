@@ -19,8 +19,8 @@ from rich.text import Text
 from wirewear.base.writing import json_text
 from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
-from wirewear.simulation.contact_stiffness import line_contact_stiffness
 
+from .contact_stiffness import line_contact_stiffness
 from .rows import CONSTANTS, CONTACTS, OPTIONAL, REQUIRED, SPECIMEN_CONSTANTS, TribometerRow, read_rows, row_of
 
 #: The loss counts as explained within this share of itself: what reading loops off published figures allows.

@@ -10,8 +10,9 @@ from typing import Any
 from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError, as_sentence, shown
 from wirewear.reference import Elastic
-from wirewear.simulation.contact_stiffness import ASSUMED
 from wirewear.study.materials import material_named
+
+from .contact_stiffness import ASSUMED
 
 #: Columns that give the elastic constants of materials that no table knows: of both bodies, and of the specimen where
 #: it differs.

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from geometry import BodyMesh, Elastic, HexMesh, build_body, build_planar
+from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, HexMesh, PlanarGeometry, build_body, build_planar
 from solvers import (
     ContactProblem,
     ContactState,
@@ -10,6 +10,7 @@ from solvers import (
     advance,
     closed_cycle,
     first_quarter,
+    move_stuck,
     press,
     run_cycle,
     unloaded_state,
@@ -26,10 +27,10 @@ from wirewear.simulation.problem import contact_problem
 from wirewear.study import LineStudy, Study
 
 __all__ = [
-    "BodyMesh", "ContactProblem", "ContactState", "Discretisation", "Elastic", "HexMesh", "IncrementReport", "advance",
-    "build_body", "closed_cycle", "compliance_of", "contact_problem", "discretise", "first_quarter",
-    "piece_to_condense", "press", "run_cycle", "schur_complement", "schur_complements", "stiffness_matrix",
-    "unloaded_state",
+    "BodyMesh", "ContactProblem", "ContactState", "Cylinder", "Discretisation", "Elastic", "Flat", "GradedAxis",
+    "HexMesh", "IncrementReport", "PlanarGeometry", "advance", "build_body", "build_planar", "closed_cycle",
+    "compliance_of", "contact_problem", "discretise", "first_quarter", "move_stuck", "piece_to_condense", "press",
+    "run_cycle", "schur_complement", "schur_complements", "stiffness_matrix", "unloaded_state",
 ]  # fmt: skip
 
 

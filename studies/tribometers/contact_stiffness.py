@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 from wirewear.reference import Elastic
+from wirewear.simulation.workbench import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar, move_stuck
 
 # Vertical columns of elements cannot follow a round bar's outline to where it stands upright.
 _ARC = 0.9
@@ -52,9 +53,6 @@ def line_contact_stiffness(
     The procedure of Infante-García et al., Sensors 20 (2020) 4152, section 2: plane strain, the contact loaded to the
     half-width, all of it sticking. Raises ValueError when the contact is not small against the bodies.
     """
-    from geometry import Cylinder, Flat, GradedAxis, PlanarGeometry, build_planar
-    from solvers import move_stuck
-
     if not 0.0 < half_width_mm <= bodies.widest_contact(radius_mm):
         raise ValueError(f"half_width_mm must lie in 0 ... {bodies.widest_contact(radius_mm):g}, not {half_width_mm:g}")
     element = half_width_mm / _ELEMENTS_PER_HALF_WIDTH
