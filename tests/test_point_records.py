@@ -91,7 +91,7 @@ def test_an_exported_run_comes_back_as_its_own_record_without_problems(tmp_path:
     record = read_record(write_record(tmp_path / "record", record_of_result(run, depth_noise_um=NOISE_um)))
     assert record.contact_kind == kind
     assert [problem.text for problem in check_record(record).problems] == []
-    assert record.tables.study_of(believed(record), "s").bodies == study_from_tables(run.study, "s").bodies
+    assert study_from_tables(believed(record), "s").bodies == study_from_tables(run.study, "s").bodies
     for body in run.bodies:
         assert record.worn_volumes_mm3[body][1] == pytest.approx(run.scar(100_000, body).volume_mm3, rel=0.01)
 

@@ -13,7 +13,7 @@ from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.results.scar import BODIES
 from wirewear.simulation import bodies_stiffness_N_per_mm2
-from wirewear.study import LineStudy, keys, study_from_tables
+from wirewear.study import keys, study_from_tables
 from wirewear.study.bodies import Body
 from wirewear.study.bulk import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
@@ -184,12 +184,6 @@ class LineTest(OfRecord):
             if value is not None and (value != 0.0 or per_length):
                 found[key] = value * (length_mm or 1.0) if per_length and not isinstance(value, str) else value
         return found
-
-    @classmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> LineStudy:
-        """A study of one millimetre."""
-        study: LineStudy = study_from_tables(data, where)
-        return study
 
     @property
     def of_study(self) -> dict[str, float | None]:

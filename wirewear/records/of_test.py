@@ -87,11 +87,6 @@ class OfRecord(OfTest, ABC):
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
 
-    @classmethod
-    @abstractmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> Any:
-        """A study of the kind from nested tables; StudyError in one sentence that names `where`."""
-
     @property
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:

@@ -11,7 +11,7 @@ from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.of_test import Metadata, OfRecord, OfTest
 from wirewear.records.surfaces import SCARS, MeasuredScar
 from wirewear.results.scar import WIRES, called
-from wirewear.study import Study, keys, study_from_tables
+from wirewear.study import keys
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey
 from wirewear.study.keys import Inconsistency
@@ -285,12 +285,6 @@ class PointRecordTables(OfRecord, PointTest):
     def shares(self) -> dict[str, float]:
         """That of the driven body, and the rest."""
         return dict(zip(self.body_names, (self.stated.moving_share, 1.0 - self.stated.moving_share), strict=True))
-
-    @classmethod
-    def study_of(cls, data: Mapping[str, Any], where: str) -> Study:
-        """A study of whole bodies."""
-        study: Study = study_from_tables(data, where)
-        return study
 
     @property
     def of_study(self) -> dict[str, float | None]:

@@ -14,6 +14,7 @@ from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.contact_tables import AnyTables, LineRecordTables
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
+from wirewear.study import study_from_tables
 from wirewear.study.messages import validated
 from wirewear.study.programme import CycleBlock, Schedule, held_by, worked_course
 
@@ -37,7 +38,7 @@ def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
             "diagnose: add it, or fit the record (`wirewear fit`) and give the fitted study by --model."
         )
     data = believed_tables(tables, friction or 0.0) | dict(more or {})
-    return tables.study_of(data, f"the nominal model of the record {tables.name!r}")
+    return study_from_tables(data, f"the nominal model of the record {tables.name!r}")
 
 
 def stated_friction(tables: Any) -> float | None:

@@ -19,11 +19,11 @@ from geometry import (
 )
 from solvers import ContactProblem, PlacedBody, condense, place
 from wirewear import reference
-from wirewear.base.budget import free_memory, size_text
-from wirewear.base.errors import StudyError, counted
+from wirewear.base.budget import free_memory
+from wirewear.base.errors import StudyError
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
-from wirewear.simulation.problem import laws_of, measured
+from wirewear.simulation.problem import laws_of, measured, too_much
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
 from wirewear.study.lines import LineHolder
@@ -274,11 +274,7 @@ def require_affordable_lines(name: str, meshes: LinePlan) -> None:
     needed, free = needed_memory(meshes), free_memory()
     if needed > free:
         fits_um = 1e3 * meshes.pad.along.fine_mm * (needed / free) ** 0.5
-        raise StudyError(
-            f"the study {name!r} asks for {counted(_nodes(meshes))} nodes in a contact and {size_text(needed)} of "
-            f"memory, of which {size_text(free)} are free: give contact_mesh_um = {fits_um:.2g} or more, or allow "
-            "more by --most-memory."
-        )
+        raise too_much(f"{name!r}", _nodes(meshes), needed, free, f"give contact_mesh_um = {fits_um:.2g} or more")
 
 
 def _nodes(meshes: LinePlan) -> int:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry import BodyGeometry, GeometryError
 from solvers import ContactProblem, ContactState
-from wirewear.base.budget import free_memory, size_text
+from wirewear.base.budget import free_memory
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, counted
 from wirewear.results.flat import TIME_SERIES_FILES
@@ -25,6 +25,7 @@ from wirewear.simulation.problem import (
     fresh_state,
     laws_of,
     problem_at,
+    too_much,
     with_nodes_moved,
     worn_depths,
 )
@@ -325,7 +326,7 @@ class RunPlan(PlannedRun):
         needed, free = self.needed_memory, free_memory()
         if needed > free:
             most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
-            raise _too_much(self.study, self.fidelity, most, needed, free, lambda: _what_fits(self, free))
+            raise too_much(_at(self.study, self.fidelity), most // 3, needed, free, _what_fits(self, free))
 
     def prepare(self, stage: Report) -> None:
         """Condense the bodies, which variants mostly share: done once, all processes load them."""
@@ -347,19 +348,12 @@ def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation
     needed, free = _of_pair(*sizes), free_memory()
     if needed > free:
         asked_um = 1e3 * meshes.fixed.transverse.fine_mm
-        raise _too_much(
-            study, fidelity, max(sizes), needed, free, lambda: _size_that_fits(study, fidelity, asked_um, free)
-        )
+        remedy = _size_that_fits(study, fidelity, asked_um, free)
+        raise too_much(_at(study, fidelity), max(sizes) // 3, needed, free, remedy)
 
 
-def _too_much(
-    study: Study, fidelity: str, most: int, needed: float, free: float, remedy: Callable[[], str]
-) -> StudyError:
-    return StudyError(
-        f"the study {study.name!r} at {fidelity} fidelity asks for {counted(most // 3)} nodes in a contact and "
-        f"{size_text(needed)} of memory, of which {size_text(free)} are free: {remedy()}, or allow more by "
-        "--most-memory."
-    )
+def _at(study: Study, fidelity: str) -> str:
+    return f"{study.name!r} at {fidelity} fidelity"
 
 
 def _of_pair(moving: int, fixed: int) -> float:

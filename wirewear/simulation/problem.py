@@ -15,6 +15,7 @@ from geometry.arrays import Array
 from solvers.condensation import condense
 from solvers.patch_compliance import Bricks, PatchCompliance
 from solvers.placement import rotation_to_world
+from wirewear.base.budget import size_text
 from wirewear.base.cache import (
     CONDENSATION_CODE,
     allowed_bytes,
@@ -24,6 +25,7 @@ from wirewear.base.cache import (
     mark_used,
     not_kept,
 )
+from wirewear.base.errors import StudyError, counted
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
@@ -237,3 +239,11 @@ def condense_bodies(
     moving = condensed_body(meshes.moving, driven.material)
     stage(f"condensing the {called(held.name)}")
     return moving, condensed_body(meshes.fixed, held.material)
+
+
+def too_much(study: str, nodes: int, needed: float, free: float, remedy: str) -> StudyError:
+    """What is said of a study whose contact of so many nodes asks for more memory than there is, in bytes."""
+    return StudyError(
+        f"the study {study} asks for {counted(nodes)} nodes in a contact and {size_text(needed)} of memory, of which "
+        f"{size_text(free)} are free: {remedy}, or allow more by --most-memory."
+    )
