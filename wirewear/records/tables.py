@@ -26,12 +26,6 @@ GRIPS = ("length_mm", "grip_angle_deg", "grip_length_mm", "grip_stiffness_N_per_
 FRAMES = ("test", "wire")  #: What x of a scar's map runs along: the motion of the test, or the axis of that wire.
 
 
-def _checked_drive(value: object) -> str:
-    if value not in DRIVES:
-        raise ValueError(f'is {shown(value)}, but must be "sensor" or "stroke"')
-    return str(value)
-
-
 def _checked_frame(value: object) -> str:
     if value not in FRAMES:
         raise ValueError(f'is {shown(value)}, but must be "test" (x along the motion) or "wire" (x along its axis)')
@@ -65,7 +59,7 @@ class RecordConditions(HeldOfWhole):
     cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
     motion: MotionKey = Field(Waveform(), description=MOTION)
     load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
-    drive: Annotated[Literal["sensor", "stroke"], PlainValidator(_checked_drive)] = Field(
+    drive: Annotated[Literal["sensor", "stroke"], PlainValidator(keys.one_of(*DRIVES))] = Field(
         "sensor", description="where the amplitude is held: on the sensor's reading, or on the true motion"
     )
 

@@ -13,24 +13,13 @@ from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
-from wirewear.study.keys import NormalLoad, Table, checked_text
+from wirewear.study.keys import CheckedFlag, NormalLoad, Table, checked_text, one_of
 from wirewear.study.lines import LineLoad
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 
 StepOfPoints = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
-
-
-def one_of_words(*words: str) -> PlainValidator:
-    """What checks that a value is one of some words."""
-
-    def checked(value: object) -> str:
-        if value not in words:
-            raise ValueError(f"is {shown(value)}, but must be one of {', '.join(repr(word) for word in words)}")
-        return str(value)
-
-    return PlainValidator(checked)
 
 
 def _checked_delimiter(value: object) -> str:
@@ -43,18 +32,8 @@ def _checked_delimiter(value: object) -> str:
     return str(name)
 
 
-def checked_yes_or_no(value: object) -> bool:
-    """The value, if it is true or false; ValueError where it is not."""
-    if not isinstance(value, bool):
-        raise ValueError(f"is {shown(value)}, but must be true or false")
-    return value
-
-
 def _checked_kind(value: object) -> str:
-    known = [*readers(), PROFILOMETER]
-    if value not in known:
-        raise ValueError(f"is {shown(value)}, but must be one of {', '.join(map(repr, known))}")
-    return str(value)
+    return one_of(*readers(), PROFILOMETER)(value)
 
 
 def _checked_encoding(value: object) -> str:
@@ -158,11 +137,9 @@ class Source(Table):
     kind: Annotated[str, PlainValidator(_checked_kind)] = Field("text", description="kind of the files")
     encoding: Annotated[str, PlainValidator(_checked_encoding)] = Field("utf-8-sig", description="encoding of the text")
     delimiter: Annotated[str, PlainValidator(_checked_delimiter)] = Field("comma", description="what separates columns")
-    decimal: Annotated[str, one_of_words(".", ",")] = Field(".", description="decimal sign")
+    decimal: Annotated[str, PlainValidator(one_of(".", ","))] = Field(".", description="decimal sign")
     header_lines: Lines = Field(0, description="lines before the column names")
-    names_line: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
-        True, description="whether a line names the columns"
-    )
+    names_line: CheckedFlag = Field(True, description="whether a line names the columns")
     lines_after_names: Lines = Field(0, description="lines between the column names and the numbers, such as units")
     rows: Annotated[int | None, PlainValidator(Quantity("1", 1, 1e9, whole=True))] = Field(
         None, description="lines of numbers that are read, where others stand below them"
@@ -200,7 +177,7 @@ class MapSource(Source):
         None, description="distance from point to point of heights without positions, of a map along x and y"
     )
     step_y_um: StepOfPoints | None = Field(None, description="distance along y of a map's points, where it is another")
-    height_unit: Annotated[str | None, one_of_words(*FIELD_UNITS["um"])] = Field(
+    height_unit: Annotated[str | None, PlainValidator(one_of(*FIELD_UNITS["um"]))] = Field(
         None, description="unit of a map's heights, where it does not state it"
     )
 
@@ -218,10 +195,10 @@ class ScarSource(MapSource):
         None,
         description='what x runs along: "test", the motion (of depths without a word), or "wire", the body\'s axis',
     )
-    axis: Annotated[str, one_of_words("x", "y")] = Field(
+    axis: Annotated[str, PlainValidator(one_of("x", "y"))] = Field(
         "x", description='direction of a map along which the body\'s axis runs, where its frame is "wire"'
     )
-    subtract_wire: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
+    subtract_wire: CheckedFlag = Field(
         True, description="whether the unworn surface (a cylinder, a ball, a flat) is fitted and subtracted"
     )
 
@@ -318,8 +295,10 @@ class ProfileSource(MapSource):
     """A body's profiles: a stylus's lines with columns, or a profilometer's maps, one file a repeat."""
 
     columns: ProfileColumns | None = Field(None, description="columns of the profile")
-    axis: Annotated[str, one_of_words("x", "y")] = Field("x", description="direction of a map along the motion")
-    subtract_face: Annotated[bool, PlainValidator(checked_yes_or_no)] = Field(
+    axis: Annotated[str, PlainValidator(one_of("x", "y"))] = Field(
+        "x", description="direction of a map along the motion"
+    )
+    subtract_face: CheckedFlag = Field(
         True, description="whether the unworn face, with level and tilt free, is fitted to heights and subtracted"
     )
 
