@@ -24,10 +24,7 @@ _DEEPER = 1.4
 class WornBody(SolvedBody[BodyMesh]):
     """A wire, or another body of a contact at a point."""
 
-    @cached_property
-    def surface(self) -> SurfaceStress:
-        """Its contact surface, for corrections of the stresses at it."""
-        return SurfaceStress.of(self.meshed, self.material)
+    corrected = SurfaceStress
 
 
 @dataclass(frozen=True, eq=False)

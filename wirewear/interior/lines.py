@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -32,10 +32,7 @@ if TYPE_CHECKING:
 class LineBody(SolvedBody[PlanarMesh]):
     """Pad or specimen."""
 
-    @cached_property
-    def surface(self) -> LineSurfaceStress:
-        """Its contact surface, for corrections of the stresses at it."""
-        return LineSurfaceStress.of(self.meshed, self.material)
+    corrected = LineSurfaceStress
 
 
 def _worn(result: RunResult, forces: ContactForces, worn: bool) -> LineBody:

@@ -4,11 +4,10 @@ Histories are (s, n, 6): s positions of a closed cycle, n material points. Linea
 law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
 """
 
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, Generic, Protocol, Self, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
 
 import numpy as np
 from scipy.sparse import csr_matrix, diags
@@ -18,38 +17,27 @@ from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
 from geometry.arrays import Array, IntArray
 from solvers.drive import section_stress
 from solvers.interior import Interior
+from solvers.line_surface_stress import LineSurfaceStress
 from solvers.placement import rotation_to_world
 from solvers.strain import IntegrationPoints, integration_points, scattered, tensors
+from solvers.surface_stress import SurfaceStress
 from wirewear.results import ContactForces, RunResult
 
 if TYPE_CHECKING:
     import pyvista
 
 
-class SurfaceLoads(Protocol):
-    """A contact surface under forces."""
-
-    def edge(self) -> Array:
-        """Points (k, 2) of the patch at which the contact ends."""
-
-    def correction(self, points_mm: Array) -> Array:
-        """What the elements' stress lacks at points (k, 2) of the patch, (k, 6) in MPa."""
-
-
-class Surface(Protocol):
-    """A contact surface whose stresses can be corrected between the nodes."""
-
-    def under(self, force: Array, /) -> SurfaceLoads:
-        """The surface under forces (n, 3) at the nodes of its patch."""
-
-
 M = TypeVar("M", BodyMesh, PlanarMesh)
 
 
 @dataclass(frozen=True, eq=False)
-class SolvedBody(ABC, Generic[M]):
-    """A body with its nodes in the worn surface, or where they were when fresh, and its factors."""
+class SolvedBody(Generic[M]):
+    """A body with its nodes in the worn surface, or where they were when fresh, and its factors.
 
+    corrected: what corrects the stresses at its contact surface between the nodes.
+    """
+
+    corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]
     meshed: M
     material: Elastic
     interior: Interior
@@ -72,10 +60,11 @@ class SolvedBody(ABC, Generic[M]):
         """Its contact patch."""
         return self.meshed.patch
 
-    @property
-    @abstractmethod
-    def surface(self) -> Surface:
-        """Its contact patch, for corrections of the stresses there."""
+    @cached_property
+    def surface(self) -> Any:
+        """Its contact surface, for corrections of the stresses at it."""
+        made: Any = self.corrected
+        return made.of(self.meshed, self.material)
 
 
 B = TypeVar("B", bound=SolvedBody[Any])

@@ -10,7 +10,7 @@ from multiprocessing.managers import SyncManager
 from pathlib import Path
 from queue import Empty, Queue
 from threading import Event
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from wirewear.base.budget import end_with_parent
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
@@ -108,24 +108,18 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
         return
 
 
-class Simulates(Protocol):
-    """Simulates a run into its folder; can be sent to another process."""
-
-    def __call__(self, folder: RunFolder, observer: Observer, /, *, resume: bool) -> RunResult:
-        """The result."""
-
-
 @dataclass(frozen=True)
 class Task:
     """One run of a study.
 
-    label: what it is called beside others.  simulate: does it.  prepare: does what runs side by side would all have to
-    do, such as meshes that they share; is told of each part.
+    label: what it is called beside others.  simulate: does it in a folder, watched by an observer; can be sent to
+    another process.  prepare: does what runs side by side would all have to do, such as meshes that they share; is told
+    of each part.
     """
 
     label: str
     folder: RunFolder
-    simulate: Simulates
+    simulate: Callable[..., RunResult]
     prepare: Callable[[Callable[[str], None]], None]
 
 
