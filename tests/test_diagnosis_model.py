@@ -30,7 +30,7 @@ from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
 from wirewear.views.diagnosis_values import Cause, Estimate
-from wirewear.views.diagnosis_wording import explanations, sentence_of
+from wirewear.views.diagnosis_wording import _one, explanations, sentence_of, share
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
 
@@ -285,3 +285,7 @@ def test_effects_that_cannot_be_told_apart_are_one_explanation_and_so_are_the_ha
     found = explanations(causes, [("rotational_compliance", "tangential_compliance")])
     words = ["third body together with free play", "no gap", "tangential compliance or its like"]
     assert [(one.words, round(one.probability, 9)) for one in found] == list(zip(words, (0.4, 0.3, 0.28), strict=True))
+    assert [share(value) for value in (0.004, found[0].probability, 0.996)] == ["< 1 %", "40 %", "> 99 %"]
+    assert _one(causes[3], [("rotational_compliance", "tangential_compliance")]).startswith(
+        "one of rotational compliance or tangential compliance, which"
+    )

@@ -63,6 +63,7 @@ def _shell(line: str, **environment: str) -> subprocess.CompletedProcess[str]:
 def test_what_standard_output_cannot_show_is_spelled_plainly(encoding: str) -> None:
     ended = _shell(f"{COMMAND} effects; {COMMAND} effects --json", PYTHONIOENCODING=encoding)
     assert (ended.returncode, ended.stderr) == (0, "")
+    assert "tan beta" in ended.stdout
 
 
 @pytest.mark.first_case

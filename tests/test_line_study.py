@@ -105,7 +105,7 @@ class Killer(Observer):
         self.logged_loops += 1
 
 
-@pytest.mark.slow
+@pytest.mark.seconds
 def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
     short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
     unbroken = simulate(short, fidelity="quick")
@@ -116,6 +116,7 @@ def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: P
     assert resumed.status == "complete"
     assert not (tmp_path / CHECKPOINT_FILE_NAME).exists()
     assert resumed.quality == unbroken.quality
+    assert unbroken.quality["volume_against_energy"] < 1e-10
     for name, column in unbroken.evolution.items():
         np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
     for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):

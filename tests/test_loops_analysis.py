@@ -3,6 +3,7 @@
 import itertools
 import json
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -280,4 +281,6 @@ def test_a_result_gives_its_loops_a_table_and_a_picture(tmp_path: Path) -> None:
     result = wirewear("loops", path, "--output", tmp_path / "loops.png")
     assert result.exit_code == 0, result.output
     assert "gross" in result.stdout
+    assert "±" in result.stdout
+    assert not re.search(r"± 0(?![.\d])", result.stdout)
     assert (tmp_path / "loops.png").read_bytes().startswith(b"\x89PNG")

@@ -234,6 +234,6 @@ def test_between_the_holders_lies_the_rigs_compliance(wires: Calibration) -> Non
 
 
 def test_wires_that_stick_to_each_other_move_as_one() -> None:
-    problem = crossed_wires(0.01, friction=20.0, rig_N_per_mm=RIG_N_per_mm)
+    problem = crossed_wires(0.01, long_patch=True, friction=20.0, rig_N_per_mm=RIG_N_per_mm)
     found = _loaded(problem, 2.0, 1.24, "between-wires", 0.0)
     assert np.abs(found.near_um).max() < 0.02 * np.abs(found.remote_um).max()
