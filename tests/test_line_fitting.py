@@ -124,8 +124,8 @@ def wirewear(*arguments: object) -> Result:
 
 
 OPTIONS = {
-    "cylinder": (CYLINDER, ("--radius", 6.0)),
     "rounded flat": (FLAT, ("--face-half-width", 0.3, "--edge-radius", 3.0)),
+    "cylinder": (CYLINDER, ("--radius", 6.0)),
 }
 
 

@@ -175,7 +175,7 @@ def test_the_criteria_of_sliding_have_their_values_at_the_transition_and_on_a_re
 
 
 #: Lengths and forces over which rigs go: micrometres and newtons, tenths of a millimetre, centimetres and kilonewtons.
-SIZES = {"wire": (1.0, 1.0), "rod": (25.0, 240.0), "joint": (170.0, 1600.0)}
+SIZES = {"joint": (170.0, 1600.0), "rod": (25.0, 240.0), "wire": (1.0, 1.0)}
 SOFT = RealLoop(stiffness_N_per_um=0.1)
 
 

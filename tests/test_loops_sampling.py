@@ -14,6 +14,7 @@ from tests.synthetic_loops import HOOKED, Recipe, SyntheticLoop, assert_known, d
 from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
+from wirewear.loops.cycles import _continues_a_line
 from wirewear.loops.drive import period_of
 from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
 from wirewear.loops.opening import lag_of
@@ -64,6 +65,13 @@ def test_outliers_near_each_other_do_not_hide_one_another() -> None:
     figures = analyse_loop(displacement, force, 2.0)
     assert figures.outlier_samples == (40, 42, 170, 172)
     assert_known(figures)
+
+
+def test_the_tip_of_a_stick_goes_on_as_the_samples_before_it_and_an_outlier_does_not() -> None:
+    time = np.arange(20.0)
+    for off, goes_on in ((0.0, True), (5.0, False)):
+        force = np.where(time < 10.0, time, time - 9.5) + off * (time == 9.0)
+        assert _continues_a_line(time, force, 9, 0.0) is goes_on
 
 
 def test_a_varying_normal_force_is_divided_out_sample_by_sample() -> None:

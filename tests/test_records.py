@@ -17,6 +17,7 @@ from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.faces import cli
 from wirewear.records import MeasuredLoop
+from wirewear.records.remarks import loop_statistics
 
 EXAMPLES = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records"
 NAMES = ("no_gap", "rigid_stated_compliant_rig", "free_play_rig")
@@ -119,6 +120,17 @@ def test_the_drive_is_held_on_the_sensor_unless_the_record_says_otherwise(folder
     edit(folder / "experiment.toml", '"stroke"', '"load"')
     with pytest.raises(RecordError, match='must be "sensor" or "stroke"'):
         read_record(folder)
+
+
+def test_statistics_of_an_elliptic_loop_are_those_of_its_closed_form() -> None:
+    turn = 2.0 * np.pi * np.arange(1000) / 1000
+    x, q = 4.0 + 50.0 * np.sin(turn), 0.3 + 1.2 * np.sin(turn + 1.0)
+    found = loop_statistics([MeasuredLoop(1, 7, turn / (6.0 * np.pi), x, q, np.full(1000, 2.0))])
+    expected = {"period_s": 1.0 / 3.0, "normal_force_N": 2.0, "energy_mJ": 0.06 * np.pi * np.sin(1.0), "outliers": 0.0}
+    expected |= {"displacement_amplitude_um": 50.0, "displacement_offset_um": 4.0, "displacement_jump": 1e-3 * np.pi}
+    expected |= {"force_amplitude_N": 1.2, "force_offset_N": 0.3, "displacement_gap": 0.0, "force_gap": 0.0}
+    for name, value in expected.items():
+        assert getattr(found, name)[0] == pytest.approx(value, rel=1e-3, abs=1e-4), name
 
 
 @pytest.mark.first_case

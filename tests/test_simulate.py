@@ -88,6 +88,8 @@ def test_a_run_logs_the_asked_cycles_and_leaves_no_checkpoint(unbroken: RunResul
     assert unbroken.status == "complete"
     assert [loop.cycle for loop in unbroken.loops] == [1, 100, 300]
     assert unbroken.scar_cycles() == (1, 100, 300)
+    # Wires are straight along their axes.
+    assert {scar.diameter_along_mm for scar in unbroken.scars} == {np.inf}
     assert unbroken.path is not None
     assert not (unbroken.path.parent / CHECKPOINT_FILE_NAME).exists()
 
