@@ -16,7 +16,7 @@ from wirewear.faces import cli
 from wirewear.loops.sensor import enclosed_area
 from wirewear.verification import QUICK, Family, Level, Row
 from wirewear.verification.hertz import STEEL, bulk_compliance, crossed_bulk_compliance, ellipse_rows, hertz_rows
-from wirewear.verification.interior import _line_rows, _wire_rows
+from wirewear.verification.interior import _line_rows, _wire_rows, surface_rows
 from wirewear.verification.line_contact import line_contact_rows, line_surface_rows, stuck_line_rows
 from wirewear.verification.partial_slip import (
     partial_slip_rows,
@@ -105,6 +105,7 @@ SOLID = (
     worn_pressure_rows,
     limit_rows,
     _wire_rows,
+    surface_rows,
 )
 
 
