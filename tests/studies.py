@@ -1,6 +1,7 @@
-"""Studies to add to and to change: the article's steel wires, the smallest that there is, and one for effects."""
+"""Studies to add to and to change: steel wires, the smallest that there is and one for effects, and a line contact."""
 
 import tomllib
+from copy import deepcopy
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -8,6 +9,7 @@ from typing import Any
 
 from wirewear import RunResult, Study, parse_study, run_study
 from wirewear.effects import Effect
+from wirewear.study import LineStudy, study_from_tables
 
 _STEEL_WIRES = """
 format = 1
@@ -50,6 +52,30 @@ WEARING = """
 [wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 """
+
+
+TABLES: dict[str, Any] = {
+    "format": 1,
+    "name": "cylinder on flat",
+    "kind": "cylinder-on-flat",
+    "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+    "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
+    "conditions": {"normal_load_N_per_mm": 30.0, "displacement_amplitude_um": 12.0, "cycles": 20_000},
+    "contact": {"friction": 0.6},
+    "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
+    "log": {"loop_cycles": [1, 5000, 20_000]},
+    "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
+}
+
+
+def line_study(**changes: Any) -> LineStudy:
+    """A cylinder on a flat; keys that are given come into its tables, and None leaves a key or a table out."""
+    tables = deepcopy(TABLES)
+    for name, values in changes.items():
+        own = tables.get(name, {}) | values if isinstance(values, dict) else values
+        tables[name] = {key: one for key, one in own.items() if one is not None} if isinstance(own, dict) else own
+    found: LineStudy = study_from_tables({name: own for name, own in tables.items() if own is not None}, "study.toml")
+    return found
 
 
 def coarse(text: str = COARSE) -> Study:

@@ -1,20 +1,18 @@
 """Work that no machine holds or that never ends is refused before it begins, with the number and what would fit."""
 
 from collections.abc import Callable
-from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from tests.studies import line_study
 from tests.synthetic_results import result
-from tests.test_line_study import TABLES
 from wirewear import RecordError, StudyError, load_study, record_of_result, run_study
 from wirewear.base import budget
 from wirewear.simulation import simulate, write_meshes
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.workbench import write_line_meshes
-from wirewear.study import study_from_tables
 
 STUDIES = Path(__file__).parent.parent / "studies"
 STUDY = load_study(STUDIES / "steel_wires" / "study.toml").variant("rigid")
@@ -84,7 +82,7 @@ def test_an_export_that_no_memory_holds_is_refused() -> None:
         record_of_result(made, repeats=1000, samples=100_000)
 
 
-LINE = study_from_tables(deepcopy(TABLES) | {"mesh": {"contact_mesh_um": 0.2}}, "study.toml")
+LINE = line_study(mesh={"contact_mesh_um": 0.2})
 
 
 def run_line(output: Path) -> object:

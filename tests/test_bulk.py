@@ -1,6 +1,5 @@
 """Bulk stresses: closed forms of a bar, how far they shift the stick zone of a contact, what studies state of them."""
 
-from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,8 +12,7 @@ from geometry.arrays import Array
 from solvers.drive import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.interior_runs import CYCLE, run_with_forces
-from tests.studies import coarse, minimal
-from tests.test_line_study import TABLES
+from tests.studies import coarse, line_study, minimal
 from tests.test_programme import LONG, block
 from wirewear import StudyError
 from wirewear.diagnosis.model.nominal import limits_of, require_foreseen
@@ -63,14 +61,11 @@ STRESS_MPa, ELEMENT_um = 200.0, 8.0
 
 
 def stretched(body: str, stress: dict[str, float]) -> LineStudy:
-    tables: dict[str, Any] = deepcopy(TABLES) | {"wear": {}, "mesh": {"contact_mesh_um": ELEMENT_um}}
     held = {"height_mm": 30.0, "half_width_mm": 15.0}
-    tables["pad"] |= {"radius_mm": 20.0} | held
-    tables["specimen"] |= held
-    tables["conditions"] |= {"normal_load_N_per_mm": 200.0, "displacement_amplitude_um": 5.0}
-    tables[body]["bulk"] = stress
-    found: LineStudy = study_from_tables(tables, "study.toml")
-    return found
+    bodies: dict[str, dict[str, Any]] = {"pad": {"radius_mm": 20.0} | held, "specimen": dict(held)}
+    bodies[body]["bulk"] = stress
+    asked = {"normal_load_N_per_mm": 200.0, "displacement_amplitude_um": 5.0}
+    return line_study(**bodies, conditions=asked, wear=None, mesh={"contact_mesh_um": ELEMENT_um})
 
 
 def stuck(before: solvers.ContactState, after: solvers.ContactState, x: Array) -> tuple[float, float]:
@@ -165,8 +160,8 @@ def test_bulk_stresses_change_from_block_to_block_of_any_contact() -> None:
     wires = coarse(LONG + TENSION + block(100) + block(100, "bulk.fixed.axial_stress_amplitude_MPa = 250"))
     assert [own.study.drive.bulk[1].amplitude[0] for own in wires.schedule.stretches[:2]] == [150.0, 250.0]
     assert {own.study.drive.bulk[1].mean[0] for own in wires.schedule.stretches} == {400.0}
-    tables = deepcopy(TABLES) | {"programme": [{"cycles": 9}, {"cycles": 9, "bulk": {"specimen": {"phase_deg": 90}}}]}
-    lines = study_from_tables(tables, "study.toml").schedule.stretches
+    blocks = [{"cycles": 9}, {"cycles": 9, "bulk": {"specimen": {"phase_deg": 90}}}]
+    lines = line_study(programme=blocks).schedule.stretches
     assert [len(own.study.drive.bulk) for own in lines[:2]] == [0, 2]
 
 

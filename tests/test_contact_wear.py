@@ -1,7 +1,6 @@
 """Wear during contact: book-keeping of energy and volume, and what a state remembers."""
 
 import pickle
-from copy import deepcopy
 from dataclasses import replace
 from typing import Any
 
@@ -11,14 +10,12 @@ import pytest
 from solvers import Archard, ContactProblem, ContactState, Drive, IncrementReport, OxygenSupply, SolverError, run_cycle
 from solvers.wear import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
-from tests.studies import MINIMAL
-from tests.test_line_study import TABLES
+from tests.studies import MINIMAL, line_study
 from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
 from wirewear import parse_study
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.simulation.problem import worn_depths
-from wirewear.study import study_from_tables
 
 MESH_mm = 0.010
 RATES = (1.5e-8, 0.5e-8)
@@ -160,10 +157,9 @@ STARVED = {"name": "contact_oxygenation", "supply_W": 0.01, "starved_factor": 0.
 
 
 def run_of_oxygenation(*effects: dict[str, Any], frequency_Hz: float = 20.0) -> RunResult:
-    tables = deepcopy(TABLES) | {"effects": list(effects)}
-    tables["conditions"] |= {"frequency_Hz": frequency_Hz, "cycles": 5000}
-    tables["log"] = {"loop_cycles": [1, 5000]}
-    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
+    asked = {"frequency_Hz": frequency_Hz, "cycles": 5000}
+    study = line_study(effects=list(effects), conditions=asked, log={"loop_cycles": [1, 5000]})
+    return simulate(study, fidelity="quick")
 
 
 def test_oxygen_gets_as_far_as_the_root_of_its_supply_over_the_power_density() -> None:

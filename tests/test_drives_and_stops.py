@@ -1,6 +1,5 @@
 """Drives that hold a figure of the loop by their amplitude, and tests that stop where the worn contact says so."""
 
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -10,8 +9,7 @@ import pytest
 from solvers import SolverError
 from tests.diagnosis_cases import record
 from tests.frozen_states import frozen_states
-from tests.studies import COARSE, WEARING, coarse
-from tests.test_line_study import TABLES
+from tests.studies import COARSE, WEARING, coarse, line_study
 from wirewear import StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
@@ -26,7 +24,6 @@ from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result
 from wirewear.simulation.ending import FIGURES, Ending
 from wirewear.simulation.runs import run_study, simulate
-from wirewear.study import study_from_tables
 from wirewear.study.programme import held_keys
 from wirewear.study.tables import Stop
 
@@ -72,10 +69,8 @@ def test_a_held_reading_is_wrong_by_the_gain_of_its_sensor() -> None:
 
 
 def test_line_contacts_hold_too() -> None:
-    tables = deepcopy(TABLES)
-    tables["conditions"] |= {"cycles": 200, "held_energy_mJ_per_mm": 0.3}
-    tables["log"] = {"loop_cycles": [1, 200]}
-    evolution = simulate(study_from_tables(tables, "study.toml"), fidelity="quick").evolution
+    study = line_study(conditions={"cycles": 200, "held_energy_mJ_per_mm": 0.3}, log={"loop_cycles": [1, 200]})
+    evolution = simulate(study, fidelity="quick").evolution
     assert evolution["dissipated_energy_mJ"] == pytest.approx(0.3, rel=3e-3)
 
 

@@ -6,14 +6,12 @@ import numpy as np
 import pytest
 
 from solvers import press
-from tests.studies import COARSE, WEARING, coarse, result_with
-from tests.test_line_study import TABLES
+from tests.studies import COARSE, WEARING, coarse, line_study, result_with
 from wirewear import Loop, RunResult
 from wirewear.effects import Age, Effect, all_effects, effect_named
 from wirewear.results import read_loops
 from wirewear.simulation import contact_problem, discretise, simulate
 from wirewear.simulation.problem import fresh_state, problem_at
-from wirewear.study import study_from_tables
 
 LIMIT_N = 0.62 * 2.0
 
@@ -144,8 +142,8 @@ def of_line(**tables: Any) -> RunResult:
     """Ten cycles of a cylinder on a flat."""
     asked = {"normal_load_N_per_mm": 100.0, "displacement_amplitude_um": 40.0, "cycles": 10}
     mesh = {"contact_mesh_um": 40.0, "increments_per_cycle": 24}
-    given = TABLES | {"pad": TABLES["pad"] | {"radius_mm": 40.0}, "conditions": asked, "mesh": mesh, "log": {}}
-    return simulate(study_from_tables(given | tables, "study.toml"), fidelity="quick")
+    study = line_study(pad={"radius_mm": 40.0}, conditions=asked, mesh=mesh, log=None, **tables)
+    return simulate(study, fidelity="quick")
 
 
 @pytest.mark.slow

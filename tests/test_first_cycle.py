@@ -11,7 +11,7 @@ import pytest
 from click.testing import CliRunner
 from rich.console import Console
 
-from tests.studies import steel_wires
+from tests.studies import line_study, steel_wires
 from tests.synthetic_results import result
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
@@ -22,7 +22,6 @@ from wirewear.results import RunResult
 from wirewear.results.scar import flagged, health, limit_of
 from wirewear.results.summary import summary
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
 from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
@@ -52,23 +51,12 @@ outer_mesh_um = 20.0
 
 
 def line(cycles: int, friction: float = 0.6) -> RunResult:
-    study = study_from_tables(
-        {
-            "format": 1,
-            "name": "few cycles",
-            "kind": "cylinder-on-flat",
-            "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
-            "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
-            "conditions": {
-                "normal_load_N_per_mm": 20.0,
-                "displacement_amplitude_um": LINE_AMPLITUDE_um,
-                "cycles": cycles,
-            },
-            "contact": {"friction": friction},
-            "wear": {"pad_energy_mm3_per_J": 1e-5, "specimen_energy_mm3_per_J": 2e-5},
-            "log": {"loop_cycles": [cycles]},
-        },
-        "line.toml",
+    study = line_study(
+        conditions={"normal_load_N_per_mm": 20.0, "displacement_amplitude_um": LINE_AMPLITUDE_um, "cycles": cycles},
+        contact={"friction": friction},
+        wear={"pad_energy_mm3_per_J": 1e-5, "specimen_energy_mm3_per_J": 2e-5},
+        log={"loop_cycles": [cycles]},
+        mesh=None,
     )
     return simulate(study, fidelity="quick")
 

@@ -3,7 +3,6 @@
 Hertz, Cattaneo and Mindlin, and Nowell and Hills for the bulk stress: nothing here is by the code that computes lives.
 """
 
-from copy import deepcopy
 from typing import Any
 
 import numpy as np
@@ -12,12 +11,11 @@ from scipy.optimize import brentq, minimize
 
 from geometry import Elastic
 from geometry.arrays import Array
+from tests.studies import TABLES, line_study
 from tests.test_life import DUCTILITY, OWN, STRENGTH, B, C
-from tests.test_line_study import TABLES
 from wirewear import lives, reference
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
 from wirewear.study.life import CRITERIA
 
 STEEL = Elastic(TABLES["pad"]["youngs_modulus_MPa"], TABLES["pad"]["poissons_ratio"])
@@ -35,14 +33,12 @@ HERTZ: dict[str, Any] = {
 @pytest.fixture(scope="module")
 def run() -> RunResult:
     """At standard, without wear."""
-    tables: dict[str, Any] = deepcopy(TABLES) | {"wear": {}, "mesh": {}, "life": OWN, "log": {"loop_cycles": [1]}}
     thick = {"height_mm": 30.0, "half_width_mm": 15.0}
-    tables["pad"] |= {"radius_mm": RADIUS_mm} | thick
     pulled = {"axial_stress_MPa": BULK_MPa, "axial_stress_amplitude_MPa": BULK_MPa}
-    tables["specimen"] |= {"bulk": pulled} | thick
-    conditions = {"normal_load_N_per_mm": LOAD_N_per_mm, "displacement_amplitude_um": 6.2, "cycles": 1}
-    tables["conditions"] |= conditions
-    return simulate(study_from_tables(tables, "pulled.toml"), fidelity="standard")
+    bodies: dict[str, Any] = {"pad": {"radius_mm": RADIUS_mm} | thick, "specimen": {"bulk": pulled} | thick}
+    asked = {"normal_load_N_per_mm": LOAD_N_per_mm, "displacement_amplitude_um": 6.2, "cycles": 1}
+    study = line_study(**bodies, conditions=asked, wear=None, mesh=None, life=OWN, log={"loop_cycles": [1]})
+    return simulate(study, fidelity="standard")
 
 
 def friction_stress(x: Array, z: Array, force_N_per_mm: float, bulk_MPa: float) -> Array:

@@ -1,6 +1,5 @@
 """Line contacts of any even pad on any rig: worn on both springs, their zero-wear limit, variants, sensors."""
 
-from copy import deepcopy
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
@@ -16,7 +15,7 @@ import solvers
 from geometry import Cylinder, TabledProfile
 from solvers.pairing import pair, primary_surface
 from solvers.strain import stiffness_matrix
-from tests.test_line_study import TABLES
+from tests.studies import line_study
 from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.faces.study_script import wide_console
@@ -25,7 +24,6 @@ from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
 from wirewear.simulation.line_model import plan
-from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification.line_contact import (
     MATERIAL,
     LOAD_N_per_mm,
@@ -35,13 +33,7 @@ from wirewear.verification.line_contact import (
     tangential_force,
 )
 
-FLAT = {
-    "face_half_width_mm": 0.6,
-    "edge_radius_mm": 1.0,
-    "youngs_modulus_MPa": 2e5,
-    "poissons_ratio": 0.3,
-    "height_mm": 1.5,
-}
+FLAT = {"radius_mm": None, "face_half_width_mm": 0.6, "edge_radius_mm": 1.0, "height_mm": 1.5}
 RIG = {
     "tangential_stiffness_N_per_mm2": 5e4,
     "rotational_stiffness_N_per_rad": 1e6,
@@ -51,14 +43,9 @@ RIG = {
 MODULUS = reference.contact_modulus(reference.Elastic(2e5, 0.3), reference.Elastic(2e5, 0.3))
 
 
-def study_of(**changes: Any) -> LineStudy:
-    found: LineStudy = study_from_tables(deepcopy(TABLES) | changes, "study.toml")
-    return found
-
-
 @pytest.mark.slow
 def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> None:
-    study = study_of(wear={}, conditions=TABLES["conditions"] | {"cycles": 1}, log={"loop_cycles": [1]}, holder={})
+    study = line_study(wear=None, conditions={"cycles": 1}, log={"loop_cycles": [1]})
     rows = {row.figure.name: row for row in converge(study, LINES, fidelity="quick", output=tmp_path)}
     bodies = [Elastic(body.youngs_modulus_MPa, body.poissons_ratio) for body in (study.pad, study.specimen)]
     assert study.pad.radius_mm is not None
@@ -77,24 +64,11 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     assert rows["largest tangential force"].limit == pytest.approx(force, rel=0.005)
 
 
-def tables(pad: dict[str, Any] | None = None, **changes: Any) -> dict[str, Any]:
-    changed = deepcopy(TABLES) | {"kind": "line-contact"}
-    if pad is not None:
-        changed["pad"] = pad
-    for table, values in changes.items():
-        changed[table] = changed.get(table, {}) | values
-    return changed
-
-
-def study(pad: dict[str, Any] | None = None, **changes: Any) -> LineStudy:
-    found: LineStudy = study_from_tables(tables(pad, **changes), "study.toml")
-    return found
-
-
 @pytest.fixture(scope="module")
 def worn_flat() -> RunResult:
-    chosen = study(
-        FLAT,
+    chosen = line_study(
+        kind="line-contact",
+        pad=FLAT,
         conditions={"normal_load_N_per_mm": 100.0, "displacement_amplitude_um": 25.0, "cycles": 20_000},
         holder=RIG,
         mesh={"contact_mesh_um": 25.0, "increments_per_cycle": 24},
@@ -119,7 +93,7 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
 @pytest.mark.parametrize(
     ("pad", "changes", "complaint"),
     [
-        ({"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}, {}, "does not say which face it has: give radius_mm, or"),
+        ({"radius_mm": None}, {}, "does not say which face it has: give radius_mm, or"),
         (FLAT | {"radius_mm": 6.0}, {}, "does not say which face"),
         (FLAT, {"kind": "cylinder-on-flat"}, "give radius_mm, the radius of the cylinder"),
         (FLAT, {"holder": {"rotational_stiffness_N_per_rad": 1e6}}, "pivot_height_mm, the height of its pivot"),
@@ -130,10 +104,8 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
     ],
 )
 def test_a_mistake_is_told_in_one_sentence(pad: dict[str, Any], changes: dict[str, Any], complaint: str) -> None:
-    changed = tables(pad)
-    changed |= changes
     with pytest.raises(StudyError, match=complaint):
-        study_from_tables(changed, "study.toml")
+        line_study(**({"kind": "line-contact", "pad": pad} | changes))
 
 
 @pytest.mark.slow
@@ -156,7 +128,7 @@ def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult)
 
 
 def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:
-    meshes = plan(study(FLAT, holder=RIG), "quick")
+    meshes = plan(line_study(kind="line-contact", pad=FLAT, holder=RIG), "quick")
     lines = meshes.pad.along.half_lines()
     at_edge = np.diff(lines)[lines[:-1] > 0.55].max()
     assert np.diff(lines).max() > 1.5 * at_edge

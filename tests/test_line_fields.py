@@ -8,7 +8,7 @@ import pytest
 
 from geometry import build_planar
 from tests.bodies import STEEL
-from tests.test_line_study import study
+from tests.studies import line_study
 from wirewear import reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.interior.lines import INSIDE_LINES, state_grid
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("line")
     run_study(
-        study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, mesh={"contact_mesh_um": 3.0}),
+        line_study(conditions={"cycles": 1}, log={"loop_cycles": [1]}, mesh={"contact_mesh_um": 3.0}),
         fidelity="quick",
         output=path,
     )
@@ -83,11 +83,11 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
 
 
 def test_a_stated_grip_lets_the_pad_give_way() -> None:
-    softest = study(pad={"grip_width_mm": 2.0, "grip_stiffness_N_per_mm3": 1e3})
+    softest = line_study(pad={"grip_width_mm": 2.0, "grip_stiffness_N_per_mm3": 1e3})
     geometry = plan(softest, "quick").pad
     assert (geometry.grip_half_width_mm, geometry.grip_stiffness_N_per_mm3) == (1.0, 1e3)
     with pytest.raises(StudyError, match="grip_stiffness_N_per_mm3"):
-        study(pad={"grip_stiffness_N_per_mm3": -1.0})
+        line_study(pad={"grip_stiffness_N_per_mm3": -1.0})
     held, firm = (
         placed_body(replace(geometry, grip_stiffness_N_per_mm3=stiffness), steel, upper=True).folded
         for stiffness, steel in ((1e3, STEEL), (None, STEEL))

@@ -11,7 +11,7 @@ from click.testing import CliRunner
 
 from geometry.arrays import Array
 from tests.browser import page_faults
-from tests.test_line_study import TABLES
+from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.faces import cli
 from wirewear.kinds import KINDS
@@ -21,7 +21,6 @@ from wirewear.records.remarks import Remark
 from wirewear.records.values import believed_study
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
 from wirewear.views.comparison import compare, write_comparison
 
 pytestmark = pytest.mark.seconds
@@ -32,11 +31,9 @@ NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, n
 
 @pytest.fixture(scope="module")
 def result() -> RunResult:
-    tables = deepcopy(TABLES)
-    tables["conditions"] |= {"cycles": 200}
-    tables["log"] = {"loop_cycles": [1, 200]}
-    tables["mesh"] = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
-    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
+    mesh = {"contact_mesh_um": 20.0, "jump_tolerance": 0.1, "increments_per_cycle": 24}
+    study = line_study(conditions={"cycles": 200}, log={"loop_cycles": [1, 200]}, mesh=mesh)
+    return simulate(study, fidelity="quick")
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +103,7 @@ def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_m
     assert record.tables.stated.tangential_stiffness_N_per_mm == pytest.approx(8.0 * 250.0)
     believed = believed_study(record.tables)
     assert believed.holder.tangential_stiffness_N_per_mm2 == pytest.approx(250.0)
-    assert believed.wear.model_dump() == study_from_tables(TABLES, "").wear.model_dump()
+    assert believed.wear.model_dump() == line_study().wear.model_dump()
 
 
 def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: RunResult) -> None:

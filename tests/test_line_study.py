@@ -1,46 +1,23 @@
 """Studies of line contacts: what their files may hold, what a run leaves, and how scars grow."""
 
 from contextlib import nullcontext
-from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from tests.studies import line_study
 from wirewear import reference
 from wirewear.base.errors import RunError, StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import Moment, Observer, run_study, simulate
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
-from wirewear.study import LineStudy, study_from_tables
-
-STUDY = Path(__file__).resolve().parent.parent / "studies" / "cylinder_on_flat" / "study.toml"
-TABLES: dict[str, Any] = {
-    "format": 1,
-    "name": "cylinder on flat",
-    "kind": "cylinder-on-flat",
-    "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
-    "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
-    "conditions": {"normal_load_N_per_mm": 30.0, "displacement_amplitude_um": 12.0, "cycles": 20_000},
-    "contact": {"friction": 0.6},
-    "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
-    "log": {"loop_cycles": [1, 5000, 20_000]},
-    "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
-}
-
-
-def study(**changes: dict[str, Any]) -> LineStudy:
-    tables = deepcopy(TABLES)
-    for table, values in changes.items():
-        tables[table] = tables.get(table, {}) | values
-    found: LineStudy = study_from_tables(tables, "study.toml")
-    return found
 
 
 @pytest.fixture(scope="module")
 def worn() -> RunResult:
-    return simulate(study(), fidelity="quick")
+    return simulate(line_study(), fidelity="quick")
 
 
 @pytest.mark.parametrize(
@@ -57,7 +34,7 @@ def test_a_mistake_in_a_study_of_a_line_is_told_in_a_sentence(
     table: str, values: dict[str, Any], complaint: str
 ) -> None:
     with pytest.raises(StudyError, match=complaint):
-        study(**{table: values})
+        line_study(**{table: values})
 
 
 @pytest.mark.slow
@@ -86,7 +63,7 @@ def test_each_body_loses_its_coefficient_times_the_energy(worn: RunResult) -> No
 
 def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> None:
     archard = {"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 4e-5 * 0.6}
-    same = study(wear=archard)
+    same = line_study(wear=archard)
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
 
 
@@ -107,7 +84,7 @@ class Killer(Observer):
 
 @pytest.mark.seconds
 def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
-    short = study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
+    short = line_study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
     unbroken = simulate(short, fidelity="quick")
     with pytest.raises(KeyboardInterrupt):
         run_study(short, fidelity="quick", output=tmp_path, observer_of=lambda _: nullcontext(Killer(1)))
@@ -127,4 +104,4 @@ def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: P
     run_study(short, fidelity="quick", output=tmp_path, resume=True)
     assert (tmp_path / "result.h5").read_bytes() == complete
     with pytest.raises(RunError, match="another study"):
-        run_study(study(), fidelity="quick", output=tmp_path, resume=True)
+        run_study(line_study(), fidelity="quick", output=tmp_path, resume=True)

@@ -12,8 +12,8 @@ import pytest
 from geometry import ContactPatch, Flat
 from geometry.arrays import Array
 from solvers import CondensedBody, place, press, unloaded_state
+from tests.studies import line_study
 from tests.synthetic_results import result as made_up
-from tests.test_line_study import TABLES
 from tests.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
 from wirewear import read_record, record_of_result, reference, write_record
 from wirewear.base.errors import RecordError, StudyError
@@ -253,12 +253,8 @@ LENGTH_mm = 8.0
 @pytest.fixture(scope="module")
 def low() -> RunResult:
     """Two cycles of bodies of 5 and 4 mm on a rigid rig."""
-    tables = deepcopy(TABLES)
-    tables["pad"] |= {"height_mm": 5.0, "half_width_mm": 4.0}
-    tables["specimen"] |= {"height_mm": 4.0}
-    tables["conditions"] |= {"cycles": 2}
-    tables["log"] = {"loop_cycles": [1, 2]}
-    return simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
+    bodies = {"pad": {"height_mm": 5.0, "half_width_mm": 4.0}, "specimen": {"height_mm": 4.0}}
+    return simulate(line_study(**bodies, conditions={"cycles": 2}, log={"loop_cycles": [1, 2]}), fidelity="quick")
 
 
 @pytest.fixture(scope="module")
@@ -315,13 +311,14 @@ def test_the_compliance_of_bodies_is_in_doubt_unless_they_are_described_or_part_
 @pytest.mark.slow
 def test_a_record_of_a_small_pad_has_no_gap_whether_or_not_it_says_how_the_pad_is_held() -> None:
     """Where 10 mm were taken in place of 3.3 mm, a pad of R 3 mm was a column, and the gap 20 scatters."""
-    tables = deepcopy(TABLES)
-    tables["pad"] |= {"radius_mm": 3.0, "height_mm": 3.3}
-    tables["specimen"] |= {"height_mm": 3.3}
-    tables["conditions"] |= {"displacement_amplitude_um": 20.0, "cycles": 5000}
-    tables["holder"] = {"tangential_stiffness_N_per_mm2": 20000.0}
-    tables["log"] = {"loop_cycles": [10, 100, 1000, 5000]}
-    run = simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
+    small = line_study(
+        pad={"radius_mm": 3.0, "height_mm": 3.3},
+        specimen={"height_mm": 3.3},
+        conditions={"displacement_amplitude_um": 20.0, "cycles": 5000},
+        holder={"tangential_stiffness_N_per_mm2": 20000.0},
+        log={"loop_cycles": [10, 100, 1000, 5000]},
+    )
+    run = simulate(small, fidelity="quick")
     sensor = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.2))
     read = record_of_result(run, LENGTH_mm, sensor=sensor, repeats=3, samples=200, depth_noise_um=0.05)
     described = stating(read, tangential_stiffness_N_per_mm=20000.0 * LENGTH_mm)

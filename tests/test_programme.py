@@ -1,15 +1,13 @@
 """A test by blocks of cycles: what a study states of them, and what a run makes of it."""
 
 import pickle
-from copy import deepcopy
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from tests.studies import COARSE, WEARING, coarse
-from tests.test_line_study import TABLES
+from tests.studies import COARSE, WEARING, coarse, line_study
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.nominal import require_foreseen
@@ -18,7 +16,6 @@ from wirewear.records import ExperimentRecord, read_record, record_of_result, wr
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.values import believed_study
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
 
 LONG = COARSE.replace("cycles = 1\n", "cycles = 400\n") + WEARING
 
@@ -85,13 +82,10 @@ def test_each_block_has_its_own_stroke_and_load_and_all_energy_is_that_of_their_
 
 
 def test_line_contacts_go_through_blocks_too() -> None:
-    tables = deepcopy(TABLES)
-    tables["conditions"]["cycles"], tables["log"] = 600, {"loop_cycles": [1, 300, 600]}
-    tables["programme"] = [
-        {"cycles": 300},
-        {"cycles": 300, "conditions": {"displacement_amplitude_um": 8.0}, "contact": {"friction": 0.3}},
-    ]
-    result = simulate(study_from_tables(tables, "study.toml"), fidelity="quick")
+    second = {"cycles": 300, "conditions": {"displacement_amplitude_um": 8.0}, "contact": {"friction": 0.3}}
+    blocks = [{"cycles": 300}, second]
+    study = line_study(conditions={"cycles": 600}, log={"loop_cycles": [1, 300, 600]}, programme=blocks)
+    result = simulate(study, fidelity="quick")
     assert result.evolution["displacement_amplitude_um"] == pytest.approx([12.0, 12.0, 8.0])
     assert result.evolution["max_tangential_force_N"][-1] < 0.55 * result.evolution["max_tangential_force_N"][0]
 

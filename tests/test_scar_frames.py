@@ -9,8 +9,8 @@ import polars as pl
 import pytest
 from click.testing import CliRunner
 
+from tests.studies import line_study
 from tests.synthetic_results import bowl, result
-from tests.test_line_study import TABLES
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.diagnosis.model.candidates import nominal_line_setup
 from wirewear.diagnosis.model.line_states import LineStates
@@ -22,7 +22,7 @@ from wirewear.records.importing import import_record
 from wirewear.records.reading import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
-from wirewear.study import load_study, study_from_tables
+from wirewear.study import load_study
 from wirewear.views.comparison import compare
 from wirewear.views.registration import register, scar_pairs
 
@@ -182,7 +182,7 @@ def believed(mapping: Path, stated: str) -> Path:
 
 @pytest.mark.slow
 def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_from(tmp_path: Path) -> None:
-    study = study_from_tables(TABLES, "study.toml")
+    study = line_study()
     run = simulate(study, fidelity="quick")
     write_result(tmp_path / "run" / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"

@@ -3,21 +3,19 @@
 import math
 import re
 from collections.abc import Callable, Iterator, Sequence
-from copy import deepcopy
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
 from tests.browser import page_faults
-from tests.studies import COARSE, WEARING
-from tests.test_line_study import TABLES
+from tests.studies import COARSE, WEARING, line_study
 from wirewear import lives
 from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
 from wirewear.sweeps.page import _lines, front, indices, write_sweep, write_table
 from wirewear.sweeps.running import JOURNAL
@@ -223,7 +221,7 @@ def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them()
 
 
 def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
-    study = study_from_tables(deepcopy(TABLES) | {"log": {"loop_cycles": [1]}}, "study.toml")
+    study = line_study(log={"loop_cycles": [1]})
     rows = [
         run_case(study, {"contact.friction": friction, "conditions.cycles": 1}, "quick", 1, None)
         for friction in (0.3, 0.6)
@@ -238,13 +236,13 @@ def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
 @pytest.mark.seconds
 def test_a_row_has_the_life_of_the_body_that_cracks_first_and_none_where_no_crack_begins() -> None:
     strength = {"tensile_strength_MPa": 800.0, "averaging_length_um": 40.0}
-    tables = deepcopy(TABLES) | {"wear": {}, "log": {"loop_cycles": [1]}, "life": strength}
-    tables["specimen"]["bulk"] = {"axial_stress_MPa": 300.0, "axial_stress_amplitude_MPa": 300.0}
-    tables["conditions"] |= {"displacement_amplitude_um": 1.5, "cycles": 1}
-    study = study_from_tables(tables, "study.toml")
+    pulled = {"bulk": {"axial_stress_MPa": 300.0, "axial_stress_amplitude_MPa": 300.0}}
+    asked = {"displacement_amplitude_um": 1.5, "cycles": 1}
+    own: dict[str, Any] = {"wear": None, "log": {"loop_cycles": [1]}, "specimen": pulled, "conditions": asked}
+    study = line_study(**own, life=strength)
     figures = run_case(study, {}, "quick", 1, None).figures or {}
     assert tuple(figures) == figures_named(study.body_names, life=True)
     both = [life.cycles for life in lives(simulate(study, fidelity="quick"))]
     assert figures["cycles_to_initiation"] == min(both) < max(both)
-    unending = study_from_tables(tables | {"life": strength | {"endurance_cycles": 1.0}}, "study.toml")
+    unending = line_study(**own, life=strength | {"endurance_cycles": 1.0})
     assert (run_case(unending, {}, "quick", 1, None).figures or {})["cycles_to_initiation"] is None
