@@ -8,14 +8,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from rich.console import Console
 
+from tests.commands import wirewear
 from tests.studies import line_study, steel_wires
 from tests.synthetic_results import result
 from wirewear import parse_study, record_of_result, run_study
 from wirewear.base.course import enclosed_energy
-from wirewear.faces import cli
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results import RunResult
@@ -133,8 +132,7 @@ def test_a_rig_that_takes_the_whole_stroke_is_the_first_thing_that_a_run_says(as
     study, folder = tmp_path / "study.toml", tmp_path / "out"
     study.write_text(wires(2, rig="20.0"), encoding="utf-8")
     options = ["--fidelity", "quick", "--output", str(folder), *(["--json"] if as_json else [])]
-    told = CliRunner().invoke(cli, ["run", str(study), *options])
-    assert told.exit_code == 0
+    told = wirewear("run", study, *options)
     said = json.loads(told.stdout)[0]["sentence"] if as_json else told.stdout.splitlines()[0]
     sentence = "the rig takes the whole stroke, so the contact sticks at least in its middle: µP/K = 62 µm"
     assert said.startswith(f"few cycles: {sentence}")

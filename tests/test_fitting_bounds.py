@@ -9,15 +9,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry.arrays import Array
+from tests.commands import wirewear
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
-from wirewear.faces import cli
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
 from wirewear.fitting.fast_fit import LoopsOfTests, fast_fit, figures_of_model
 from wirewear.fitting.report import fit_json
@@ -121,8 +120,7 @@ def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None
 def test_off_a_terminal_each_stage_of_a_fit_is_a_line(tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", record(cycles=CYCLES[:1], repeats=1, evolution=False))
     asked = ["fit", str(folder), "--output", str(tmp_path / "fitted"), "--check", "none"]
-    told = CliRunner().invoke(cli, asked)
-    assert told.exit_code == 0, told.output
+    told = wirewear(*asked)
     for stage in ("reading the record", "measuring the loops", "fitting all cycles"):
         assert f"wirewear: {stage}\n" in told.stderr
 

@@ -6,12 +6,11 @@ from typing import Any, cast
 
 import polars as pl
 import pytest
-from click.testing import CliRunner
 
 import wirewear as ww
+from tests.commands import wirewear
 from tests.studies import MINIMAL
 from tests.synthetic_results import result
-from wirewear.faces import cli
 from wirewear.faces.looking import told_apart
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
@@ -102,8 +101,7 @@ def test_tables_are_exported_for_other_programs(run: ww.Run, form: str, tmp_path
     pytest.importorskip("h5netcdf")
     write_result(tmp_path / "result.h5", run)
     asked = ["export", str(tmp_path / "result.h5"), "--as-tables", str(tmp_path / "out"), "--format", form]
-    told = CliRunner().invoke(cli, asked)
-    assert told.exit_code == 0, told.output
+    wirewear(*asked)
     if form == "netcdf":
         import xarray
 

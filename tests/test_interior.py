@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import pyvista
-from click.testing import CliRunner
 
 from geometry import BodyMesh, Elastic, HexMesh, build_body
 from geometry.arrays import Array
@@ -14,8 +13,8 @@ from solvers import condense
 from solvers.interior import Interior
 from solvers.strain import hydrostatic, integration_points, principal, turned, von_mises
 from tests import bodies
+from tests.commands import wirewear
 from tests.interior_runs import CYCLE, FRICTION, LOAD_N, DEPTH_um, run_with_forces
-from wirewear.faces import cli
 from wirewear.faces.looking import Run, read_result
 from wirewear.interior import body_grid, body_states, integration_point_cloud
 from wirewear.interior.bodies import Section, fanned, section
@@ -308,6 +307,5 @@ def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: 
 def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
     write_result(tmp_path / "result.h5", run_with_forces())
     asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
-    outcome = CliRunner().invoke(cli, asked, catch_exceptions=False)
-    assert outcome.exit_code == 0, outcome.output
+    outcome = wirewear(*asked)
     assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in outcome.stderr

@@ -5,13 +5,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry import Elastic
 from geometry.arrays import Array
 from tests.browser import page_faults
+from tests.commands import wirewear
 from wirewear.base.errors import StudyError
-from wirewear.faces import cli
 from wirewear.interior.averaging import kernel_of
 from wirewear.interior.criteria import LifeCurve
 from wirewear.interior.damage import Damage, Rates, Span
@@ -207,8 +206,7 @@ tensile_strength_MPa = 800.0
 def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pulled.toml").write_text(PULLED)
-    made = CliRunner().invoke(cli, ["life", "pulled.toml", "--body", "specimen", "--output", "out"])
-    assert made.exit_code == 0, made.output
+    made = wirewear("life", "pulled.toml", "--body", "specimen", "--output", "out")
     assert "specimen: " in made.output
     found = json.loads((tmp_path / "out" / "life.json").read_text(encoding="utf-8"))["lives"][0]
     # Pulled most when it is at its end at +x, the flat cracks behind the edge that trails then.
@@ -221,14 +219,13 @@ def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monke
     assert "Data of steel: estimates from the tensile strength: " in page
     assert NOT_AVERAGED not in page
     again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]
-    stronger = CliRunner().invoke(cli, [*again, "--set", "tensile_strength_MPa=1200"])
+    stronger = wirewear(*again, "--set", "tensile_strength_MPa=1200")
     assert json.loads(stronger.stdout)["lives"][0]["cycles_to_initiation"] > 5.0 * found["cycles_to_initiation"]
     for mistake, told in (
         (["--set", "strength=3"], "unknown key 'strength'"),
         (["--set", "averaging"], "KEY=VALUE"),
         (["--material", "brass"], "in no table of materials"),
     ):
-        refused = CliRunner().invoke(cli, [*again, *mistake])
-        assert refused.exit_code == 2
+        refused = wirewear(*again, *mistake, code=2)
         assert told in refused.output
         assert "Traceback" not in refused.output

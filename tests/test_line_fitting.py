@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from geometry import Cylinder, Flat, RoundedFlat
+from tests.commands import wirewear
 from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
@@ -17,7 +17,6 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.effects import Effect, effect_named
-from wirewear.faces import cli
 from wirewear.fitting import FittedTest, fit_record
 from wirewear.fitting.wear import fitted_wear
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -119,10 +118,6 @@ def test_energies_and_volumes_of_a_line_contact_are_those_of_the_whole() -> None
     assert notes == []
 
 
-def wirewear(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
-
-
 OPTIONS = {
     "rounded flat": (FLAT, ("--face-half-width", 0.3, "--edge-radius", 3.0)),
     "cylinder": (CYLINDER, ("--radius", 6.0)),
@@ -135,10 +130,8 @@ OPTIONS = {
 def test_a_guessed_mapping_gives_the_record_of_the_files(tmp_path: Path, face: str) -> None:
     keys, options = OPTIONS[face]
     truth = line_record(keys)
-    guessed = wirewear("new", "--mapping", *write_line_german(truth, tmp_path), "--length", LENGTH_mm, *options)
-    assert guessed.exit_code == 0, guessed.output
-    imported = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
-    assert imported.exit_code == 0, imported.output
+    wirewear("new", "--mapping", *write_line_german(truth, tmp_path), "--length", LENGTH_mm, *options)
+    wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
     record = read_record(tmp_path / "record")
     assert record.tables.pad.profile == truth.tables.pad.profile
     assert record.tables.conditions.normal_load_N == pytest.approx(LOAD_N)

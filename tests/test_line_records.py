@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry.arrays import Array
 from tests.browser import page_faults
+from tests.commands import wirewear
 from tests.studies import line_study
 from wirewear.base.errors import RecordError
-from wirewear.faces import cli
 from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
@@ -116,14 +115,12 @@ def test_a_sensor_of_a_millimetre_reads_of_the_whole_contact_the_same(result: Ru
 def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tmp_path: Path) -> None:
     path = tmp_path / "result.h5"
     write_result(path, result)
-    drawn = CliRunner().invoke(cli, ["show", str(path), "--output", str(tmp_path / "pictures")])
-    assert drawn.exit_code == 0, drawn.output
+    wirewear("show", path, "--output", tmp_path / "pictures")
     assert {one.name for one in (tmp_path / "pictures").iterdir()} == {"profiles.png", "loops.png"}
     KINDS["line-contact"].write_beside([read_result(path)], tmp_path)
     beside = {"profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
     assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
-    told = CliRunner().invoke(cli, ["loops", str(path), "--json"])
-    assert told.exit_code == 0, told.output
+    told = wirewear("loops", path, "--json")
     loops = json.loads(told.stdout)["loops"]
     assert {"the forces are those of 1 mm of the contact"} == {loop["notes"][0] for loop in loops}
     energies = [loop["dissipated_energy_mJ"]["value"] for loop in loops]
@@ -195,15 +192,13 @@ def test_a_mistake_is_one_sentence(old: str, new: str, complaint: str, tmp_path:
 
 def test_a_run_logs_the_cycles_of_a_record(record: LineRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", record)
-    made = CliRunner().invoke(cli, ["new", str(tmp_path / "mine"), "--from", str(folder)])
-    assert made.exit_code == 0, made.output
+    wirewear("new", tmp_path / "mine", "--from", folder)
     text = (tmp_path / "mine.toml").read_text(encoding="utf-8")
     short = text.replace("cycles = 200 ", "cycles = 2 ").replace("[1, 200]", "[]")
     variants = "[variants.stiff.holder]\ntangential_stiffness_N_per_mm2 = 5000.0\n[mesh]\ncontact_mesh_um = 40.0\n"
     (tmp_path / "mine.toml").write_text(short + variants, encoding="utf-8")
     asked = ["run", str(tmp_path / "mine.toml"), "--fidelity", "quick", "--cycles-of", str(folder), "--jobs", "1"]
-    ran = CliRunner().invoke(cli, [*asked, "--output", str(tmp_path / "run")])
-    assert ran.exit_code == 0, ran.output
+    wirewear(*asked, "--output", tmp_path / "run")
     # Cycle 200 lies beyond this test's end.
     assert [loop.cycle for loop in read_result(tmp_path / "run" / "stiff").loops] == [1, 2]
 

@@ -5,15 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry import Elastic
 from tests.browser import page_faults
+from tests.commands import wirewear
 from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_record
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
-from wirewear.faces import cli
 from wirewear.faces.maps_reading import fretting_tests
 from wirewear.records import write_record
 from wirewear.results import write_result
@@ -112,13 +111,11 @@ def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) ->
     assert test.volume_mm3 == pytest.approx(2.0 / 3.0 * 0.6 * 1e-3 * sum(DEPTHS_um.values()), rel=0.01)
     energy_mJ = line_record(CYLINDER).loops[0].figures(LOAD_N).dissipated_energy_mJ.value
     assert test.energy_J == pytest.approx(1e-3 * energy_mJ * 1000 / LENGTH_mm, rel=0.01)
-    drawn = CliRunner().invoke(cli, ["maps", str(folder), str(folder), "--output", str(tmp_path / "maps")])
-    assert drawn.exit_code == 0, drawn.output
+    drawn = wirewear("maps", folder, folder, "--output", tmp_path / "maps")
     assert "P [N/mm]" in drawn.output
     assert "normal_load_N_per_mm" in (tmp_path / "maps" / "tests.csv").read_text(encoding="utf-8")
     page = tmp_path / "maps" / "maps.html"
     assert "no line tells where it begins to slide" in page.read_text(encoding="utf-8")
     assert page_faults(page) == []
-    mixed = CliRunner().invoke(cli, ["maps", str(folder), str(EXAMPLES / "no_gap"), "--output", str(tmp_path / "maps")])
-    assert mixed.exit_code == 2
+    mixed = wirewear("maps", folder, EXAMPLES / "no_gap", "--output", tmp_path / "maps", code=2)
     assert "share no map" in mixed.stderr

@@ -10,13 +10,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 
 from tests import synthetic_results
+from tests.commands import wirewear
 from tests.frozen_states import frozen_states
 from tests.logger_files import write_english, write_german
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.faces import cli
 from wirewear.kinds import KINDS, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.results import RunResult, write_result
@@ -27,10 +26,6 @@ from wirewear.study.template import study_text
 EXAMPLE = Path("studies/steel_wires/example_records/rigid_stated_compliant_rig").resolve()
 
 
-def wirewear(*arguments: str | Path) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
-
-
 @pytest.fixture(scope="module")
 def example() -> ExperimentRecord:
     return read_record(EXAMPLE)
@@ -38,23 +33,19 @@ def example() -> ExperimentRecord:
 
 def test_a_new_study_can_be_run_and_tells_what_each_key_means(tmp_path: Path) -> None:
     path = tmp_path / "soft_rig.toml"
-    result = wirewear("new", tmp_path / "soft_rig")
-    assert result.exit_code == 0, result.output
+    wirewear("new", tmp_path / "soft_rig")
     study = load_study(path)
     assert study.name == "soft_rig"
     assert study.variant_names == ()
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if " = " in line][3:]
     assert all("#" in line for line in lines)
-    again = wirewear("new", tmp_path / "soft_rig")
-    assert again.exit_code == 2
+    again = wirewear("new", tmp_path / "soft_rig", code=2)
     assert "is not overwritten" in again.stderr
 
 
 def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
-    result = wirewear("new", "--mapping", *files, "--diameter", "0.45")
-    assert result.exit_code == 0, result.output
-    result = wirewear("import", folder / "mapping.toml", "--output", folder / "record")
-    assert result.exit_code == 0, result.output
+    wirewear("new", "--mapping", *files, "--diameter", "0.45")
+    wirewear("import", folder / "mapping.toml", "--output", folder / "record")
     return read_record(folder / "record")
 
 
@@ -83,13 +74,12 @@ def test_a_mapping_asks_for_what_no_file_tells(tmp_path: Path, example: Experime
     files = write_english(ExperimentRecord(example.tables, example.loops[:1]), tmp_path)
     asked = wirewear("new", "--mapping", *files)
     assert re.search(r'fill in what stands as "\?" in line \d+ \(diameter_mm\), then: wirewear import', asked.stdout)
-    refused = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
-    assert refused.exit_code == 2
+    refused = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record", code=2)
     assert re.search(r'not filled in: put what is right in place of "\?" in line \d+ \(diameter_mm\)\.', refused.stderr)
     (tmp_path / "mapping.toml").unlink()
     path = tmp_path / "other.csv"
     path.write_text("time_s,pressure_bar\n0,1\n1,2\n2,3\n", encoding="utf-8")
-    assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45").stderr
+    assert "no file holds loops" in wirewear("new", "--mapping", path, "--diameter", "0.45", code=2).stderr
 
 
 @pytest.mark.parametrize(
@@ -107,7 +97,6 @@ def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_tell_the_freque
         lines += [f"{t:.5f};{a:.4f};{q:.4f}" for t, a, q in zip(time, x, force, strict=True)]
     (tmp_path / "log.csv").write_text("\n".join(lines), encoding="utf-8")
     made = wirewear("new", "--mapping", tmp_path / "log.csv", "--diameter", "0.45", "--normal-load", "2")
-    assert made.exit_code == 0, made.output
     guessed = tomllib.loads((tmp_path / "mapping.toml").read_text(encoding="utf-8"))["conditions"]
     if len(recorded) == 2:
         assert guessed["frequency_Hz"] == guessed["cycles"] == "?"
@@ -115,8 +104,7 @@ def test_cycles_of_a_log_with_gaps_are_numbered_where_its_pieces_tell_the_freque
         return
     assert guessed["frequency_Hz"] == pytest.approx(3.1, rel=1e-5)
     assert guessed["cycles"] == recorded[-1]
-    made = wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
-    assert made.exit_code == 0, made.output
+    wirewear("import", tmp_path / "mapping.toml", "--output", tmp_path / "record")
     assert read_record(tmp_path / "record").cycles == recorded
 
 
@@ -130,15 +118,13 @@ def test_a_guessed_amplitude_is_not_that_of_the_outermost_noisy_readings(tmp_pat
     log = tmp_path / "log.csv"
     lines = [f"{t:.5f};{a:.4f};{q:.4f}" for t, a, q in zip(time, x, force, strict=True)]
     log.write_text("\n".join(["time [s];displacement [µm];tangential force [N]", *lines]), encoding="utf-8")
-    result = wirewear("new", "--mapping", log, "--diameter", "0.45", "--normal-load", "2")
-    assert result.exit_code == 0, result.output
+    wirewear("new", "--mapping", log, "--diameter", "0.45", "--normal-load", "2")
     guessed = tomllib.loads((tmp_path / "mapping.toml").read_text(encoding="utf-8"))["conditions"]
     assert guessed["displacement_amplitude_um"] == pytest.approx(12.0, rel=0.005 + 0.1 * noise)
 
 
 def mapping_of(folder: Path, files: list[Path]) -> Path:
-    result = wirewear("new", "--mapping", *files, "--diameter", "0.45")
-    assert result.exit_code == 0, result.output
+    wirewear("new", "--mapping", *files, "--diameter", "0.45")
     return folder / "mapping.toml"
 
 
@@ -150,15 +136,13 @@ def few_files(folder: Path, example: ExperimentRecord) -> list[Path]:
 @pytest.mark.seconds
 def test_a_dry_run_draws_loop_and_scars_and_refuses_a_wrong_unit(tmp_path: Path, example: ExperimentRecord) -> None:
     mapping = mapping_of(tmp_path, few_files(tmp_path, example))
-    sound = wirewear("import", mapping, "--output", tmp_path / "dry", "--dry-run")
-    assert sound.exit_code == 0, sound.output
+    wirewear("import", mapping, "--output", tmp_path / "dry", "--dry-run")
     pictures = ["dry_first_loop.png", "dry_scar_moving.png", "dry_scar_fixed.png"]
     assert all((tmp_path / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
     assert not (tmp_path / "dry").exists()
     text = mapping.read_text(encoding="utf-8")
     mapping.write_text(text.replace('"Weg", unit = "mm"', '"Weg", unit = "µm"'), encoding="utf-8")
-    wrong = wirewear("import", mapping, "--output", tmp_path / "dry", "--dry-run")
-    assert wrong.exit_code == 1
+    wrong = wirewear("import", mapping, "--output", tmp_path / "dry", "--dry-run", code=1)
     assert "it looks like millimetres" in wrong.stderr
 
 
@@ -176,23 +160,20 @@ def test_a_tdms_file_is_read_by_group_and_channel(tmp_path: Path, example: Exper
         'displacement_um = { column = "Loops/Weg", unit = "mm" }\ntangential_force_N = "Kraft"\ntime_s = "Zeit"\n'
     )
     (tmp_path / "tdms.toml").write_text(head + source, encoding="utf-8")
-    result = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record")
-    assert result.exit_code == 0, result.output
+    wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record")
     (read,) = read_record(tmp_path / "record").loops
     np.testing.assert_allclose(read.displacement_um, loop.displacement_um, rtol=1e-12)
     (tmp_path / "tdms.toml").write_text(head + source.replace("Loops/Weg", "Loops/Wag"), encoding="utf-8")
-    refused = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record")
+    refused = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record", code=2)
     assert "did you mean 'Loops/Weg'?" in refused.stderr
     (tmp_path / "cycle_100.tdms").write_bytes(b"no measurement")
-    refused = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record")
-    assert refused.exit_code == 2
+    refused = wirewear("import", tmp_path / "tdms.toml", "--output", tmp_path / "record", code=2)
     assert "cannot be read as a TDMS file" in refused.stderr
 
 
 @pytest.mark.parametrize("kind", ["line-contact"])
 def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_path: Path, kind: str) -> None:
-    result = wirewear("new", tmp_path / "mine", "--kind", kind)
-    assert result.exit_code == 0, result.output
+    wirewear("new", tmp_path / "mine", "--kind", kind)
     study = load_any_study(tmp_path / "mine.toml")
     assert (study.name, study.kind) == ("mine", kind)
     lines = [line for line in (tmp_path / "mine.toml").read_text(encoding="utf-8").splitlines() if " = " in line][3:]
@@ -200,8 +181,7 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
     # Keys that are commented out stand there to be used: each is one that the study takes.
     known = {key for name in KINDS[kind].template.shown for key in _keys_of(KINDS[kind].template.tables, name)}
     assert {line.removeprefix("# ").split(" = ")[0] for line in lines} <= known
-    refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE)
-    assert refused.exit_code == 2
+    refused = wirewear("new", tmp_path / "other", "--kind", kind, "--from", EXAMPLE, code=2)
     assert f"gives no study of --kind {kind}" in refused.stderr
 
 
@@ -238,8 +218,7 @@ def twice_commanded(write: Callable[[ExperimentRecord, Path], list[Path]]) -> Ex
         ["new", "--mapping", *files, "--diameter", "0.45"],
         ["import", "mapping.toml", "--output", "record"],
     ):
-        result = CliRunner().invoke(cli, command)
-        assert result.exit_code == 0, result.output
+        wirewear(*command)
     return read_record(Path("record"))
 
 
@@ -255,8 +234,7 @@ def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypa
         ["diagnose", "record", "--model", "fitted/study.toml", "--output", "diagnosis"],
     )
     for command in commands:
-        result = CliRunner().invoke(cli, command)
-        assert result.exit_code == 0, result.output
+        result = wirewear(*command)
     # Off a terminal each stage of the diagnosis is a line.
     for stage in ("checking the record", "reducing the loops", "searching for causes"):
         assert f"wirewear: {stage}\n" in result.stderr

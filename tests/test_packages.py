@@ -9,13 +9,12 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
-from click.testing import CliRunner
 
 from geometry import GeometryError
 from geometry.body import SYSTEM_PACKAGES, gmsh_session
+from tests.commands import wirewear
 from wirewear import load_study, read_record
 from wirewear.base.reading import RECORDS, STUDIES, example
-from wirewear.faces import cli
 from wirewear.kinds import load_any_study
 
 ROOT = Path(__file__).parents[1]
@@ -34,11 +33,10 @@ def test_a_name_that_is_none_of_theirs_has_no_example() -> None:
 
 def test_a_command_takes_an_example_where_no_file_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    told = CliRunner().invoke(cli, ["check", "no_gap"])
-    assert told.exit_code == 0
+    told = wirewear("check", "no_gap")
     assert "no_gap" in told.output
     Path("no_gap").mkdir()
-    assert "experiment.toml" in CliRunner().invoke(cli, ["check", "no_gap"]).output
+    assert "experiment.toml" in wirewear("check", "no_gap", code=2).output
 
 
 def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgb
@@ -18,8 +17,8 @@ from numpy.typing import NDArray
 
 from geometry import build_body
 from geometry.arrays import Array
+from tests.commands import wirewear
 from tests.synthetic_results import bowl, result
-from wirewear.faces import cli
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
 from wirewear.pictures.mesh import PARTS, round_facets
@@ -125,8 +124,7 @@ def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_pa
         ["loops", str(one), "--paper"],
         ["loops", str(one)],
     ):
-        told = CliRunner().invoke(cli, [*options, "--output", str(tmp_path / "loops.png")])
-        assert told.exit_code == 0, told.output
+        wirewear(*options, "--output", tmp_path / "loops.png")
         widths.append(imread(tmp_path / "loops.png").shape[1])
     assert widths == [round(600 * style.COLUMN_in), 600 * style.WIDTH_in, style.DOTS_PER_INCH * style.WIDTH_in]
 

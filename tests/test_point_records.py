@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import polars as pl
 import pytest
-from click.testing import CliRunner
 
+from tests.commands import wirewear
 from tests.synthetic_results import AMPLITUDE_um, bowl, result
 from tests.test_point_contacts import STEEL
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
 from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
@@ -140,8 +139,7 @@ def test_scars_of_a_ball_that_cannot_be_are_told(spoil: Any, says: str) -> None:
 def test_lists_of_an_export_that_are_repeated_add_up(tmp_path: Path) -> None:
     write_result(tmp_path / "result.h5", run_of("ball-on-flat"))
     noises = ["--noise", "displacement_um=0.1", "--noise", "tangential_force_N=0.2,"]
-    call = ["export", str(tmp_path / "result.h5"), "--as-record", str(tmp_path / "record"), *noises]
-    assert (found := CliRunner().invoke(cli, call)).exit_code == 0, found.output
+    wirewear("export", tmp_path / "result.h5", "--as-record", tmp_path / "record", *noises)
     text = (tmp_path / "record" / "experiment.toml").read_text(encoding="utf-8")
     assert tomllib.loads(text)["noise"] == {"displacement_um": 0.1, "tangential_force_N": 0.2}
     assert "[bodies.ball]" in text
@@ -155,8 +153,7 @@ def test_heights_of_any_bodies_come_back_as_their_scars(tmp_path: Path, kind: st
     run = run_of(kind)
     write_result(tmp_path / "result.h5", run)
     noise = f"depth_um={NOISE_um},displacement_um=0.1,tangential_force_N=0.01"
-    call = ["export", str(tmp_path / "result.h5"), "--as-heights", str(tmp_path), "--samples", "128", "--noise", noise]
-    assert (found := CliRunner().invoke(cli, call)).exit_code == 0, found.output
+    wirewear("export", tmp_path / "result.h5", "--as-heights", tmp_path, "--samples", 128, "--noise", noise)
     for path in tmp_path.glob("scar_*.csv"):
         table = pl.read_csv(path)
         tilted = table["height_um"] + 0.01 * table["x_um"] - 0.02 * table["y_um"] + 7.0
@@ -164,8 +161,7 @@ def test_heights_of_any_bodies_come_back_as_their_scars(tmp_path: Path, kind: st
     if kind == "ball-on-flat":
         files = [str(path) for path in sorted(tmp_path.glob("*.csv"))]
         told = ["--kind", kind, "--diameter", str(2 * RADIUS_mm), "--frequency", "3"]
-        guessed = CliRunner().invoke(cli, ["new", "--mapping", *files, *told])
-        assert guessed.exit_code == 0, guessed.output
+        wirewear("new", "--mapping", *files, *told)
     else:
         (tmp_path / "mapping.toml").write_text(MAPPING, encoding="utf-8")
     record = import_record(tmp_path / "mapping.toml")

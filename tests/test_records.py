@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from geometry.arrays import Array
 from studies.benchmarks.fuzz_records import run
 from studies.benchmarks.record_mutations import MUTATIONS, small_record
+from tests.commands import wirewear
 from wirewear import RecordError, check_record, read_record, write_record
-from wirewear.faces import cli
 from wirewear.records import MeasuredLoop
 from wirewear.records.remarks import loop_statistics
 
@@ -165,15 +164,12 @@ def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None
 
 
 def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
-    good = CliRunner().invoke(cli, ["check", str(folder), "--json"])
-    assert good.exit_code == 0
+    good = wirewear("check", folder, "--json")
     assert json.loads(good.stdout)["repeats"] == [1, 2]
     edit_loops(folder, lambda f: [*f[:5], f"{-float(f[5])}", f[6]])
-    bad = CliRunner().invoke(cli, ["check", str(folder)])
-    assert bad.exit_code == 1
+    bad = wirewear("check", folder, code=1)
     assert "Problems" in bad.stdout
-    gone = CliRunner().invoke(cli, ["check", str(folder / "nowhere")])
-    assert gone.exit_code == 2
+    gone = wirewear("check", folder / "nowhere", code=2)
     assert re.fullmatch(
         r"wirewear: .*nowhere does not exist: a record is a folder with experiment.toml and CSV files\.\n", gone.stderr
     )

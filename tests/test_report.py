@@ -11,14 +11,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 from scipy.stats import binom, t
 
 from tests.browser import TOO_WIDE, Page, browser, needs_browser
+from tests.commands import wirewear
 from tests.studies import minimal
 from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear import check_record, read_record, record_of_result, write_record, write_result
-from wirewear.faces import cli
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import MeasuredScar
 from wirewear.results import RunResult, read_result
@@ -239,22 +238,6 @@ def test_registration_finds_shift_and_rotation_of_a_noisy_map(shift: tuple[float
     assert abs(found.shift_x_um - shift[0]) < 5.0 * found.shift_x_deviation_um
 
 
-@pytest.fixture(scope="module")
-def compared(run: RunResult, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The folder that `export`, `check` and `compare` leave."""
-    folder = tmp_path_factory.mktemp("compared")
-    write_result(folder / "run" / "result.h5", run)
-    runner, record = CliRunner(), str(folder / "record")
-    noise = "displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05"
-    options = ["--noise", noise, "--repeats", "2", "--seed", "1"]
-    exported = runner.invoke(cli, ["export", str(folder / "run"), "--as-record", record, *options])
-    assert exported.exit_code == 0, exported.output
-    assert runner.invoke(cli, ["check", record]).exit_code == 0
-    told = runner.invoke(cli, ["compare", str(folder / "run"), record, "--output", str(folder / "out")])
-    assert told.exit_code == 0, told.output
-    return folder / "out"
-
-
 def test_a_run_and_a_record_of_other_conditions_are_not_compared_without_a_word(run: RunResult, tmp_path: Path) -> None:
     record = record_of_result(run)
     assert compare(run, record).unlike is None
@@ -274,7 +257,7 @@ def test_a_run_and_a_record_of_other_conditions_are_not_compared_without_a_word(
     write_result(tmp_path / "result.h5", run)
     write_record(tmp_path / "record", other)
     call = ["compare", str(tmp_path / "result.h5"), str(tmp_path / "record"), "--output", str(tmp_path / "out")]
-    assert comparison.unlike in CliRunner().invoke(cli, call).stderr
+    assert comparison.unlike in wirewear(*call).stderr
     assert json.loads((tmp_path / "out" / "differences.json").read_text())["unlike_conditions"] == comparison.unlike
     page = (tmp_path / "out" / "comparison.html").read_text(encoding="utf-8")
     assert comparison.unlike in html.unescape(page.partition("<details>")[0])

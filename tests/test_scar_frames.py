@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import polars as pl
 import pytest
-from click.testing import CliRunner
 
+from tests.commands import wirewear
 from tests.studies import line_study
 from tests.synthetic_results import bowl, result
 from wirewear import RecordError, read_record, write_record, write_result
@@ -16,7 +16,6 @@ from wirewear.diagnosis.model.candidates import nominal_line_setup
 from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
-from wirewear.faces import cli
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.reading import frame_of
@@ -55,12 +54,10 @@ def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
     """The run's loops, and its heights in each wire's frame with noise, tilt, level and the wire off the middle."""
     write_result(folder / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.008,depth_um={NOISE_um}"
-    call = ["export", str(folder / "result.h5"), "--as-heights", str(folder), "--samples", "128", "--noise", noise]
-    assert CliRunner().invoke(cli, call).exit_code == 0
+    wirewear("export", folder / "result.h5", "--as-heights", folder, "--samples", 128, "--noise", noise)
     files = laid_askew(folder)
     call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", str(angle_deg)]
-    found = CliRunner().invoke(cli, [*call, "--frequency", "3"])
-    assert found.exit_code == 0, found.output
+    wirewear(*call, "--frequency", "3")
     return files
 
 
@@ -99,7 +96,7 @@ def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_
     (tmp_path / "mapping.toml").unlink()
     files = sorted(str(file) for file in tmp_path.glob("*.csv"))
     call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", "60", "--frequency", "3"]
-    assert 'frame = "test", x along the motion' in CliRunner().invoke(cli, call).output
+    assert 'frame = "test", x along the motion' in wirewear(*call).output
     (scar,) = import_record(tmp_path / "mapping.toml").scars_of("fixed")
     registration = register(scar, run.scars[1])
     assert abs(registration.rotation_deg) < 1.0
@@ -187,11 +184,10 @@ def test_a_line_contacts_heights_come_back_as_the_run_that_they_were_exported_fr
     write_result(tmp_path / "run" / "result.h5", run)
     noise = f"displacement_um=0.15,tangential_force_N=0.2,depth_um={NOISE_um}"
     call = ["export", str(tmp_path / "run"), "--as-heights", str(tmp_path), "--length", "8", "--noise", noise]
-    assert CliRunner().invoke(cli, call).exit_code == 0
+    wirewear(*call)
     files = laid_askew(tmp_path)
     call = ["new", "--mapping", *files, "--length", "8", "--radius", "6", "--cycles", "20000", "--frequency", "1"]
-    found = CliRunner().invoke(cli, call)
-    assert found.exit_code == 0, found.output
+    wirewear(*call)
     mapping = believed(
         tmp_path / "mapping.toml",
         """friction = 0.6
