@@ -12,6 +12,8 @@ from wirewear.base.reading import Held, recognised
 from wirewear.faces import cli
 from wirewear.results import write_result
 
+pytestmark = pytest.mark.seconds
+
 STUDIES = Path(__file__).parents[1] / "studies"
 RECORD = STUDIES / "steel_wires" / "example_records" / "no_gap"
 
@@ -36,7 +38,6 @@ def invoked(line: str) -> Result:
     return CliRunner().invoke(cli, line.split())
 
 
-@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("name", "held"),
     [
@@ -59,7 +60,6 @@ def test_what_a_path_holds_is_seen_by_its_contents(name: str, held: Held | None)
     assert recognised(Path(name)) == held
 
 
-@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("line", "sentence"),
     [
@@ -95,7 +95,6 @@ def test_a_file_of_another_kind_is_named_with_the_command_that_takes_it(line: st
     assert sentence in ended.stderr.splitlines()[-1]
 
 
-@pytest.mark.seconds
 def test_a_comparison_takes_run_and_record_in_either_order() -> None:
     ended = invoked("compare record run --output exchanged")
     assert ended.exit_code == 0, ended.output

@@ -93,6 +93,15 @@ def test_walls_on_a_soft_rig_that_hide_the_plateau_leave_the_slip_within_its_int
         assert any("stiffens" in note for note in figures.notes) == (wall >= 30.0)
 
 
+@pytest.mark.seconds
+@pytest.mark.parametrize("noise", [0.0, 0.005, 0.02])
+@pytest.mark.parametrize("friction", [0.02, 0.6, 1.5])
+def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: float) -> None:
+    _, displacement, force = SyntheticLoop(Recipe(friction, rig_stiffness=1e9, contact_stiffness=1e6)).sampled(120, 0.1)
+    for seed in range(10):
+        assert_bounded(analyse_loop(*disturbed(displacement, force, seed, noise, 0.0), 2.0))
+
+
 RECIPE = Recipe(end_slope_rad=0.2, hook_power=2.0)
 LOOP = SyntheticLoop(RECIPE)
 

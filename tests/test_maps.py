@@ -91,6 +91,15 @@ def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:
     assert test.volume_mm3 / test.energy_J == pytest.approx(3e-5, rel=0.05)
 
 
+def test_a_simulated_test_has_the_wear_coefficient_of_its_study(tmp_path: Path) -> None:
+    run = dataclasses.replace(result("", 167.0), study=minimal() | {"holder": {"tangential_stiffness_N_per_mm": 167.0}})
+    write_result(tmp_path / "result.h5", run)
+    (test,) = fretting_tests(tmp_path)
+    assert (test.source, test.repeats) == ("simulated", 1)
+    assert test.volume_mm3 / test.energy_J == pytest.approx(3e-5, rel=1e-6)
+    assert test.sliding[0].energy_ratio > 0.8
+
+
 def test_loops_in_partial_slip_and_in_gross_slip_make_a_mixed_test(tmp_path: Path) -> None:
     run = result("", 167.0)
     sliding = run.loops[-1]

@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import quad
 from scipy.sparse import csr_matrix, vstack
 
 from geometry.arrays import Array
@@ -163,30 +162,6 @@ def test_the_largest_mean_of_a_flat_punch_is_that_over_the_length_beside_its_edg
     # About nodes, the best segment may miss the edge by half an element.
     assert found == pytest.approx(exact, rel=0.8 * float(np.diff(lines)[0]) / over)
     assert found <= exact * (1.0 + 1e-9)
-
-
-@pytest.mark.seconds
-def test_the_mean_of_a_round_punch_beside_its_edge_is_that_of_its_field() -> None:
-    """p = P / (2π a √(a² − r²)) over the disc that touches the edge from inside, by quadrature over chords."""
-    radius, over, load = 50.0, 20.0, 1000.0
-    lines = np.linspace(-60.0, 60.0, 97)
-    # Many points of each cell, as no node may lie at the edge itself.
-    fine = np.linspace(-60.625, 60.625, 20 * 97 + 1)
-    fine = 0.5 * (fine[1:] + fine[:-1])
-    inside = radius**2 - fine[:, None] ** 2 - fine**2
-    field = np.where(inside > 0.0, load / (2.0 * pi * radius * np.sqrt(np.maximum(inside, 1e-9))), 0.0)
-    pressure = field.reshape(97, 20, 97, 20).mean(axis=(1, 3))
-    centre, r = radius - 0.5 * over, 0.5 * over
-
-    def on_arc(rho: float) -> float:
-        """Length of the arc about the punch's middle within the disc, times the pressure there."""
-        cosine = (rho**2 + centre**2 - r**2) / (2.0 * rho * centre)
-        return 2.0 * rho * acos(min(max(cosine, -1.0), 1.0)) / sqrt(radius**2 - rho**2)
-
-    on_disc = load / (2.0 * pi * radius) * quad(on_arc, centre - r, radius, limit=200)[0]
-    exact = on_disc / (pi * r**2)
-    means = (weights(lines, lines, over) @ pressure.ravel()).reshape(97, 97)
-    assert means[int(np.argmin(np.abs(lines - centre))), 48] == pytest.approx(exact, rel=0.02)
 
 
 def test_means_of_a_single_nodes_force_do_not_grow_as_the_mesh_is_refined() -> None:

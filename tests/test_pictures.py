@@ -239,18 +239,6 @@ def test_a_round_scar_has_a_round_edge(count: int) -> None:
     assert float(r[finer.depth_um == 0.0].min()) == pytest.approx(RADIUS_um, abs=0.5 * spacing)
 
 
-@pytest.mark.seconds
-def test_symmetric_scars_are_drawn_symmetrically() -> None:
-    scar = bowl("fixed", 12.0, 80.0, 60.0)
-    depth = smooth_scar(scar).depth_um
-    assert depth == pytest.approx(depth[::-1], abs=1e-9)
-    assert depth == pytest.approx(depth[:, ::-1], abs=1e-9)
-    _, _, pressure = smooth_field(scar, "pressure_MPa")
-    shown = pressure.filled(-1.0)
-    assert shown == pytest.approx(shown[::-1], abs=1e-6)
-    assert shown == pytest.approx(shown[:, ::-1], abs=1e-6)
-
-
 LEAST = 1e-4  #: A thin line of a few hundred pixels in a picture of a million.
 PANELS = 0.84  #: Colour bars stand to the right of this share of the width.
 

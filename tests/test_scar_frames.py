@@ -25,6 +25,8 @@ from wirewear.study import load_study
 from wirewear.views.comparison import compare
 from wirewear.views.registration import register, scar_pairs
 
+pytestmark = pytest.mark.seconds
+
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 NOISE_um = 0.05
 
@@ -62,7 +64,6 @@ def exported(run: RunResult, folder: Path, angle_deg: float) -> list[str]:
 
 
 @pytest.mark.first_case
-@pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0, 45.0, 30.0])
 def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_are_of(tmp_path: Path, angle_deg: float) -> None:
     run = run_at(angle_deg)
@@ -84,7 +85,6 @@ def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_are_of(tmp_pa
         assert pair.measured_volumes_mm3[0] == pytest.approx(pair.simulated_volumes_mm3[0], rel=0.02)
 
 
-@pytest.mark.seconds
 def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_its_own_axis(tmp_path: Path) -> None:
     run = run_at(60.0)
     exported(run, tmp_path, 60.0)
@@ -108,7 +108,6 @@ def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_
         import_record(tmp_path / "mapping.toml")
 
 
-@pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0])
 def test_a_table_of_depths_in_its_wires_frame_is_read_into_that_of_the_test(tmp_path: Path, angle_deg: float) -> None:
     """Records of the first two editions say nothing, and are read as they were."""
@@ -133,7 +132,6 @@ def test_a_table_of_depths_in_its_wires_frame_is_read_into_that_of_the_test(tmp_
         read_record(folder)
 
 
-@pytest.mark.seconds
 def test_a_plain_ellipse_is_never_called_too_round_and_a_wrong_frame_is_found_as_a_rotation() -> None:
     simulated = bowl("moving", 6.0, 60.0, 45.0)
     x = np.arange(-300.0, 301.0, 6.0)
@@ -153,7 +151,6 @@ def test_quarters_of_a_turn_keep_every_point() -> None:
     assert scar.turned(90.0).depth_um[-1, 2] == depth[2, 0]
 
 
-@pytest.mark.seconds
 def test_noise_around_a_scar_adds_nothing_to_its_volume_which_is_the_same_wherever_it_is_given() -> None:
     """Depths are never clipped: six maps of a noisy scar have the mean of the scar that they are of."""
     run = run_at(90.0)

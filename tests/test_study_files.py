@@ -14,14 +14,12 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.faces import cli
-from wirewear.study import Study, load_study, parse_study, study_from_tables
+from wirewear.study import Study, parse_study, study_from_tables
 from wirewear.study.bodies import Wire
 from wirewear.study.consistency import default_loop_cycles
 from wirewear.study.keys import Table, quantity_of, table_of
 from wirewear.study.materials import material_named, materials
 from wirewear.study.tables import StudyTables
-
-STEEL_WIRES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 
 scalars = st.none() | st.booleans() | st.integers() | st.floats() | st.text(max_size=20) | st.dates()
 junk = st.recursive(scalars, lambda inner: st.lists(inner, max_size=3) | st.dictionaries(st.text(), inner, max_size=3))
@@ -71,17 +69,6 @@ def test_a_variant_changes_its_own_keys_and_keeps_the_others() -> None:
     assert stiff.holder.normal_spring_stiffness_N_per_mm == 1.0
     assert short.holder.tangential_stiffness_N_per_mm == 167.0
     assert (short.conditions.cycles, short.log.loop_cycles) == (10, (1, 2, 5, 10))
-
-
-def test_the_steel_wire_study_states_the_articles_test() -> None:
-    study = load_study(STEEL_WIRES)
-    compliant, rigid = study.variant("compliant"), study.variant("rigid")
-    assert compliant.holder.tangential_stiffness_N_per_mm == 167.0
-    assert rigid.holder.tangential_stiffness_N_per_mm == "rigid"
-    assert rigid.wear is not None
-    assert rigid.wear.energy_wear_coefficient_mm3_per_J == 3e-5
-    assert {1, 100, 1000, 10_000, 100_000} <= set(rigid.log.loop_cycles)
-    assert rigid.conditions.normal_load_N * rigid.contact.friction == pytest.approx(1.24)
 
 
 def test_every_number_that_a_study_may_hold_has_a_description_and_a_unit_in_its_name() -> None:

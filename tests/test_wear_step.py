@@ -27,6 +27,8 @@ from tests.wear_jumps import (
     worn,
 )
 
+pytestmark = pytest.mark.seconds
+
 CYCLES = 300.0  #: Cycles after which the wires are worn by as much as they approach under the load.
 
 
@@ -42,7 +44,6 @@ def turned(angle_deg: float) -> solvers.ContactProblem:
     return replace(right, upper=upper)
 
 
-@pytest.mark.seconds
 @pytest.mark.parametrize("angle_deg", [90.0, 60.0])
 def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg: float) -> None:
     posed = turned(angle_deg)
@@ -74,7 +75,6 @@ def test_folding_a_cycle_by_its_symmetries_leaves_every_depth_as_it_is(angle_deg
             assert folded.state.wear.energy_mJ == pytest.approx(unfolded.state.wear.energy_mJ, rel=1e-11)
 
 
-@pytest.mark.seconds
 def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(problem: solvers.ContactProblem) -> None:
     leaning = solvers.misaligned(problem, np.radians(5.0))
     assert solvers.symmetry_of(leaning).half_cycle is None
@@ -87,7 +87,6 @@ def test_a_leaning_motion_has_no_half_cycle_symmetry_and_wears_all_the_same(prob
     assert np.abs(upper - upper[:, ::-1]).max() > 1e-3 * upper.max()
 
 
-@pytest.mark.seconds
 def test_depths_are_never_negative_and_never_shrink(problem: solvers.ContactProblem) -> None:
     state = at_the_end(problem)
     for cycles in (5.0, 30.0, 200.0, 1000.0):
@@ -98,7 +97,6 @@ def test_depths_are_never_negative_and_never_shrink(problem: solvers.ContactProb
         state = after
 
 
-@pytest.mark.seconds
 def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> None:
     differences = []
     for element_mm in (0.02, 0.01):
@@ -110,7 +108,6 @@ def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> N
     assert differences[1] < 0.5 * differences[0] < 0.02
 
 
-@pytest.mark.seconds
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: solvers.ContactProblem) -> None:
     def in_metres(body: solvers.CondensedBody) -> solvers.CondensedBody:
         return solvers.CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
@@ -138,7 +135,6 @@ def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: sol
         assert folded == pytest.approx(other, rel=1e-4, abs=1e-10)
 
 
-@pytest.mark.seconds
 def test_jumps_are_of_second_order() -> None:
     contact = line_contact()
     state = worn(contact, 100.0, 300.0, 600.0, 2000.0, stroke_mm=LINE_STROKE_mm)
@@ -153,7 +149,6 @@ def test_jumps_are_of_second_order() -> None:
     assert errors[0] < 1e-3 * float(np.linalg.norm(ends[-1]))
 
 
-@pytest.mark.seconds
 def test_the_change_of_pressures_falls_with_the_jump() -> None:
     contact = line_contact()
     state = worn(contact, 100.0, 200.0, stroke_mm=LINE_STROKE_mm)
@@ -164,7 +159,6 @@ def test_the_change_of_pressures_falls_with_the_jump() -> None:
 
 
 @pytest.mark.first_case
-@pytest.mark.seconds
 @pytest.mark.parametrize(
     ("layer", "least", "most"),
     # Roughness spreads the load, so that the scar is shallower; debris fills a part of it, so that it is deeper.
@@ -183,7 +177,6 @@ def test_layers_between_the_surfaces_wear_with_the_books_in_order(
     assert least < state.wear.primary_depth.max() / bare.wear.primary_depth.max() < most
 
 
-@pytest.mark.seconds
 def test_a_coefficient_that_changes_wears_by_its_values_within_the_jump(problem: solvers.ContactProblem) -> None:
     def fading(cycle: float, _energy_mJ: float) -> solvers.ContactProblem:
         return replace(problem, wear=problem.wear.scaled(1.0 - 0.5 * (cycle - 1.0) / CYCLES))
@@ -198,7 +191,6 @@ def test_a_coefficient_that_changes_wears_by_its_values_within_the_jump(problem:
     assert volumes[1] / volumes[2] == pytest.approx(0.75, rel=0.01)
 
 
-@pytest.mark.seconds
 def test_a_line_contact_wears_as_the_energy_says() -> None:
     contact = line_contact()
     wear = worn(contact, 100.0, 400.0, stroke_mm=LINE_STROKE_mm).wear

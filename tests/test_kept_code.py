@@ -1,4 +1,4 @@
-"""The benchmarks of scaling, of condensation and of the half-space."""
+"""Machine code that is kept: compiled anew where what it comes from changes, healed, and its owner's alone."""
 
 import os
 import subprocess
