@@ -43,7 +43,8 @@ def run(problem: ContactProblem) -> Run:
 def volumes(problem: ContactProblem, state: ContactState) -> tuple[float, float]:
     """Worn volumes of the upper and the lower body, mm3."""
     lower, upper = worn_depths(problem, state)
-    return problem.upper.patch.node_areas() @ upper.ravel(), problem.lower.patch.node_areas() @ lower.ravel()
+    areas = problem.upper.patch.node_areas(), problem.lower.patch.node_areas()
+    return float(areas[0] @ upper.ravel()), float(areas[1] @ lower.ravel())
 
 
 @pytest.mark.seconds

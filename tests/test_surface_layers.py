@@ -10,7 +10,7 @@ import pytest
 import solvers
 from solvers.layers import receded
 from tests.bodies import FRICTION, driven
-from tests.test_line_study import study as line_study
+from tests.studies import line_study
 from tests.test_simulate import coarse
 from tests.wear_jumps import LINE_LOAD_N_per_mm, line_contact
 from wirewear import run_study
