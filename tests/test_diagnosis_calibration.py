@@ -19,7 +19,7 @@ FOLDER = Path(wirewear.diagnosis.__file__).parent
 
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
 ELSEWHERE = {
-    "forward.py", "readings.py", "line_wear.py", "layered_wires.py", "candidates.py",
+    "forward.py", "readings.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
     "diagnosis_shown.py",
 }  # fmt: skip
 

@@ -16,9 +16,9 @@ from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.model.candidates import library, nominal_setup
 from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.layered_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.model.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.fitting import fit_record
 from wirewear.fitting.report import fit_table

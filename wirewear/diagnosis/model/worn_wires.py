@@ -1,0 +1,204 @@
+"""Two bodies such as crossed wires that wear on a foundation: their gap, where they press, and what wear takes.
+
+By Archard's law under the pressures of a Winkler foundation (Johnson, Contact Mechanics, 1985, section 4.3). Lengths
+are in slip amplitudes δ, depths in δ²/R, the load is 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from geometry.arrays import Array
+from wirewear.diagnosis.model.loop_states import scar_figures
+
+#: From overlaps (k, y, s, x) to the pressures that they take, and their derivative.
+Pressing = Callable[[Array], tuple[Array, Array]]
+
+#: Half-columns of the grid, about.
+_COLUMNS = 16
+
+#: Foundation stiffness times the contact's radius over E*: between 16/(3π), with which a fresh contact has Hertz's load
+#: and radius together, and 3π/16, by which a half-space yields on average under the even pressure of a worn one
+#: (Johnson, eq. 3.29); their geometric mean.
+_FOUNDATION = 1.0
+
+#: Share of the largest step that keeps an explicit wear law from oscillating, and largest growth of the volume.
+_STABLE, _GROWTH = 0.95, 0.3
+
+#: Newton steps for the approach, and by which share of the load they may miss.
+_NEWTON_STEPS, _NEWTON_TOLERANCE = 40, 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class WornWires:
+    """Both wires at several flattenings (k): half of the plane, y ≥ 0; by symmetry only positions s ≥ 0 are needed.
+
+    Their gap is (along·x² + y²)/2: wires at any angle and other bodies have it in sheared coordinates.
+
+    What they have lost is `fixed` (k, y, x) and `moving` (k, y, X), X reaching a stroke further to either side.
+    """
+
+    x: Array
+    y: Array
+    s: Array
+    fixed: Array
+    moving: Array
+    along: float = 1.0
+
+    @classmethod
+    def unworn(cls, count: int, extent: float, along: float = 1.0) -> WornWires:
+        """So many pairs of wires, on a grid that reaches so far across from the middle."""
+        places = max(round(_COLUMNS / extent * max(along, 1.0) ** 0.5), 4)
+        step = 1.0 / places
+        half, rows = (int(np.ceil(reach / step)) for reach in (extent / along**0.5, extent))
+        x, y = step * np.arange(-half, half + 1.0), step * np.arange(rows + 1.0)
+        fixed, moving = (np.zeros((count, y.size, x.size + 2 * more)) for more in (0, places))
+        return cls(x, y, step * np.arange(places + 1.0), fixed, moving, along)
+
+    @property
+    def step(self) -> float:
+        """Distance of the grid's points, and of the positions."""
+        return float(self.y[1])
+
+    @property
+    def moving_x(self) -> Array:
+        """Places along the moving wire (X,)."""
+        half = self.moving.shape[-1] // 2
+        return self.step * np.arange(-half, half + 1.0)
+
+    @property
+    def areas(self) -> Array:
+        """Areas of a point of each row (y,), those of y < 0 added."""
+        return np.where(self.y > 0.0, 2.0, 1.0) * self.step**2
+
+    def windows(self, moving: Array) -> Array:
+        """A field (k, y, X) of the moving wire above the fixed one's grid at every position (k, y, s, x): a view."""
+        return sliding_window_view(moving, self.x.size, axis=-1)[:, :, self.s.size - 1 :]
+
+    def within(self, reach: float) -> WornWires:
+        """Views of the part up to so far across from the middle."""
+        cut = max(self.x.size // 2 - int(reach / self.along**0.5 / self.step) - 2, 0)
+        x, further = slice(cut, self.x.size - cut), slice(cut, self.moving.shape[-1] - cut)
+        rows = slice(0, int(reach / self.step) + 3)
+        fixed, moving = self.fixed[:, rows, x], self.moving[:, rows, further]
+        return replace(self, x=self.x[x], y=self.y[rows], fixed=fixed, moving=moving)
+
+    def worn(self, pressure: Array, moving_share: float, volume: float) -> None:
+        """Wear by a volume (of a load 1, over all positions evenly) that goes to both wires, in place."""
+        weights = np.full(self.s.size, volume / (self.s.size - 1))
+        weights[[0, -1]] *= 0.5
+        rubbed = pressure * weights[:, None]
+        fixed = rubbed.sum(axis=2)
+        self.fixed[...] += 0.5 * (1.0 - moving_share) * (fixed + fixed[:, :, ::-1])
+        moving = np.zeros_like(self.moving)
+        for place in range(self.s.size):
+            start = self.s.size - 1 + place
+            moving[:, :, start : start + self.x.size] += rubbed[:, :, place]
+        self.moving[...] += 0.5 * moving_share * (moving + moving[:, :, ::-1])
+
+
+class Worn(NamedTuple):
+    """Wires (k) after a worn volume: the part that touches, pressures, approaches (k, s) and contact radii (k,)."""
+
+    part: WornWires
+    pressure: Array
+    approach: Array
+    radius: Array
+
+
+def elastic(overlap: Array, stiffness: Array) -> tuple[Array, Array]:
+    """Pressures of a foundation of stiffnesses (k,), and their derivative."""
+    own = stiffness[:, None, None, None]
+    return own * np.maximum(overlap, 0.0), own * (overlap > 0.0)
+
+
+def wearing(
+    wires: WornWires,
+    volumes: Array,
+    fresh_radius: float,
+    approach: Array,
+    moving_share: float,
+    pressing: Callable[[Array], Pressing],
+    least_growth: float = 0.0,
+) -> Iterator[Worn]:
+    """Wear the wires in place, and give what they are after each volume; `approach` (k, s) is a first guess.
+
+    `pressing` makes of the elastic stiffnesses (k,) how overlaps press. Foundations are softened so far that the volume
+    may grow by a share `least_growth` at each step.
+    """
+    radius = np.full(wires.fixed.shape[0], fresh_radius)
+    worn = 0.0
+    for wanted in volumes:
+        while True:
+            stiffness = foundation(fresh_radius, radius, least_growth * worn)
+            part, pressure, approach = equilibrium(wires, pressing(stiffness), approach)
+            radius = contact_radius(part, pressure)
+            if worn >= wanted:
+                break
+            step = min(_STABLE / float(stiffness.max()), max(_GROWTH * worn, 0.3 * float(volumes[1])), wanted - worn)
+            part.worn(pressure, moving_share, step)
+            worn += step
+        yield Worn(part, pressure, approach, radius)
+
+
+def foundation(fresh_radius: float, radius: Array, step: float = 0.0) -> Array:
+    """Elastic stiffnesses (k,) under contacts of these radii (k,), no more than lets so much volume wear at a step."""
+    stiffness = 0.75 * _FOUNDATION / (fresh_radius**3 * radius)
+    return stiffness if step == 0.0 else np.minimum(stiffness, _STABLE / step)
+
+
+def equilibrium(wires: WornWires, pressing: Pressing, approach: Array) -> tuple[WornWires, Array, Array]:
+    """Pressures (k, y, s, x) that carry a load of 1, and approaches (k, s), by Newton's method from a first guess.
+
+    The part of the wires on which they touch comes first: unworn shapes that do not overlap bear nothing.
+    """
+    reach = 0.0
+    for _ in range(_NEWTON_STEPS):
+        needed = float(np.sqrt(2.0 * max(approach.max(), 0.0)))
+        if needed > reach:
+            reach = 1.1 * needed
+            part = wires.within(reach)
+            unworn = 0.5 * (part.along * part.x**2 + part.y[:, None, None] ** 2)
+            gap = unworn + part.fixed[:, :, None] + part.windows(part.moving)
+            lowest = gap.min(axis=(1, 3)) + 1e-6
+            approach = np.maximum(approach, lowest)
+        pressure, stiffness = pressing(approach[:, None, :, None] - gap)
+        load, touching = (np.einsum("kysx,y->ks", field, part.areas) for field in (pressure, stiffness))
+        if float(np.abs(load - 1.0).max()) < _NEWTON_TOLERANCE:
+            break
+        approach = np.maximum(approach - (load - 1.0) / np.maximum(touching, 1e-9), lowest)
+    return part, pressure, approach
+
+
+def contact_radius(wires: WornWires, pressure: Array) -> Array:
+    """Radius (k,) of the circle that carries an even pressure as concentrated as this one, mean over the positions."""
+    squares = np.einsum("kysx,kysx,y->ks", pressure, pressure, wires.areas)
+    return np.asarray(np.sqrt((1.0 / squares).mean(axis=1) / np.pi))
+
+
+def slopes(part: WornWires, pressure: Array) -> Array:
+    """Mean slopes (k, s) of the surface between both wires, less that in mid-stroke."""
+    fixed = part.along * part.x + np.gradient(part.fixed, part.step, axis=-1)
+    slope = 0.5 * (fixed[:, :, None] - part.windows(np.gradient(part.moving, part.step, axis=-1)))
+    mean = np.einsum("kysx,kysx,y->ks", pressure, slope, part.areas)
+    return np.asarray(mean - mean[:, :1])
+
+
+def scars(wires: WornWires) -> Array:
+    """`SCAR_FIGURES` (k, 2, 4) of the moving and of the fixed wire."""
+    return np.array(
+        [
+            [_figures(x, wires.y, depth) for x, depth in ((wires.moving_x, moving), (wires.x, fixed))]
+            for moving, fixed in zip(wires.moving, wires.fixed, strict=True)
+        ]
+    )
+
+
+def _figures(x: Array, y: Array, depth: Array) -> list[float]:
+    whole = np.concatenate([depth[:0:-1], depth])
+    return scar_figures(x, np.concatenate([-y[:0:-1], y]), whole.T)
