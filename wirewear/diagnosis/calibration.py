@@ -92,10 +92,8 @@ class Constants:
 
 def constants(table: str) -> Constants:
     """The constants of a table, without those of tables in it."""
-    inner: Mapping[str, Any] = _tables()
-    for part in table.split("."):
-        inner = inner[part]
-    return Constants(table, {name: _constant(f"{table}.{name}", item) for name, item in inner.items() if _is_one(item)})
+    known = {name: _constant(f"{table}.{name}", item) for name, item in _at(table).items() if _is_one(item)}
+    return Constants(table, known)
 
 
 def all_constants() -> Iterator[Constant]:
@@ -126,9 +124,7 @@ def digest() -> str:
 
 def scale(name: str, factor: float) -> None:
     """Multiply a constant in this process, for modules that are imported from now on; correlations stay below one."""
-    item: dict[str, Any] = _tables()
-    for part in name.split("."):
-        item = item[part]
+    item = _at(name)
     most = 1.0 - 1e-6 if item["unit"] in _UP_TO_ONE else inf
     values = np.minimum(np.multiply(item["value"], factor), most).tolist()
     # Counts stay whole.
@@ -143,6 +139,14 @@ def _content() -> bytes:
 @cache
 def _tables() -> dict[str, Any]:
     return tomllib.loads(_content().decode("utf-8"))
+
+
+def _at(name: str) -> dict[str, Any]:
+    """A table or an entry by its dotted name."""
+    found = _tables()
+    for part in name.split("."):
+        found = found[part]
+    return found
 
 
 def _walk(prefix: str, table: Mapping[str, Any]) -> Iterator[Constant]:

@@ -30,7 +30,7 @@ SIZES = _KNOWN.numbers("sizes")
 #: Step of the derivatives, as such a share.
 _STEP = _KNOWN.number("step")
 
-#: What changes over the cycles does so over this difference of their logarithm, as Matérn's process of order 1/2.
+#: What changes over the cycles does so as Matérn's process of order 1/2, between so many of them.
 KNOTS = _KNOWN.count("knots")
 
 
