@@ -7,6 +7,8 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
+import numpy as np
+
 from wirewear import RunResult, Study, parse_study, run_study
 from wirewear.effects import Effect
 from wirewear.study import LineStudy, study_from_tables
@@ -88,3 +90,14 @@ def result_with(*effects: Effect[Any], text: str = COARSE) -> RunResult:
     with TemporaryDirectory() as folder:
         (result,) = run_study(coarse(text).with_effects(*effects), fidelity="quick", output=Path(folder))
     return result
+
+
+def require_equal_runs(mine: RunResult, theirs: RunResult) -> None:
+    """Evolution, scars, loops and quality are the same to the last digit."""
+    for name, column in theirs.evolution.items():
+        np.testing.assert_array_equal(mine.evolution[name], column, err_msg=name)
+    for scar, other in zip(mine.scars, theirs.scars, strict=True):
+        np.testing.assert_array_equal(scar.depth_um, other.depth_um)
+    for loop, another in zip(mine.loops, theirs.loops, strict=True):
+        np.testing.assert_array_equal(loop.tangential_force_N, another.tangential_force_N)
+    assert mine.quality == theirs.quality

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests import synthetic_results
-from tests.studies import steel_wires
+from tests.studies import require_equal_runs, steel_wires
 from wirewear import RunError, Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import Moment, Observer, run_study
@@ -120,13 +120,7 @@ def test_a_run_killed_and_resumed_ends_with_the_same_result(unbroken: RunResult,
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, Killer(stop_after=logged))
     resumed = run(tmp_path, resume=True)
-    for name, column in unbroken.evolution.items():
-        np.testing.assert_array_equal(resumed.evolution[name], column, err_msg=name)
-    for mine, theirs in zip(resumed.scars, unbroken.scars, strict=True):
-        np.testing.assert_array_equal(mine.depth_um, theirs.depth_um)
-    for mine_loop, theirs_loop in zip(resumed.loops, unbroken.loops, strict=True):
-        np.testing.assert_array_equal(mine_loop.tangential_force_N, theirs_loop.tangential_force_N)
-    assert resumed.quality == unbroken.quality
+    require_equal_runs(resumed, unbroken)
 
 
 def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
