@@ -297,6 +297,7 @@ BUDGETS = {
     "lines of tests": 25_597,
     # What files about a test are asked stands apart from the keys of a record; bodies of any shapes have a file there.
     # Averages over critical distances stand apart from lives, which had more than 400 lines.
+    # Worn wires stand apart from the layers on them for the same reason.
     "files of geometry, solvers and wirewear": 295,
     "rooms of wirewear": 23,
     # Kinds ask pictures and interior what there is to draw of a result and inside it; the map of running conditions
