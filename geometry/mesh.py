@@ -238,13 +238,8 @@ def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:
         return None
     image = np.empty(len(points), dtype=np.int64)
     image[image_order] = order
-    return image if _same_cells(cells, image[cells]) else None
-
-
-def _same_cells(first: IntArray, second: IntArray) -> bool:
-    """Whether two lists of cells (m, c) have the same nodes in each cell, whatever the order of cells."""
-    one, other = np.sort(first, axis=1), np.sort(second, axis=1)
-    return bool(np.array_equal(one[np.lexsort(one.T)], other[np.lexsort(other.T)]))
+    one, other = np.sort(cells, axis=1), np.sort(image[cells], axis=1)
+    return image if np.array_equal(one[np.lexsort(one.T)], other[np.lexsort(other.T)]) else None
 
 
 def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:

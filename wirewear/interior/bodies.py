@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 import numpy as np
 from matplotlib.tri import Triangulation
 
-from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, HexMesh, build_body
+from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
 from geometry.arrays import Array, IntArray
 from solvers.strain import hydrostatic, principal, turned, von_mises
 from solvers.surface_stress import SurfaceStress
@@ -177,8 +177,14 @@ def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
 
     grid = stressed_grid(state, pyvista.CellType.HEXAHEDRON)
     grid.point_data["contact_traction_MPa"] = state.traction_MPa @ state.to_world.T
-    grid.point_data["worn_depth_um"] = _worn_depth_um(state)
-    grid.point_data["gripped"] = _gripped(state.body.mesh)
+    patch = state.body.patch
+    depth = np.zeros(len(state.body.mesh.points))
+    if patch.repositioned_depth_mm is not None:
+        depth[patch.nodes] = 1e3 * patch.repositioned_depth_mm
+    grid.point_data["worn_depth_um"] = depth
+    marked = np.zeros(len(depth))
+    marked[state.body.mesh.surface_nodes("grip")] = 1.0
+    grid.point_data["gripped"] = marked
     forces = state.forces
     grid.field_data["cycle"] = [forces.cycle]
     grid.field_data["position"] = [state.position]
@@ -227,17 +233,3 @@ def integration_point_cloud(state: BodyState) -> pyvista.PolyData:
     cloud.point_data["stress_MPa"] = stress
     cloud.point_data["von_mises_MPa"] = von_mises(stress)
     return cloud
-
-
-def _worn_depth_um(state: BodyState) -> Array:
-    patch = state.body.patch
-    depth = np.zeros(len(state.body.mesh.points))
-    if patch.repositioned_depth_mm is not None:
-        depth[patch.nodes] = 1e3 * patch.repositioned_depth_mm
-    return depth
-
-
-def _gripped(mesh: HexMesh) -> Array:
-    marked = np.zeros(len(mesh.points))
-    marked[mesh.surface_nodes("grip")] = 1.0
-    return marked

@@ -315,18 +315,14 @@ def _closed(loop: CleanLoop) -> CleanLoop:
     return loop
 
 
-def _correlation(displacement: Array, force: Array) -> float:
-    """Of both over the way, however many samples lie where."""
-    way = np.abs(np.diff(displacement, append=displacement[0]))
-    (own, both), (_, other) = np.cov(displacement, force, aweights=way + np.roll(way, 1))
-    return float(both / np.sqrt(own * other))
-
-
 def _turned(loop: CleanLoop) -> CleanLoop:
     """Turn a loop that seems to create energy: samples in reverse order if it leans forward, else opposite force."""
     area = enclosed_area(loop.displacement_um, loop.force_N)
     thin = 5.0 * loop.force_noise_N * float(np.sqrt(np.sum(np.diff(loop.displacement_um) ** 2)))
-    lean = _correlation(loop.displacement_um, loop.force_N)
+    # Of both over the way, however many samples lie where.
+    way = np.abs(np.diff(loop.displacement_um, append=loop.displacement_um[0]))
+    (own, both), (_, other) = np.cov(loop.displacement_um, loop.force_N, aweights=way + np.roll(way, 1))
+    lean = float(both / np.sqrt(own * other))
     if area >= -thin and lean < FALLING:
         raise LoopError(
             "the force falls where the displacement rises, and yet the loop turns as one that dissipates: the force "

@@ -30,7 +30,7 @@ from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
-from wirewear.study.bodies import Body, Gap, hertz_of
+from wirewear.study.bodies import Gap, hertz_of
 
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9
@@ -85,21 +85,18 @@ def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
     for repeat in record.repeats if known else ():
         sizes = {scar.body: ScarSize.of(scar) for scar in record.scars if scar.repeat == repeat}
         clear = {body: size for body, size in sizes.items() if size is not None}
-        spots = _spots_mm(driven, held)
+        askew = -ASKEW_deg, 0.0, ASKEW_deg
+        spots = np.stack([Gap.of(driven, held, turned).spot_mm for turned in askew])
         if found := next(_unlike_shapes(record, clear, spots), None):
             yield f"{found} in repeat {repeat}: {_WHY}"
         for mirrored in _mirrored(clear, spots):
             yield f"{mirrored}, in repeat {repeat}."
 
 
-def _spots_mm(driven: Body, held: Body) -> Array:
-    """Moments (3, 2, 2) along and across the motion, over its depth, of a spot rᵀHr < d as angles may be wrong."""
-    askew = -ASKEW_deg, 0.0, ASKEW_deg
-    return np.stack([Gap.of(driven, held, turned).spot_mm for turned in askew])
-
-
 def _unlike_shapes(record: ExperimentRecord, sizes: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
-    elastic, amplitude = _elastic_um2(record), record.tables.conditions.displacement_amplitude_um
+    # Square of the unworn contact's larger half width [µm²]: where little is worn, scars may be rings of that size.
+    contact = hertz_of(record.tables.conditions.normal_load_N, *record.tables.bodies_of_test)
+    elastic, amplitude = (1e3 * contact.major_semi_axis_mm) ** 2, record.tables.conditions.displacement_amplitude_um
     driven = record.tables.body_names[0]
     if len(sizes) == 2:
         first, second = (size.across_um2 for size in sizes.values())
@@ -132,12 +129,6 @@ def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
                     f"The {called(body)}'s scar leans away from the other body's axis, as one does whose x or y is "
                     "mirrored"
                 )
-
-
-def _elastic_um2(record: ExperimentRecord) -> float:
-    """Square of the unworn contact's larger half width [µm²]: where little is worn, scars may be rings of that size."""
-    contact = hertz_of(record.tables.conditions.normal_load_N, *record.tables.bodies_of_test)
-    return (1e3 * contact.major_semi_axis_mm) ** 2
 
 
 CUT_OFF = 0.2  #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.

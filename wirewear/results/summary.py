@@ -32,10 +32,16 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")
+    bodies = results[0].bodies
+    layered = [body for body in bodies if any(len(result.layer_faces_um(body)) for result in results)]
     for section in (
         _STATE,
         [*_MOTION, *_bulk_rows(results)],
-        _wear_rows(results),
+        [
+            *((f"deepest wear, {called(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
+            *((f"layers worn through, {called(body)} [cycle]", _worn_through(body)) for body in layered),
+            *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
+        ],
         _PRESSURES,
         _quality_rows(results),
         _COST,
@@ -100,16 +106,6 @@ def _worn_through(body: str) -> Callable[[RunResult], str]:
         return ", ".join(cycles) or NOTHING
 
     return cell
-
-
-def _wear_rows(results: Sequence[RunResult]) -> list[Row]:
-    bodies = results[0].bodies
-    layered = [body for body in bodies if any(len(result.layer_faces_um(body)) for result in results)]
-    return [
-        *((f"deepest wear, {called(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
-        *((f"layers worn through, {called(body)} [cycle]", _worn_through(body)) for body in layered),
-        *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
-    ]
 
 
 def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:

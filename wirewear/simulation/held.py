@@ -38,7 +38,9 @@ def slip_amplitude_mm(trace: CycleTrace) -> float:
         # Where all floats in free play the force that the loop would be judged by is round-off.
         return 0.0
     force, drive, falling = trace.tangential_force, trace.drive, trace.phase <= 0.5
-    sticking = _sticking(trace)
+    # Number of sticking nodes at the end of each increment (n,), which may have been taken in pieces.
+    reports = iter(trace.reports)
+    sticking = np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
     mean, met = _mean_force(trace), 0.0
     if _is_half(trace):
         start = np.append(trace.start.drive, drive), np.append(-force[-1], force)
@@ -74,12 +76,6 @@ def _travel(drive: Array, force: Array, sticking: IntArray, sign: float, mean: f
         share = below[after - 1] / (below[after - 1] - below[after])
         return min(met, float(travel[after - 1] + share * (travel[after] - travel[after - 1])))
     return 0.0 if passed.size else met
-
-
-def _sticking(trace: CycleTrace) -> IntArray:
-    """Number of sticking nodes at the end of each increment (n,), which may have been taken in pieces."""
-    reports = iter(trace.reports)
-    return np.array([next(one.sticking for one in reports if one.drive == state.drive) for state in trace.states])
 
 
 #: The force after one increment from a state to a place of the drive in mm, N.

@@ -38,7 +38,8 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
 
     A file that cannot be read is made anew; one that cannot be written is left out.
     """
-    name = f"body-{_key(geometry, material)}.npz"
+    asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
+    name = f"body-{identity_of(asked, CONDENSATION_CODE, {}).name}.npz"
     path = kept_file(name) if directory is None else directory / name
     stored = None if path is None else _load(path, geometry.profile)
     if path is not None and stored is not None:
@@ -73,11 +74,6 @@ def _on_bricks(body: solvers.CondensedBody, geometry: BodyGeometry, material: El
 def _fresh_body(geometry: BodyGeometry) -> BodyMesh:
     """Kept, as both bodies of a run are worn again and again from the same fresh mesh."""
     return build_body(geometry)
-
-
-def _key(geometry: BodyGeometry, material: Elastic) -> str:
-    asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
-    return identity_of(asked, CONDENSATION_CODE, {}).name
 
 
 def _load(path: Path, profile: Profile) -> solvers.CondensedBody | None:

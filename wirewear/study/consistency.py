@@ -1,6 +1,6 @@
 """Checks between keys of a study: each alone may be fine, and yet they do not fit together."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from typing import Any
 
 from wirewear.base.errors import StudyError
@@ -11,8 +11,8 @@ from wirewear.study.layers import unfit_layers
 from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.programme import CycleBlock, held_keys, logged_ends, placed, too_many
-from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, CommonTables, ContactTables, Log, StudyTables
+from wirewear.study.programme import held_keys, logged_ends, placed, too_many
+from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, CommonTables, ContactTables, StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -20,14 +20,6 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     decades = [10**exponent for exponent in range(len(str(cycles)))]
     series = {factor * decade for decade in decades for factor in (1, 2, 5)}
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
-
-
-def log_within(log: Log, end: int, blocks: Sequence[CycleBlock] = ()) -> Log:
-    """The cycles that a test records: those asked for as far as it goes, and its last in place of later ones; else the
-    series, with the ends of a programme's blocks when they come first and last.
-    """
-    asked = log.loop_cycles or (*default_loop_cycles(end), *logged_ends(blocks, end))
-    return log.of_cycles(tuple(sorted({min(cycle, end) for cycle in asked})))
 
 
 def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
@@ -59,7 +51,11 @@ def checked_tables(
     for number, block in enumerate(tables.programme, 1):
         alone = {key: value for key, value in data.items() if key != "programme"}
         checked_tables(merged(alone, placed(block.values, alone)), f"block {number} of the programme in {where}")
-    return tables.model_copy(update={"log": log_within(tables.log, tables.conditions.cycles, tables.programme)})
+    # The cycles that a test records: those asked for as far as it goes, and its last in place of later ones; else the
+    # series, with the ends of a programme's blocks when they come first and last.
+    end = tables.conditions.cycles
+    asked = tables.log.loop_cycles or (*default_loop_cycles(end), *logged_ends(tables.programme, end))
+    return tables.model_copy(update={"log": tables.log.of_cycles(tuple(sorted({min(cycle, end) for cycle in asked})))})
 
 
 def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:

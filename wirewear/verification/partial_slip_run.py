@@ -14,7 +14,6 @@ import numpy as np
 from geometry.arrays import Array
 from solvers import CondensedBody, Holder
 from wirewear import reference
-from wirewear.results import RunResult
 from wirewear.simulation import discretise, simulate
 from wirewear.study import Study, study_from_tables
 from wirewear.study.bodies import hertz_of
@@ -45,11 +44,15 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
     # Equal wires crossed at right angles: what is axial on one is transverse on the other.
     depth = 1e-3 * float((fixed.depth_um + moving.depth_um.T).max())
     name, size = f"Partial slip, a run, {resolution:g} elements a radius", _CONTACT_RADIUS_mm / resolution
+    # Radius of the circle with the area of the nodes that carry load and do not slide in the last cycle.
+    first, last = (result.scar(cycle, "fixed") for cycle in (1, _CYCLES))
+    sticks = (last.pressure_MPa > 0.0) & (last.slip_distance_um < _STUCK * first.slip_distance_um.max())
+    areas = np.outer(_widths_mm(last.axial_um), _widths_mm(last.transverse_um))
     return (
         compared(
             name,
             "radius that sticks [mm]; error in elements",
-            _stick_radius_mm(result),
+            sqrt(float(areas[sticks].sum()) / pi),
             exact.stick_radius_mm,
             1.0,
             scale=size,
@@ -95,14 +98,6 @@ def limiting_shape(resolution: float) -> reference.LimitingShape:
     radius = 0.5 * _DIAMETER_mm
     contact = reference.WearingContact(radius, hertz.CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
     return contact.under_approach(_APPROACH_mm)
-
-
-def _stick_radius_mm(result: RunResult) -> float:
-    """Radius of the circle with the area of the nodes that carry load and do not slide in the last cycle."""
-    first, last = (result.scar(cycle, "fixed") for cycle in (1, _CYCLES))
-    sticks = (last.pressure_MPa > 0.0) & (last.slip_distance_um < _STUCK * first.slip_distance_um.max())
-    areas = np.outer(_widths_mm(last.axial_um), _widths_mm(last.transverse_um))
-    return sqrt(float(areas[sticks].sum()) / pi)
 
 
 def _widths_mm(lines_um: Array) -> Array:

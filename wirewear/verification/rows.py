@@ -122,7 +122,7 @@ def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
         "wirewear": version("wirewear"),
         "level": level,
         "passed": all(row.passed for row in rows),
-        "rows": [row.as_dict() for row in rows],
+        "rows": [asdict(row) | {"passed": row.passed} for row in rows],
     }
     prepared_folder(path.parent)
     with writing(ResultError, f"cannot write the verification table to '{path}'"):
@@ -151,10 +151,6 @@ class Row:
     def passed(self) -> bool:
         """Whether the error is a number within the tolerance."""
         return bool(isfinite(self.error) and abs(self.error) <= self.tolerance)
-
-    def as_dict(self) -> dict[str, Any]:
-        """All fields and `passed`, for JSON."""
-        return asdict(self) | {"passed": self.passed}
 
 
 def compared(

@@ -144,11 +144,14 @@ def limit_rows(level: Level) -> tuple[Row, ...]:
     mirrored = whole_loop(sliding_wires(resolution), -AMPLITUDE_mm).tangential_force
     rigid = whole_loop(sliding_wires(resolution, rig_compliance_mm_per_N=0.0)).tangential_force
     stiff = whole_loop(sliding_wires(resolution, rig_compliance_mm_per_N=1e-12)).tangential_force
+    problem = sliding_wires(resolution, friction=0.0, wear=_WEAR)
+    worn = jumped(problem, at_end_of_stroke(problem), 1.0)
+    deepest = float(max(worn.wear.primary_depth.max(), worn.wear.secondary_depth.max()))
     return (
         _difference("Swapped roles", "largest difference of loops over µP", swapped, plain, 1e-2),
         _difference("Mirrored motion", "largest difference of mirrored loops over µP", -mirrored, plain, 1e-9),
         _difference("Rig 10¹² N/mm against rigid", "largest difference of loops over µP", stiff, rigid, 1e-6),
-        _frictionless(resolution),
+        compared("No friction", "deepest wear under the energy law [mm]", deepest, 0.0, 0.0, scale=1.0),
         *_units(resolution),
     )
 
@@ -156,13 +159,6 @@ def limit_rows(level: Level) -> tuple[Row, ...]:
 def _difference(problem: str, quantity: str, one: Array, other: Array, tolerance: float) -> Row:
     largest = float(np.abs(one - other).max())
     return compared(problem, quantity, largest / (FRICTION * LOAD_N), 0.0, tolerance, scale=1.0)
-
-
-def _frictionless(resolution: float) -> Row:
-    problem = sliding_wires(resolution, friction=0.0, wear=_WEAR)
-    worn = jumped(problem, at_end_of_stroke(problem), 1.0)
-    deepest = float(max(worn.wear.primary_depth.max(), worn.wear.secondary_depth.max()))
-    return compared("No friction", "deepest wear under the energy law [mm]", deepest, 0.0, 0.0, scale=1.0)
 
 
 def _units(resolution: float) -> tuple[Row, ...]:

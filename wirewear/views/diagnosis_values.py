@@ -183,9 +183,10 @@ def program() -> dict[str, str]:
 
 
 def _table(cause: Cause) -> dict[str, Any]:
+    # To four digits, such that a sum of many stays within one.
     return {
         "effect": cause.effect,
-        "probability": _rounded_down(cause.probability),
+        "probability": floor(1e4 * cause.probability) / 1e4,
         "parameters": _estimated(cause.parameters),
         **cause.chosen,
         **({"form": _estimated(cause.form)} if cause.form else {}),
@@ -198,11 +199,6 @@ def _estimated(estimates: Mapping[str, Estimate]) -> dict[str, Any]:
         name: {"value": _rounded(e.value), "interval95": [_rounded(v) for v in e.interval95]}
         for name, e in estimates.items()
     }
-
-
-def _rounded_down(probability: float) -> float:
-    """To four digits, such that a sum of many stays within one."""
-    return floor(1e4 * probability) / 1e4
 
 
 def _rounded(value: float | None) -> float | None:

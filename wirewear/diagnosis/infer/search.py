@@ -164,7 +164,7 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
     enough = -0.5 * first.distance2 + 0.5 * PAIR_GAIN
     screened = [pair for pair in zip(rough, others, strict=True) if pair[0].log_evidence > enough]
     screened.sort(key=lambda pair: -pair[0].merit)
-    alone = _of_scars_alone(problem)
+    alone = all(part.observable.of_scars for part in problem.layout)
     if alone:
         # Effects that shape a scar together need not show beside the first as it is; what scars never show stays out.
         chosen = [(one, one) for one in others if np.abs(one.coordinates).max() > _SHOWN]
@@ -186,10 +186,6 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
     for one in sorted(found, key=lambda one: -one.merit):
         best.setdefault(one.names, one)
     return [*best.values()]
-
-
-def _of_scars_alone(problem: Problem) -> bool:
-    return all(part.observable.of_scars for part in problem.layout)
 
 
 def _joint_starts(first: Fit, second: Fit, alone: bool) -> list[Array]:

@@ -199,14 +199,10 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
     judged = [place for place in places if place.flagged] or places
     if not judged:
         return Relevance(detected, detected, None)
-    beyond = [_relative_to_tolerance(place, tolerance) for place in judged]
+    beyond = [place.relative / max(tolerance[place.observable.tolerance], 1e-12) for place in judged]
     largest = judged[beyond.index(max(beyond))]
     known = Largest(largest.observable.words, round(largest.relative, 4), _text(largest))
     return Relevance(detected, detected and max(beyond) > 1.0, known)
-
-
-def _relative_to_tolerance(place: Place, tolerance: Mapping[str, float]) -> float:
-    return place.relative / max(tolerance[place.observable.tolerance], 1e-12)
 
 
 _ALIKE = constants("infer.resembling")

@@ -166,7 +166,7 @@ def late_places(setup: Setup, read: Array, lag: float) -> Array:
 def late_forces(q: Array, x: Array, lag: Array, motion: FastMotion = SINE) -> Array:
     """Forces (n, 2, m) behind a first-order filter whose time constants (n,) are phases of the drive's motion."""
     delays = 1j * lag[:, None] * HARMONICS
-    return q + filtered(phases_of(x, motion), q, -delays / (1.0 + delays))
+    return q + filtered(_phases_and_half(x, motion)[0], q, -delays / (1.0 + delays))
 
 
 def filtered(phases: Array, values: Array, answers: Answers) -> Array:
@@ -187,11 +187,6 @@ def at_phases(phases: Array, evenly: Array) -> Array:
     """A channel at even phases (n, k) at those of the branches (n, 2, m)."""
     pairs = zip(phases, evenly, strict=True)
     return np.stack([np.interp(at, EVEN_PHASES, given, period=2.0 * np.pi) for at, given in pairs])
-
-
-def phases_of(x: Array, motion: FastMotion) -> Array:
-    """Phases (n, 2, m) at which a motion passes displacements, both branches in their own order."""
-    return _phases_and_half(x, motion)[0]
 
 
 def _phases_and_half(x: Array, motion: FastMotion) -> tuple[Array, Array]:
