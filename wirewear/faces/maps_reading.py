@@ -59,37 +59,21 @@ class WornTest:
 
 @dataclass(frozen=True, eq=False)
 class MappedTest:
-    """One test, of one or several repeats.
+    """One test, of one or several repeats."""
 
-    Attributes:
-        name: its title.
-        source: "measured" or "simulated", or "record" where a record does not say which.
-        path: what it was read from.
-        normal_load_N: mean of the loops' median load, or what was asked for.
-        displacement_amplitude_um: δa, mean of all loops.
-        slip_amplitude_um: δ0 at the first and at the last cycle.
-        regime: "mixed" where some of its loops slide as a whole and others do not.
-        sliding: criteria of sliding by cycle.
-        worn: energy and volume of each repeat that tells both.
-        cracks: "found" or "none", where the test's owner looked for them.
-        contact: the fresh contact behind its rig; None where too little is known of it.
-        friction: coefficient by geometry, mean of all loops; NaN where none slides.
-        per_mm: whether load, energies and volumes are those of a millimetre of a line contact.
-    """
-
-    name: str
-    source: Source | Literal["record"]
-    path: str
-    normal_load_N: float
-    displacement_amplitude_um: float
-    worn: tuple[WornTest, ...]
-    slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))
-    regime: Regime = "partial slip"
-    sliding: tuple[SlidingMap, ...] = ()
-    cracks: str | None = None
-    contact: FreshContact | None = None
-    friction: float = float("nan")
-    per_mm: bool = False
+    name: str  #: Its title.
+    source: Source | Literal["record"]  #: "measured" or "simulated", or "record" where a record does not say which.
+    path: str  #: What it was read from.
+    normal_load_N: float  #: Mean of the loops' median load, or what was asked for.
+    displacement_amplitude_um: float  #: δa, mean of all loops.
+    worn: tuple[WornTest, ...]  #: Energy and volume of each repeat that tells both.
+    slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))  #: δ0 at the first and at the last cycle.
+    regime: Regime = "partial slip"  #: "mixed" where some of its loops slide as a whole and others do not.
+    sliding: tuple[SlidingMap, ...] = ()  #: Criteria of sliding by cycle.
+    cracks: str | None = None  #: "found" or "none", where the test's owner looked for them.
+    contact: FreshContact | None = None  #: The fresh contact behind its rig; None where too little is known of it.
+    friction: float = float("nan")  #: Coefficient by geometry, mean of all loops; NaN where none slides.
+    per_mm: bool = False  #: Whether load, energies and volumes are those of a millimetre of a line contact.
 
     @property
     def repeats(self) -> int:

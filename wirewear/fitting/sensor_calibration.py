@@ -103,20 +103,13 @@ FEWEST_MOTIONS = 4
 
 @dataclass(frozen=True)
 class LoadPolynomial:
-    """remote − near = linear · Q + quadratic · Q², Q the tangential force.
-
-    Attributes:
-        linear_um_per_N, quadratic_um_per_N2: with their 95 % intervals.
-        largest_force_N: up to which |Q| it was fitted.
-        residual_rms_um: of the motions about it.
-        residual_largest_um: the largest of them, without its sign.
-    """
+    """remote − near = linear · Q + quadratic · Q², Q the tangential force; coefficients with 95 % intervals."""
 
     linear_um_per_N: Measured
     quadratic_um_per_N2: Measured
-    largest_force_N: float
-    residual_rms_um: float
-    residual_largest_um: float
+    largest_force_N: float  #: Up to which |Q| it was fitted.
+    residual_rms_um: float  #: Of the motions about it.
+    residual_largest_um: float  #: Without its sign.
 
     @property
     def sensor(self) -> Sensor:
@@ -295,23 +288,15 @@ def _with_interval(measured: Measured) -> str:
 
 @dataclass(frozen=True)
 class Correction:
-    """A corrected record, and how far the correction can be trusted.
+    """A corrected record, and how far the correction can be trusted."""
 
-    Attributes:
-        record: with displacements at the near point.
-        largest_um: the largest change of a sample.
-        largest_force_N: the largest |Q| of its loops.
-        error_um: the polynomial's own error at that force, half of a 95 % interval.
-        noise_um: standard deviation that the force's noise adds to each displacement, or None where it is not stated.
-        notes: sentences to be read with it.
-    """
-
-    record: ExperimentRecord
-    largest_um: float
-    largest_force_N: float
-    error_um: float
+    record: ExperimentRecord  #: With displacements at the near point.
+    largest_um: float  #: The largest change of a sample.
+    largest_force_N: float  #: The largest |Q| of its loops.
+    error_um: float  #: The polynomial's own error at that force, half of a 95 % interval.
+    #: Standard deviation that the force's noise adds to each displacement, or None where it is not stated.
     noise_um: float | None
-    notes: tuple[str, ...]
+    notes: tuple[str, ...]  #: Sentences to be read with it.
 
 
 def corrected_record(record: ExperimentRecord, polynomial: LoadPolynomial) -> Correction:

@@ -57,21 +57,15 @@ class FittedParameter:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class FittedTest:
-    """A record's test as fitted.
-
-    Attributes:
-        parameters: what the study takes over, by name; those that the record does not tell are absent.
-        found: further figures by name: energies, volumes, stiffnesses of loop and contact.
-        rigid_N_per_mm: a rig as stiff as this is one whose stiffness the loops do not tell.
-        notes: what is missing or assumed, and where to get it.
-    """
+    """A record's test as fitted."""
 
     record: AnyRecord
     study: AnyStudy[Any]
+    #: What the study takes over, by name; those that the record does not tell are absent.
     parameters: dict[str, FittedParameter]
-    found: dict[str, FittedParameter]
-    notes: tuple[str, ...] = field(default=())
-    rigid_N_per_mm: float = 1e6
+    found: dict[str, FittedParameter]  #: Further figures by name: energies, volumes, stiffnesses of loop and contact.
+    notes: tuple[str, ...] = field(default=())  #: What is missing or assumed, and where to get it.
+    rigid_N_per_mm: float = 1e6  #: A rig as stiff as this is one whose stiffness the loops do not tell.
 
     def __repr__(self) -> str:
         found = ", ".join(f"{name} = {one.value:.4g}" for name, one in self.parameters.items())

@@ -124,56 +124,34 @@ def _meeting(*points: tuple[float, float]) -> float:
 
 @dataclass(frozen=True)
 class Branch:
-    """Samples between two reversals, in coordinates that make both branches rise.
+    """Samples between two reversals, in coordinates that make both branches rise."""
 
-    Attributes:
-        direction: +1 forward, −1 backward.
-        travel_um: distance from the reversal (n,).
-        force_N: direction × tangential force (n,).
-        normal_force_N: (n,) or None.
-        origin_um: displacement at the reversal; displacement = origin + direction × travel.
-        length_um: travel from reversal to reversal.
-        samples: positions in the input (n,).
-        play_um: free play that was taken out of the travel; half of it is added to the origin.
-    """
-
-    direction: Literal[1, -1]
-    travel_um: Array
-    force_N: Array
-    normal_force_N: Array | None
-    origin_um: float
-    length_um: float
-    samples: NDArray[np.intp]
-    play_um: float = 0.0
+    direction: Literal[1, -1]  #: +1 forward, −1 backward.
+    travel_um: Array  #: Distance from the reversal (n,).
+    force_N: Array  #: Direction × tangential force (n,).
+    normal_force_N: Array | None  #: (n,) or None.
+    origin_um: float  #: Displacement at the reversal; displacement = origin + direction × travel.
+    length_um: float  #: Travel from reversal to reversal.
+    samples: NDArray[np.intp]  #: Positions in the input (n,).
+    play_um: float = 0.0  #: Free play that was taken out of the travel; half of it is added to the origin.
 
 
 @dataclass(frozen=True)
 class MicroSlip:
-    """Fitted course of one branch: a series of a spring and a Mindlin contact, then a plateau.
+    """Fitted course of one branch: a series of a spring and a Mindlin contact, then a plateau."""
 
-    Attributes:
-        travel_um: travel from the reversal to the onset of gross slip; beyond the branch in partial slip.
-        height_N: rise of the force from the reversal to the onset (extrapolated in partial slip).
-        plateau_slope_N_per_um: mean slope of the plateau.
-        misfit: sum of squared residuals.
-        slides: whether a plateau was found.
-        length_um: travel from reversal to reversal.
-        plateau: coefficients of the plateau's polynomial in travel/length − ½.
-        shape: row of the table of micro-slip shapes.
-        share: Mindlin contact's share of the travel, of that row.
-    """
-
-    travel_um: float
-    height_N: float
-    plateau_slope_N_per_um: float
-    misfit: float
-    slides: bool
-    length_um: float
-    plateau: tuple[float, ...]
-    shape: int
+    travel_um: float  #: From the reversal to the onset of gross slip; beyond the branch in partial slip.
+    height_N: float  #: Rise of the force from the reversal to the onset (extrapolated in partial slip).
+    plateau_slope_N_per_um: float  #: Mean slope.
+    misfit: float  #: Sum of squared residuals.
+    slides: bool  #: Whether a plateau was found.
+    length_um: float  #: From reversal to reversal.
+    plateau: tuple[float, ...]  #: Coefficients of the plateau's polynomial in travel/length − ½.
+    shape: int  #: Row of the table of micro-slip shapes.
 
     @property
     def share(self) -> float:
+        """Mindlin contact's share of the travel."""
         return float(SHARES[self.shape])
 
     @property

@@ -45,45 +45,26 @@ BACKWARDS = (
 
 @dataclass(frozen=True)
 class CleanLoop:
-    """One cycle in order of time, without outliers, turning so that it dissipates.
+    """One cycle in order of time, without outliers, turning so that it dissipates."""
 
-    Attributes:
-        displacement_um: displacement, freed from noise where a smooth drive explains it (n,).
-        raw_displacement_um: the same samples as given (n,).
-        force_N: tangential force (n,).
-        normal_force_N: smooth normal force (n,), or None.
-        time: times of the samples, in any unit (n,).
-        times_known: whether these were given; else the samples count as evenly spread.
-        index: position of each sample in the input (n,).
-        displacement_noise_um: standard deviation of one entry of displacement_um.
-        raw_noise_um: standard deviation of one entry of raw_displacement_um.
-        smoothed: whether a smooth drive stands in for the displacement's samples.
-        force_noise_N: standard deviation of one tangential force.
-        normal_noise_N: standard deviation of the mean normal force.
-        outliers: positions in the input of the samples left out.
-        past: how many of these were left out as they run on past one cycle.
-        notes: what was assumed or corrected.
-        lean_um_per_N: displacement per force that was added to both displacements (see `wirewear.loops.branches`).
-        may_drift_by: displacement per time by which the drive may move off, as well as have another period.
-    """
-
-    displacement_um: Array
-    raw_displacement_um: Array
-    force_N: Array
-    normal_force_N: Array | None
-    time: Array
-    times_known: bool
-    index: NDArray[np.intp]
-    displacement_noise_um: float
-    raw_noise_um: float
-    smoothed: bool
-    force_noise_N: float
-    normal_noise_N: float
-    outliers: tuple[int, ...]
-    notes: tuple[str, ...]
-    past: int = 0
+    displacement_um: Array  #: Displacement, freed from noise where a smooth drive explains it (n,).
+    raw_displacement_um: Array  #: The same samples as given (n,).
+    force_N: Array  #: Tangential force (n,).
+    normal_force_N: Array | None  #: Smooth normal force (n,), or None.
+    time: Array  #: Times of the samples, in any unit (n,).
+    times_known: bool  #: Whether these were given; else the samples count as evenly spread.
+    index: NDArray[np.intp]  #: Position of each sample in the input (n,).
+    displacement_noise_um: float  #: Standard deviation of one entry of displacement_um.
+    raw_noise_um: float  #: Standard deviation of one entry of raw_displacement_um.
+    smoothed: bool  #: Whether a smooth drive stands in for the displacement's samples.
+    force_noise_N: float  #: Standard deviation of one tangential force.
+    normal_noise_N: float  #: Standard deviation of the mean normal force.
+    outliers: tuple[int, ...]  #: Positions in the input of the samples left out.
+    notes: tuple[str, ...]  #: What was assumed or corrected.
+    past: int = 0  #: How many of these were left out as they run on past one cycle.
+    #: Displacement per force that was added to both displacements (see `wirewear.loops.branches`).
     lean_um_per_N: float = 0.0
-    may_drift_by: float = 0.0
+    may_drift_by: float = 0.0  #: Displacement per time by which the drive may move off, as well as have another period.
 
     @property
     def amplitude_noise_um(self) -> float:

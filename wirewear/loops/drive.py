@@ -23,21 +23,13 @@ ALIKE_STEPS = 1.5  #: Steps of time are alike whose upper quartile exceeds the l
 
 @dataclass(frozen=True)
 class SmoothSignal:
-    """A signal and what is known of its noise.
+    """A signal and what is known of its noise."""
 
-    Attributes:
-        values: the smooth signal, or the samples themselves where no smooth signal explains them (n,).
-        noise: standard deviation of one sample.
-        deviation: standard deviation of one entry of values.
-        outliers: samples further than 5 noise from the smooth signal (n,).
-        smoothed: whether values are smooth.
-    """
-
-    values: Array
-    noise: float
-    deviation: float
-    outliers: BoolArray
-    smoothed: bool
+    values: Array  #: The smooth signal, or the samples themselves where no smooth signal explains them (n,).
+    noise: float  #: Standard deviation of one sample.
+    deviation: float  #: Standard deviation of one entry of values.
+    outliers: BoolArray  #: Samples further than 5 noise from the smooth signal (n,).
+    smoothed: bool  #: Whether values are smooth.
 
 
 def smooth_periodic(time: Array, values: Array, *, lowest_harmonic: int = 1) -> SmoothSignal:

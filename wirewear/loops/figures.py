@@ -52,98 +52,61 @@ def mean_of(one: Measured, other: Measured) -> Measured:
 
 @dataclass(frozen=True)
 class MicroSlipBranch:
-    """One branch just after a reversal, with the line fitted over half of its micro-slip region.
+    """One branch just after a reversal, with the line fitted over half of its micro-slip region."""
 
-    Attributes:
-        direction: +1 when the displacement grows along the branch, −1 when it falls.
-        stiffness_N_per_um: slope of the fitted line.
-        intercept_N: force of the fitted line at zero displacement (of the input's axis).
-        displacement_um: displacements at the two ends of the fitted part, in order of travel.
-        micro_slip_travel_um: travel from the reversal to the onset of gross slip (or to the next reversal).
-        samples: indices of the fitted samples in the input arrays, in order of travel.
-    """
-
-    direction: Literal[1, -1]
-    stiffness_N_per_um: Measured
-    intercept_N: float
-    displacement_um: tuple[float, float]
-    micro_slip_travel_um: float
-    samples: tuple[int, ...]
+    direction: Literal[1, -1]  #: +1 when the displacement grows along the branch, −1 when it falls.
+    stiffness_N_per_um: Measured  #: Slope of the fitted line.
+    intercept_N: float  #: Force of the fitted line at zero displacement (of the input's axis).
+    displacement_um: tuple[float, float]  #: Displacements at the two ends of the fitted part, in order of travel.
+    micro_slip_travel_um: float  #: Travel from the reversal to the onset of gross slip (or to the next reversal).
+    samples: tuple[int, ...]  #: Indices of the fitted samples in the input arrays, in order of travel.
 
 
 @dataclass(frozen=True)
 class StickSlip:
-    """Chatter of a sliding loop.
+    """Chatter of a sliding loop."""
 
-    Attributes:
-        share: part of the sliding samples that lie between slips.
-        slips_per_cycle: how often the force falls in one cycle.
-        frequency_Hz: slips per second of sliding; None where no times are known.
-        force_drop_share: median fall of the force over the sliding force.
-        resolved: whether a slip has samples enough to be counted; else there may be more of them.
-    """
-
-    share: float
-    slips_per_cycle: int
-    frequency_Hz: float | None
-    force_drop_share: Measured
-    resolved: bool
+    share: float  #: Part of the sliding samples that lie between slips.
+    slips_per_cycle: int  #: How often the force falls in one cycle.
+    frequency_Hz: float | None  #: Slips per second of sliding; None where no times are known.
+    force_drop_share: Measured  #: Median fall of the force over the sliding force.
+    resolved: bool  #: Whether a slip has samples enough to be counted; else there may be more of them.
 
 
 @dataclass(frozen=True)
 class LoopFigures:
-    """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains.
+    """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains."""
 
-    Attributes:
-        displacement_amplitude_um: δa, half the stroke.
-        slip_amplitude_um: δ0, half the loop's width at its mid force.
-        dissipated_energy_mJ: E_d, the loop's area.
-        measured_stiffness_N_per_um: K_t,m, mean slope of the two micro-slip branches.
-        branches: those two branches, forward then backward.
-        friction_max: max|Q|/P over the cycle.
-        friction_energy: E_d/(4Pδ0).
-        friction_geometry_independent: tan of the mean friction angle of both directions at mid-slip.
-        plateau_slope_N_per_um: mean slope of |Q| in the direction of slip over the middle of the plateaus.
-        end_hook_ratio: peak over mid-slip force (over normal force, if known), mean of both directions (1: flat).
-        corner_curvature: area that rounding cuts off the corners between micro-slip and plateau over that of the
-            triangle below them, mean of both directions (0: sharp; 0.2: a Cattaneo–Mindlin contact alone).
-        energy_ratio: A = E_d/(4 δa Q*), 0.2 at the transition to gross slip; the rig's compliance lowers it.
-        system_free_ratio: B = E_d/(4 δ0 Q*), 0.77 there, whatever the rig.
-        mean_force_N: path average of Q over both directions of the same stroke.
-        asymmetry: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
-        free_play_um: width of the shelf about zero force, mean of both branches; None where there is none.
-        force_zero_N: force at which the shelf lies: where the sensor has its zero.
-        friction_forward: Q₊/P at mid-slip, from the shelf's force if there is one.
-        friction_backward: |Q₋|/P, likewise.
-        static_overshoot: by which share the force first passes the later peaks of the plateau; None if it does not.
-        stick_slip: chatter of the plateaus; None where there is none.
-        regime: "gross slip" when a plateau follows the micro-slip branches; else "contact opened" where the normal
-            force falls to zero within the cycle, and else "partial slip".
-        outlier_samples: indices of input samples left out as outliers.
-        notes: sentences about what was left out, assumed or corrected.
-    """
-
-    displacement_amplitude_um: Measured
-    slip_amplitude_um: Measured
-    dissipated_energy_mJ: Measured
-    measured_stiffness_N_per_um: Measured | None
-    branches: tuple[MicroSlipBranch, MicroSlipBranch]
-    friction_max: Measured | None
-    friction_energy: Measured | None
-    friction_geometry_independent: Measured | None
+    displacement_amplitude_um: Measured  #: δa, half the stroke.
+    slip_amplitude_um: Measured  #: δ0, half the loop's width at its mid force.
+    dissipated_energy_mJ: Measured  #: E_d, the loop's area.
+    measured_stiffness_N_per_um: Measured | None  #: K_t,m, mean slope of the two micro-slip branches.
+    branches: tuple[MicroSlipBranch, MicroSlipBranch]  #: Those two branches, forward then backward.
+    friction_max: Measured | None  #: max|Q|/P over the cycle.
+    friction_energy: Measured | None  #: E_d/(4Pδ0).
+    friction_geometry_independent: Measured | None  #: Tan of the mean friction angle of both directions at mid-slip.
+    #: Mean slope of |Q| in the direction of slip over the middle of the plateaus.
     plateau_slope_N_per_um: Measured | None
+    #: Peak over mid-slip force (over normal force, if known), mean of both directions (1: flat).
     end_hook_ratio: Measured | None
+    #: Area that rounding cuts off the corners between micro-slip and plateau over that of the triangle below them, mean
+    #: of both directions (0: sharp; 0.2: a Cattaneo–Mindlin contact alone).
     corner_curvature: Measured | None
+    #: A = E_d/(4 δa Q*), 0.2 at the transition to gross slip; the rig's compliance lowers it.
     energy_ratio: Measured | None
-    system_free_ratio: Measured | None
-    mean_force_N: Measured
-    asymmetry: Measured | None
+    system_free_ratio: Measured | None  #: B = E_d/(4 δ0 Q*), 0.77 there, whatever the rig.
+    mean_force_N: Measured  #: Path average of Q over both directions of the same stroke.
+    asymmetry: Measured | None  #: (Q₊ − |Q₋|)/(Q₊ + |Q₋|) at mid-slip.
+    #: Width of the shelf about zero force, mean of both branches; None where there is none.
     free_play_um: Measured | None
-    force_zero_N: Measured | None
-    friction_forward: Measured | None
-    friction_backward: Measured | None
+    force_zero_N: Measured | None  #: Force at which the shelf lies: where the sensor has its zero.
+    friction_forward: Measured | None  #: Q₊/P at mid-slip, from the shelf's force if there is one.
+    friction_backward: Measured | None  #: |Q₋|/P, likewise.
+    #: By which share the force first passes the later peaks of the plateau; None if it does not.
     static_overshoot: Measured | None
-    stick_slip: StickSlip | None
+    stick_slip: StickSlip | None  #: Chatter of the plateaus; None where there is none.
+    #: "gross slip" when a plateau follows the micro-slip branches; else "contact opened" where the normal force falls
+    #: to zero within the cycle, and else "partial slip".
     regime: Regime
-    outlier_samples: tuple[int, ...]
-    notes: tuple[str, ...]
+    outlier_samples: tuple[int, ...]  #: Indices of input samples left out as outliers.
+    notes: tuple[str, ...]  #: Sentences about what was left out, assumed or corrected.

@@ -132,19 +132,13 @@ class SlidingFigures:
 
 @dataclass(frozen=True)
 class PositionResolvedFriction:
-    """Friction and slope of the scar along the slip; arrays (n,).
+    """Friction and slope of the scar along the slip; arrays (n,)."""
 
-    Attributes:
-        slip_position_um: x = δ − Q/K.
-        friction_angle_rad: φ = (atan(Q₊/P) + atan(|Q₋|/P))/2.
-        slope_angle_rad: θ = (atan(Q₊/P) − atan(|Q₋|/P))/2, the slope of the scar that the contact climbs towards +x.
-        stiffness_N_per_um: the K used (inf where the loop shows none).
-    """
-
-    slip_position_um: Array
-    friction_angle_rad: Array
+    slip_position_um: Array  #: x = δ − Q/K.
+    friction_angle_rad: Array  #: φ = (atan(Q₊/P) + atan(|Q₋|/P))/2.
+    #: θ = (atan(Q₊/P) − atan(|Q₋|/P))/2, the slope of the scar that the contact climbs towards +x.
     slope_angle_rad: Array
-    stiffness_N_per_um: float
+    stiffness_N_per_um: float  #: The K used (inf where the loop shows none).
 
     @property
     def friction(self) -> Array:

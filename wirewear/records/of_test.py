@@ -14,19 +14,12 @@ from wirewear.study.programme import CycleBlock
 
 
 class OfTest(Table):
-    """What any file that describes a test is asked, of whatever kind of contact.
+    """What any file that describes a test is asked, of whatever kind of contact."""
 
-    Attributes:
-        contact_kind: its name.
-        body_names: of the one that is driven and the other.
-        worn: how the worn surfaces stand in the record.
-        needs_loops: whether there is no record without loops.
-    """
-
-    contact_kind: ClassVar[str]
-    body_names: ClassVar[tuple[str, str]]
-    worn: ClassVar[WornSurfaces]
-    needs_loops: ClassVar[bool]
+    contact_kind: ClassVar[str]  #: Its name.
+    body_names: ClassVar[tuple[str, str]]  #: Of the one that is driven and the other.
+    worn: ClassVar[WornSurfaces]  #: How the worn surfaces stand in the record.
+    needs_loops: ClassVar[bool]  #: Whether there is no record without loops.
 
     format: Annotated[int, PlainValidator(checked_format)] = Field(
         description="version of the file's format", examples=[FORMAT]

@@ -304,25 +304,15 @@ class MeasuredProfile:
 
 @dataclass(frozen=True)
 class WornSurfaces:
-    """How the worn surfaces of a kind of contact stand in a record, and what sentences say of them.
+    """How the worn surfaces of a kind of contact stand in a record, and what sentences say of them."""
 
-    Attributes:
-        name: files are named by it and the body, such as scar_moving.
-        noun: what one is called among what an import holds.
-        columns: of such a file.
-        surface: what each is.
-        support: what surfaces tell.
-        fewest: of so many bodies.
-        lacking: what is not known without those of some, and how they are had.
-    """
-
-    name: str
-    noun: str
-    columns: tuple[Column, ...]
-    surface: type[MeasuredScar] | type[MeasuredProfile]
-    support: str
-    fewest: int
-    lacking: str
+    name: str  #: Files are named by it and the body, such as scar_moving.
+    noun: str  #: What one is called among what an import holds.
+    columns: tuple[Column, ...]  #: Of such a file.
+    surface: type[MeasuredScar] | type[MeasuredProfile]  #: What each is.
+    support: str  #: What surfaces tell.
+    fewest: int  #: Of so many bodies.
+    lacking: str  #: What is not known without those of some, and how they are had.
 
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)

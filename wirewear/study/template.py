@@ -32,22 +32,15 @@ EXAMPLE: Mapping[str, Any] = {
 
 @dataclass(frozen=True)
 class Template:
-    """What a study of a kind begins with.
+    """What a study of a kind begins with."""
 
-    Attributes:
-        kind: as the study's key `kind` says it.
-        tables: the study's tables; those named in `shown` are spelled out, the others are for who refines meshes.
-        example: keys that have values.
-        above: what is said of the example.
-        left_out: keys by table that others of its kind of tables have.
-    """
-
-    kind: str
+    kind: str  #: As the study's key `kind` says it.
+    #: The study's tables; those named in `shown` are spelled out, the others are for who refines meshes.
     tables: type[Table]
     shown: tuple[str, ...]
-    example: Mapping[str, Any] = field(repr=False)
-    above: str
-    left_out: tuple[str, ...] = ()
+    example: Mapping[str, Any] = field(repr=False)  #: Keys that have values.
+    above: str  #: What is said of the example.
+    left_out: tuple[str, ...] = ()  #: Keys by table that others of its kind of tables have.
 
 
 COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that every contact at a point has, spelled out.

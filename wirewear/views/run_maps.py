@@ -199,20 +199,14 @@ def _round_values(low: float, high: float) -> list[float]:
 
 @dataclass(frozen=True)
 class RegressionLine:
-    """V = slope · (ΣE_d − threshold); intervals hold the true values with a probability of 95 %.
+    """V = slope · (ΣE_d − threshold); intervals hold the true values with a probability of 95 %."""
 
-    Attributes:
-        slope_mm3_per_J: worn volume per friction energy.
-        slope_interval95: of the slope; infinite where there is one test more than nothing to tell it by.
-        threshold_J: energy below which nothing wears; 0 for a line through the origin.
-        threshold_interval95: by the scatter of slope and intercept.
-        explained: share of the volumes' scatter about their mean that the line explains (R²); NaN where they agree.
-    """
-
-    slope_mm3_per_J: float
+    slope_mm3_per_J: float  #: Worn volume per friction energy.
+    #: Of the slope; infinite where there is one test more than nothing to tell it by.
     slope_interval95: tuple[float, float]
-    threshold_J: float
-    threshold_interval95: tuple[float, float]
+    threshold_J: float  #: Energy below which nothing wears; 0 for a line through the origin.
+    threshold_interval95: tuple[float, float]  #: By the scatter of slope and intercept.
+    #: Share of the volumes' scatter about their mean that the line explains (R²); NaN where they agree.
     explained: float
     tests: int
 

@@ -234,29 +234,17 @@ def _contrasts(observed: Observations) -> Iterator[tuple[NDArray[np.intp], Array
 
 @dataclass(frozen=True, eq=False)
 class Covariance:
-    """Covariance of the repeats' mean observables, as seen by a model without a gap.
+    """Covariance of the repeats' mean observables, as seen by a model without a gap."""
 
-    Attributes:
-        mean: (n,) best mean of the repeats.
-        total: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
-        single: (n,) variance of one repeat against the model, with noise, scatter and solver error.
-        numerical: (n, n) covariance of the solver error in it.
-        tolerated: (n, n) covariance of what is within the record's tolerance in it.
-        between: (n, n) covariance of one repeat's specimens and zeros.
-        nuisance: (n, n) covariance of the mean by specimens and zeros.
-        scatter: standard deviations between repeats, by name, as estimated.
-        contradicted: names of those that are stated and that the repeats contradict.
-    """
-
-    mean: Array
-    total: Array
-    single: Array
-    numerical: Array
-    tolerated: Array
-    between: Array
-    nuisance: Array
-    scatter: Mapping[str, float]
-    contradicted: tuple[str, ...] = ()
+    mean: Array  #: (n,) best mean of the repeats.
+    total: Array  #: (n, n) covariance of `mean` less a perfect model's observables, solver error included.
+    single: Array  #: (n,) variance of one repeat against the model, with noise, scatter and solver error.
+    numerical: Array  #: (n, n) covariance of the solver error in it.
+    tolerated: Array  #: (n, n) covariance of what is within the record's tolerance in it.
+    between: Array  #: (n, n) covariance of one repeat's specimens and zeros.
+    nuisance: Array  #: (n, n) covariance of the mean by specimens and zeros.
+    scatter: Mapping[str, float]  #: Standard deviations between repeats, by name, as estimated.
+    contradicted: tuple[str, ...] = ()  #: Names of those that are stated and that the repeats contradict.
 
 
 def estimate(states: WearStates, setup: Setup, observed: Observations) -> Covariance:

@@ -36,28 +36,18 @@ KNOTS = _KNOWN.count("knots")
 
 @dataclass(frozen=True, eq=False)
 class Distortion:
-    """One family beside one explanation.
-
-    Attributes:
-        family, beside: both.
-        log_evidence: of both together, on the scale of the fits'.
-        gain: by which the family raises that of the explanation alone.
-        size: the likeliest of `SIZES`.
-        unknowns: (k,) the family's best, in units of its columns.
-        observed: (n,) what it changes of the observables at that.
-        over_time: logarithms of cycles (j,) and values there (j,) of what changes in time; empty for shapes.
-        deviations: how many standard deviations it stands from nothing: sqrt of what it takes from χ².
-    """
+    """One family beside one explanation."""
 
     family: Family
     beside: Fit
-    log_evidence: float
-    gain: float
-    size: float
-    unknowns: Array
-    observed: Array
+    log_evidence: float  #: Of both together, on the scale of the fits'.
+    gain: float  #: By which the family raises that of the explanation alone.
+    size: float  #: The likeliest of `SIZES`.
+    unknowns: Array  #: (k,) the family's best, in units of its columns.
+    observed: Array  #: (n,) what it changes of the observables at that.
+    #: Logarithms of cycles (j,) and values there (j,) of what changes in time; empty for shapes.
     over_time: tuple[Array, Array]
-    deviations: float
+    deviations: float  #: How many standard deviations it stands from nothing: sqrt of what it takes from χ².
 
 
 def distortions(problem: Problem, fits: Sequence[Fit]) -> tuple[Distortion, ...]:
@@ -124,19 +114,12 @@ def gains_of(found: Sequence[Distortion]) -> dict[tuple[str, ...], list[float]]:
 
 @dataclass(frozen=True, eq=False)
 class FreeInTime:
-    """One column of a chain that is changed over the cycles; it stands in a setup beside its effects.
+    """One column of a chain that is changed over the cycles; it stands in a setup beside its effects."""
 
-    Attributes:
-        column: of the chain.
-        knots: logarithms (k,) of cycles.
-        values: (k,) changes at these, linear between them.
-        scale: what a change of one adds; 0 multiplies instead.
-    """
-
-    column: str
-    knots: Array
-    values: Array
-    scale: float
+    column: str  #: Of the chain.
+    knots: Array  #: Logarithms (k,) of cycles.
+    values: Array  #: (k,) changes at these, linear between them.
+    scale: float  #: What a change of one adds; 0 multiplies instead.
     name: str = "free in time"
     ages: Ageing = Ageing.BY_CYCLES
 
@@ -158,21 +141,14 @@ class FreeInTime:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """A family around one explanation.
+    """A family around one explanation."""
 
-    Attributes:
-        family: whose they are.
-        weight: belief in them before looking, among all of one family.
-        observed: (n, k) changes of the observables by a standard deviation of each of its k unknowns, of unit size.
-        knots: (j,) logarithms of the cycles between which what changes in time goes straight; empty for shapes.
-        of_unknowns: (j, k) its values there by its unknowns.
-    """
-
-    family: Family
-    weight: float
+    family: Family  #: Whose they are.
+    weight: float  #: Belief in them before looking, among all of one family.
+    #: (n, k) changes of the observables by a standard deviation of each of its k unknowns, of unit size.
     observed: Array
-    knots: Array
-    of_unknowns: Array
+    knots: Array  #: (j,) logarithms of the cycles between which what changes in time goes straight; empty for shapes.
+    of_unknowns: Array  #: (j, k) its values there by its unknowns.
 
 
 def families_of(layout: Layout) -> tuple[Family, ...]:

@@ -30,30 +30,20 @@ _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 
 @dataclass(frozen=True, eq=False)
 class Family:
-    """Distortions of one kind at one seam.
+    """Distortions of one kind at one seam."""
 
-    Attributes:
-        seam: where they enter.
-        name: what they are, for people.
-        shapes: of a loop, each with a size of its own; empty for what changes in time.
-        column: of the chain, where it changes in time; empty for shapes.
-        scale: unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force,
-            "force" that force.
-        develops: whether its sizes may change over the cycles.
-        allowed: log evidence that friction laws and solvers were seen to add to it beside known effects.
-        instead: sets of shapes that it may have instead of these, each as likely.
-        counts: whether it speaks for a cause outside the library; else it names one that others speak for, as nothing
-            that solvers add to it was learned.
-    """
-
-    seam: Seam
-    name: str
-    shapes: tuple[Shape, ...] = ()
-    column: str = ""
+    seam: Seam  #: Where they enter.
+    name: str  #: What they are, for people.
+    shapes: tuple[Shape, ...] = ()  #: Of a loop, each with a size of its own; empty for what changes in time.
+    column: str = ""  #: Of the chain, where it changes in time; empty for shapes.
+    #: Unit of what is added to the column: "" multiplies it, "compliance" is amplitude over plateau force, "force" that
+    #: force.
     scale: str = ""
-    develops: bool = False
-    allowed: float = 0.0
-    instead: tuple[tuple[Shape, ...], ...] = ()
+    develops: bool = False  #: Whether its sizes may change over the cycles.
+    allowed: float = 0.0  #: Log evidence that friction laws and solvers were seen to add to it beside known effects.
+    instead: tuple[tuple[Shape, ...], ...] = ()  #: Sets of shapes that it may have instead of these, each as likely.
+    #: Whether it speaks for a cause outside the library; else it names one that others speak for, as nothing that
+    #: solvers add to it was learned.
     counts: bool = True
 
 

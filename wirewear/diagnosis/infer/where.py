@@ -216,22 +216,14 @@ PRESENT = _ALIKE.number("present")
 
 @dataclass(frozen=True)
 class Resemblance:
-    """One family that a gap behaves like.
-
-    Attributes:
-        seam, family: of it.
-        probability: among all families, given that the cause lies outside the library.
-        cycles: first and last logged ones at which it shows.
-        where: the place in the loop.
-        text: one sentence for a person, with its size.
-    """
+    """One family that a gap behaves like."""
 
     seam: str
     family: str
-    probability: float
-    cycles: tuple[int, int]
-    where: str
-    text: str
+    probability: float  #: Among all families, given that the cause lies outside the library.
+    cycles: tuple[int, int]  #: First and last logged ones at which it shows.
+    where: str  #: The place in the loop.
+    text: str  #: One sentence for a person, with its size.
 
 
 def resemblances(problem: Problem, found: Sequence[Distortion], best_log_evidence: float) -> tuple[Resemblance, ...]:

@@ -92,18 +92,16 @@ class LayeredWires:
     """Changes by layers of `heights` s R/δ² (k), the first of none, under which both wires wore volumes V R/δ⁴ (n).
 
     What is then `present` of a layer, as a share of its height (j,), presses the worn wires.
-
-    Attributes:
-        loops: (k, j, n, m + 3) slope of θ in δ/R at m positions from mid-stroke to an end, logarithm of the contact's
-            radius, approach of the wires in δ²/R, and the layer's mean closure over its height, which is no change.
-        scars: (k, n, 6) depths of the moving and of the fixed wire's scar in δ²/R, and logarithms of their lengths and
-            widths, wire by wire.
     """
 
     heights: Array
     present: Array
     volumes: Array
+    #: (k, j, n, m + 3) slope of θ in δ/R at m positions from mid-stroke to an end, logarithm of the contact's radius,
+    #: approach of the wires in δ²/R, and the layer's mean closure over its height, which is no change.
     loops: Array
+    #: (k, n, 6) depths of the moving and of the fixed wire's scar in δ²/R, and logarithms of their lengths and widths,
+    #: wire by wire.
     scars: Array
 
     def at(self, worn_under: Array, height: Array, similarity: Array) -> Array:
@@ -231,23 +229,14 @@ def _pressures(overlap: Array, stiffness: Array, heights: Array, engagement: flo
 
 @dataclass(frozen=True, eq=False)
 class FlatteningChange:
-    """Changes by flattening at (n,) moments.
+    """Changes by flattening at (n,) moments."""
 
-    Attributes:
-        slope: (n, m) of θ in δ/R, at the `positions` of `FlattenedWires`.
-        stiffness: (n,) logarithm of the contact's stiffness.
-        approach: (n,) by which wear has let the wires come nearer, in δ²/R.
-        depth: (n, 2) of the moving and of the fixed wire's scar, in δ²/R.
-        extent: (n, 2, 2) logarithm of the scars' lengths and widths, by wire.
-        volume: (n, 2) of the flats themselves, in δ⁴/R.
-    """
-
-    slope: Array
-    stiffness: Array
-    approach: Array
-    depth: Array
-    extent: Array
-    volume: Array
+    slope: Array  #: (n, m) of θ in δ/R, at the `positions` of `FlattenedWires`.
+    stiffness: Array  #: (n,) logarithm of the contact's stiffness.
+    approach: Array  #: (n,) by which wear has let the wires come nearer, in δ²/R.
+    depth: Array  #: (n, 2) of the moving and of the fixed wire's scar, in δ²/R.
+    extent: Array  #: (n, 2, 2) logarithm of the scars' lengths and widths, by wire.
+    volume: Array  #: (n, 2) of the flats themselves, in δ⁴/R.
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,28 +30,18 @@ EDGE = 0.03
 
 @dataclass(frozen=True)
 class WornLineContact:
-    """A line contact of one millimetre, and what it wears under.
+    """A line contact of one millimetre, and what it wears under."""
 
-    Attributes:
-        face: of the pad.
-        load_N_per_mm, hertz_half_width_mm, contact_modulus_MPa: before any wear.
-        reach_mm: half of the width that is looked at.
-        most_area_mm2: worn cross-section of both bodies up to which it is followed.
-        retained_fraction, modulus_MPa: of the bed of debris; a modulus of zero is one that does not give way.
-        supply_mm3_MPa, starved_factor: oxygen's supply over 4 times friction, slip amplitude and frequency, and the
-            factor on the wear coefficients where there is none; zero is oxygen everywhere.
-    """
-
-    face: Face
+    face: Face  #: Of the pad; load, Hertz's half-width and modulus are those before any wear.
     load_N_per_mm: float
     hertz_half_width_mm: float
     contact_modulus_MPa: float
-    reach_mm: float
-    most_area_mm2: float
-    retained_fraction: float = 0.0
-    modulus_MPa: float = 0.0
-    supply_mm3_MPa: float = 0.0
-    starved_factor: float = 1.0
+    reach_mm: float  #: Half of the width that is looked at.
+    most_area_mm2: float  #: Worn cross-section of both bodies up to which it is followed.
+    retained_fraction: float = 0.0  #: Of the bed of debris, as its modulus.
+    modulus_MPa: float = 0.0  #: Zero: it does not give way.
+    supply_mm3_MPa: float = 0.0  #: Of oxygen over 4 times friction, slip amplitude and frequency; zero: everywhere.
+    starved_factor: float = 1.0  #: On the wear coefficients where there is none.
 
     @property
     def plain(self) -> WornLineContact:
@@ -61,21 +51,13 @@ class WornLineContact:
 
 @dataclass(frozen=True, eq=False)
 class WornLine:
-    """A worn line contact over the area that both bodies have lost.
+    """A worn line contact over the area that both bodies have lost."""
 
-    Attributes:
-        x_mm: (m,) from the middle outwards.
-        area_mm2: (k,) increasing.
-        depth_mm: (k, m) of both bodies together.
-        factor: (k,) mean factor on the wear coefficients.
-        half_width_mm: (k,) of the scar.
-    """
-
-    x_mm: Array
-    area_mm2: Array
-    depth_mm: Array
-    factor: Array
-    half_width_mm: Array
+    x_mm: Array  #: (m,) from the middle outwards.
+    area_mm2: Array  #: (k,) increasing.
+    depth_mm: Array  #: (k, m) of both bodies together.
+    factor: Array  #: (k,) mean factor on the wear coefficients.
+    half_width_mm: Array  #: (k,) of the scar.
 
     def depth_at(self, area_mm2: float) -> Array:
         """Depths (m,) once so much is worn."""

@@ -53,63 +53,41 @@ class AtWork(Protocol):
 class Setup:
     """One set of circumstances under which loops are computed: a test as it is believed to be, and what changes it.
 
-    Attributes:
-        amplitude_um, load_N, cycles, frequency_Hz: conditions of the test; of a drive that holds something else,
-            the amplitude that it begins with.
-        drive: where the amplitude is held, on the "sensor"'s reading or on the true "stroke".
-        held, held_share: what the drive holds in place of it, "slip", "motion" or "energy", and how much of it
-            (µm, mJ) over amplitude_um.
-        friction, wear_um3_per_mJ: coefficient, and worn volume of both bodies per friction energy.
-        compliance_um_per_N: of the holder along the motion, rotation about a pivot included.
-        normal_spring_N_per_um: of the loading train.
-        crossing_error_rad: of the wires' axes from the right angle, and by what other bodies' scars are sheared alike.
-        effects: at work beside that.
-        motion: how the drive passes its stroke in time.
-        worked: of a test by blocks, cycles with how many of these conditions wear as much as all so far.
-        length_mm: of a line contact; zero for contacts at a point.
-        contact_kind: its name.
-        friction_factor, wear_factor, load_factor: by which one specimen's friction, wear and load differ from all that.
-        added_compliance_um_per_N: beside the rig's own, as solvers hold the bodies differently.
-        displacement_offset_um, force_offset_N: zeros of the sensors.
-        slope_factor, tip_factor, tip_trend, stretch, stick_factor, stick_trend, micro_slip,
-            angle_rise: numerical freedoms of the fast model: the scar's slopes,
-            those of its ends and their change per decade, its length, the
-            contact's stiffness and its relative change per decade, the logarithm of its micro-slip's order over
-            Mindlin's, the share of friction not yet mobilised where it begins to slide, the share that counts of the
-            friction that a scar adds.
+    The last eight are numerical freedoms of the fast model.
     """
 
-    amplitude_um: float
+    amplitude_um: float  #: Of a drive that holds something else, the amplitude that it begins with.
     load_N: float
     cycles: float
     frequency_Hz: float
-    drive: Literal["sensor", "stroke"]
+    drive: Literal["sensor", "stroke"]  #: Where the amplitude is held: on a reading, or the true stroke.
     friction: float
-    wear_um3_per_mJ: float
-    held: str = ""
-    held_share: float = 1.0
-    compliance_um_per_N: float = 0.0
-    normal_spring_N_per_um: float = 0.0
-    crossing_error_rad: float = 0.0
-    effects: tuple[AtWork, ...] = ()
-    length_mm: float = 0.0
+    wear_um3_per_mJ: float  #: Worn volume of both bodies per friction energy.
+    held: str = ""  #: What the drive holds in place of it: "slip", "motion" or "energy".
+    held_share: float = 1.0  #: How much of that (µm, mJ) over amplitude_um.
+    compliance_um_per_N: float = 0.0  #: Of the holder along the motion, rotation about a pivot included.
+    normal_spring_N_per_um: float = 0.0  #: Of the loading train.
+    crossing_error_rad: float = 0.0  #: Of the wires' axes; by what other bodies' scars are sheared alike.
+    effects: tuple[AtWork, ...] = ()  #: At work beside that.
+    length_mm: float = 0.0  #: Of a line contact; zero for contacts at a point.
     contact_kind: str = "crossed-wires"
-    motion: FastMotion = SINE
+    motion: FastMotion = SINE  #: How the drive passes its stroke in time.
+    #: Of a test by blocks, cycles with how many of these conditions wear as much as all so far.
     worked: tuple[tuple[float, float], ...] = ()
-    friction_factor: float = 1.0
+    friction_factor: float = 1.0  #: One specimen's, as the next two.
     wear_factor: float = 1.0
     load_factor: float = 1.0
-    added_compliance_um_per_N: float = 0.0
-    displacement_offset_um: float = 0.0
+    added_compliance_um_per_N: float = 0.0  #: Beside the rig's own, as solvers hold the bodies differently.
+    displacement_offset_um: float = 0.0  #: Zero of the sensor, as the next.
     force_offset_N: float = 0.0
-    slope_factor: float = 1.0
-    tip_factor: float = 0.0
-    tip_trend: float = 0.0
-    stretch: float = 1.0
-    stick_factor: float = 1.0
-    stick_trend: float = 0.0
-    micro_slip: float = 0.0
-    angle_rise: float = 1.0
+    slope_factor: float = 1.0  #: Of the scar's slopes.
+    tip_factor: float = 0.0  #: Of those of its ends.
+    tip_trend: float = 0.0  #: Its change per decade.
+    stretch: float = 1.0  #: Of the scar's length.
+    stick_factor: float = 1.0  #: Of the contact's stiffness.
+    stick_trend: float = 0.0  #: Its relative change per decade.
+    micro_slip: float = 0.0  #: Logarithm of the micro-slip's order over Mindlin's.
+    angle_rise: float = 1.0  #: Share that counts of the friction that a scar adds.
 
     @classmethod
     def of(

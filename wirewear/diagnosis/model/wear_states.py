@@ -51,54 +51,33 @@ HIGHEST_um, _LEAST_WORN = _KNOWN.each("highest_layer", "least_followed")
 
 @dataclass(frozen=True, eq=False)
 class WearStates:
-    """A nominal run's states over the worn volume of both wires, one row each, volumes increasing.
+    """A nominal run's states over the worn volume of both wires, one row each, volumes increasing."""
 
-    Attributes:
-        radius_um: of the gap across the motion (`Gap`), that of wires.
-        friction: coefficient of friction of the run.
-        normal_load_N: load before any wear.
-        fresh_area_um2: Hertz's contact area.
-        volume_um3: (n,) worn volume of both wires together; the first row is as good as unworn.
-        slip_um: (n,) largest sliding position s.
-        similarity: (n,) V R/δ⁴, increasing.
-        slope: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
-        angle: (n, 2) coefficients of φ − atan µ over `EVEN_POWERS` of s/δ.
-        stiffness_N_per_um: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
-        load_drop_N: (n,) by which wear has relaxed the load in mid-stroke.
-        lift_N: (n, 2) coefficients of the load less that in mid-stroke over `LIFT_POWERS` of s/δ.
-        scars: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
-        extra_skew: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic
-            contact leaves it; by symmetry there is none at 90°.
-        has_layers: whether layers of rough or loose material between such bodies are computed.
-        stiffening: power of the load with which the contact stiffens (Mindlin).
-        freedoms: standard deviations of the fast model's numerical freedoms on these states.
-        stroke_um: to either side, along which the wires were moved; never less than the slip.
-        full_slip: elastic displacement of the sliding contact over Q/K_c.
-        along: curvature of the gap along the motion over that across (`Gap`).
-        unknown: relative standard deviations of what nobody has stated of the test, by the names of its scatter.
-    """
-
-    has_layers: ClassVar[bool] = True
-    stiffening: ClassVar[float] = 1.0 / 3.0
+    has_layers: ClassVar[bool] = True  #: Whether layers of rough or loose material between such bodies are computed.
+    stiffening: ClassVar[float] = 1.0 / 3.0  #: Power of the load with which the contact stiffens (Mindlin).
+    #: Standard deviations of the fast model's numerical freedoms on these states.
     freedoms: ClassVar[Mapping[str, float]] = NUMERICAL
 
-    radius_um: float
-    friction: float
-    normal_load_N: float
-    fresh_area_um2: float
-    volume_um3: Array
-    slip_um: Array
-    similarity: Array
-    slope: Array
-    angle: Array
-    stiffness_N_per_um: Array
-    load_drop_N: Array
-    lift_N: Array
-    scars: Array
-    stroke_um: float = 0.0
+    radius_um: float  #: Of the gap across the motion (`Gap`), that of wires.
+    friction: float  #: Coefficient of friction of the run.
+    normal_load_N: float  #: Load before any wear.
+    fresh_area_um2: float  #: Hertz's contact area.
+    volume_um3: Array  #: (n,) worn volume of both wires together; the first row is as good as unworn.
+    slip_um: Array  #: (n,) largest sliding position s.
+    similarity: Array  #: (n,) V R/δ⁴, increasing.
+    slope: Array  #: (n, 5) coefficients of θ over `ODD_POWERS` of s/δ.
+    angle: Array  #: (n, 2) coefficients of φ − atan µ over `EVEN_POWERS` of s/δ.
+    stiffness_N_per_um: Array  #: (n,) initial stiffness K_c of the contact, Mindlin's shape assumed.
+    load_drop_N: Array  #: (n,) by which wear has relaxed the load in mid-stroke.
+    lift_N: Array  #: (n, 2) coefficients of the load less that in mid-stroke over `LIFT_POWERS` of s/δ.
+    scars: Array  #: (n, 2, 4) `SCAR_FIGURES` of the moving and of the fixed wire, µm and µm³.
+    stroke_um: float = 0.0  #: To either side, along which the wires were moved; never less than the slip.
+    #: (n, 2) skew of both wires' scars beyond the shear of a rigid sweep (`scar_skew`), as a run's elastic contact
+    #: leaves it; by symmetry there is none at 90°.
     extra_skew: Array = field(default_factory=lambda: np.zeros((1, 2)))
-    full_slip: float = FULL_SLIP
-    along: float = 1.0
+    full_slip: float = FULL_SLIP  #: Elastic displacement of the sliding contact over Q/K_c.
+    along: float = 1.0  #: Curvature of the gap along the motion over that across (`Gap`).
+    #: Relative standard deviations of what nobody has stated of the test, by the names of its scatter.
     unknown: Mapping[str, float] = field(default_factory=dict)
 
     @classmethod

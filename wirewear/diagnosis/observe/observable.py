@@ -110,19 +110,12 @@ class Scale:
 
 @dataclass(frozen=True, eq=False)
 class Smoothness:
-    """How differences at several numbers (n,) hang together.
+    """How differences at several numbers (n,) hang together."""
 
-    Attributes:
-        along: (n,) place along a branch, in lengths over which differences are alike.
-        turned: by how much differences at both branches are alike where they would be, 0 to 1.
-        rough: (n,) share of a difference's standard deviation that is each number's own.
-        family: (n,) numbers of different families have nothing in common.
-    """
-
-    along: Array
-    turned: float
-    rough: Array
-    family: NDArray[np.intp]
+    along: Array  #: (n,) place along a branch, in lengths over which differences are alike.
+    turned: float  #: By how much differences at both branches are alike where they would be, 0 to 1.
+    rough: Array  #: (n,) share of a difference's standard deviation that is each number's own.
+    family: NDArray[np.intp]  #: (n,) numbers of different families have nothing in common.
 
     @classmethod
     def of_whole_loops(cls, count: int) -> Smoothness:
