@@ -112,8 +112,7 @@ def digest() -> str:
 
     Effects of installed packages count as those of the library; their code counts, too.
 
-    Raises:
-        StudyError: an effect of an installed package cannot be loaded.
+    Raises StudyError if an effect of an installed package cannot be loaded.
     """
     effects = all_effects()
     believed = {name: effect.expected() for name, effect in effects.items()}

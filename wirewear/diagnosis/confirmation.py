@@ -45,8 +45,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
 
     Loops are compared, of line contacts profiles, too. Where the gap of wires shows in scars alone, a note says so.
 
-    Raises:
-        StudyError, SolverError: the simulation with the effects cannot be run.
+    Raises StudyError or SolverError if the simulation with the effects cannot be run.
     """
     best = diagnosed.search.best
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
@@ -125,9 +124,7 @@ def course_of_loops(
 
 def calibrated(diagnosed: Diagnosed, effect: str, cycles: Sequence[int]) -> tuple[Mapping[str, Estimate], Setup]:
     """Parameters of an effect as the loops of these cycles alone give them, and the nominal model with it.
-
-    Raises:
-        RecordError: the effect was not considered, or the record has no loops of these cycles.
+    Raises RecordError if the effect was not considered, or the record has no loops of these cycles.
     """
     found = diagnosed.search
     alone = next((one for one in found.singles if one.names == (effect,)), None)

@@ -39,10 +39,8 @@ if TYPE_CHECKING:
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
     """What is believed of a record's test without any effect, under the drive that was measured, and what is observed.
-
-    Raises:
-        RecordError: the record states too little, or has no loops in gross slip.
-        StudyError, SolverError: the nominal model cannot be run.
+    Raises RecordError if the record states too little, or has no loops in gross slip; StudyError or SolverError if the
+    nominal model cannot be run.
     """
     record = record.of_block()
     observed = reduce(mended(record)[0])
@@ -80,9 +78,7 @@ class Beginning:
 
 def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
     """The nominal model of a record, or `model` if it is of the same test.
-
-    Raises:
-        RecordError: the record states too little, or the model is of another test, or of another kind of contact.
+    Raises RecordError if the record states too little, or the model is of another test, or of another kind of contact.
     """
     if model is not None and model.contact_kind != record.contact_kind:
         raise RecordError(
@@ -111,9 +107,7 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
 
 def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
     """Further records must be of the same kind of contact, and measurements of their own.
-
-    Raises:
-        RecordError: one is not.
+    Raises RecordError if one is not.
     """
     for other in further:
         if other.contact_kind != record.contact_kind:
@@ -156,10 +150,9 @@ def diagnose(
     `further` are records of the same rig, other measurements of it, which update the answer to the first one.
     `stage` is entered for each part of the work, with what it is.
 
-    Raises:
-        RecordError: a record states too little, has no loops in gross slip, or the model is of another test; or a
-            further one is of another kind of contact or holds the first one's own loops.
-        StudyError, SolverError: a nominal model cannot be run, or there is no effect of a name left out.
+    Raises RecordError if a record states too little, has no loops in gross slip, or the model is of another test; or a
+    further one is of another kind of contact or holds the first one's own loops; StudyError or SolverError if a nominal
+    model cannot be run, or there is no effect of a name left out.
     """
     known = all_effects()
     for name in left_out:

@@ -123,12 +123,11 @@ def run_study(
     run anew, of which the observer is told. With `jobs` above 1, that many variants run side by side, each in a
     process of its own, or where `engine` does it, whose workers must see the folder; the results are the same.
 
-    Raises:
-        StudyError: the study cannot be discretised, or asks for more memory or cycle jumps than can be had.
-        RunError: a run is to be resumed, but the folder holds that of another study; or another command is writing to
-            the folder, or it cannot be written.
-        ResultError: a run is to be resumed, but what it has left is damaged; or a file cannot be written.
-        SolverError: the contact did not converge, or left the fine patch; everything up to there is on disk.
+    Raises StudyError if the study cannot be discretised, or asks for more memory or cycle jumps than can be had;
+    RunError if a run is to be resumed, but the folder holds that of another study; or another command is writing to the
+    folder, or it cannot be written; ResultError if a run is to be resumed, but what it has left is damaged; or a file
+    cannot be written; SolverError if the contact did not converge, or left the fine patch; everything up to there is on
+    disk.
     """
     way, output = _WAYS[type(study)][0], Path(output)
     variants = [study.variant(name) for name in study.variant_names] or [study]

@@ -96,9 +96,7 @@ class LineStates(WearStates):
     @classmethod
     def of_line(cls, result: RunResult, face: Face, length_mm: float) -> LineStates:
         """States of a run of a line contact, of `length_mm` of it.
-
-        Raises:
-            RunError: the run has no loops in gross slip, or the face is not even.
+        Raises RunError if the run has no loops in gross slip, or the face is not even.
         """
         if isinstance(face, TabledProfile) and not face.is_even:
             raise RunError(

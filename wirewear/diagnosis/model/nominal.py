@@ -90,10 +90,8 @@ def kept_or_made(
 
 def require_foreseen(record: AnyRecord) -> None:
     """See that the fast model foresees the loops that are looked at of a record.
-
-    Raises:
-        RecordError: its load varies within the cycle, its drive holds another figure than the stroke, or they are of
-            a block whose stroke is shorter than another's.
+    Raises RecordError if its load varies within the cycle, its drive holds another figure than the stroke, or they are
+    of a block whose stroke is shorter than another's.
     """
     asked, held = record.tables.conditions, held_by(record.tables.conditions)
     if asked.load_cycle is not None:
@@ -112,18 +110,14 @@ def require_foreseen(record: AnyRecord) -> None:
 
 def nominal_study(record: AnyRecord) -> Any:
     """What the record's owner states, as a study of its kind of contact; what is not stated is ideal.
-
-    Raises:
-        RecordError: friction or wear is not stated, or friction twice and differently.
+    Raises RecordError if friction or wear is not stated, or friction twice and differently.
     """
     return believed_study(record.tables)
 
 
 def checked_model(record: ExperimentRecord, study: Study) -> Study:
     """A study that is to be diagnosed against a record.
-
-    Raises:
-        RecordError: it is of other bodies, load or amplitude than the record's test.
+    Raises RecordError if it is of other bodies, load or amplitude than the record's test.
     """
     believed, asked = study.conditions, record.tables.conditions
     bodies = zip(study.bodies, record.tables.bodies_of_test, strict=True)
@@ -189,9 +183,8 @@ def nominal_run(
     The largest margin that a run comes to its end with. Where none does, the run that got farthest, if it logged enough
     loops; its status and message say so.
 
-    Raises:
-        StudyError: the study cannot be meshed.
-        SolverError: the contact did not converge before enough loops were logged.
+    Raises StudyError if the study cannot be meshed; SolverError if the contact did not converge before enough loops
+    were logged.
     """
     from wirewear.results import RESULT_FILE_NAME, read_result
 
@@ -319,9 +312,7 @@ def _identity(nominal: NominalRun) -> Identity:
 
 def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
     """A study that is to be diagnosed against a line contact's record.
-
-    Raises:
-        RecordError: it has variants, or is of another face, load or amplitude than the record's test.
+    Raises RecordError if it has variants, or is of another face, load or amplitude than the record's test.
     """
     if study.variant_names:
         names = ", ".join(study.variant_names)

@@ -174,9 +174,7 @@ class Setup:
 
     def chain(self, radius_um: float, fresh_area_um2: float, cycles: Array, energy_J: Array, worn_um3: Array) -> Chain:
         """The test as a chain in series after so many cycles (n,), so much friction energy and wear.
-
-        Raises:
-            UnforeseenError: an effect changes something that fast models do not know.
+        Raises UnforeseenError if an effect changes something that fast models do not know.
         """
         stated = {
             "amplitude_um": np.nan if self.held else self.amplitude_um,

@@ -83,9 +83,7 @@ class WearStates:
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
         """States of a complete run of a contact at a point.
-
-        Raises:
-            RunError: the run has no loops in gross slip.
+        Raises RunError if the run has no loops in gross slip.
         """
         friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
         bodies = study_from_tables(result.study, result.label).bodies

@@ -135,9 +135,7 @@ class ReducedLoop:
 
 def reduced_loop(measured: MeasuredLoop, stated: Noise) -> ReducedLoop:
     """A measured loop made ready; its noise is taken from its samples, or as stated where these are few.
-
-    Raises:
-        LoopError: it cannot be read, or does not slide as a whole.
+    Raises LoopError if it cannot be read, or does not slide as a whole.
     """
     loop = measured.complete
     clean = clean_loop(loop.displacement_um, loop.tangential_force_N, None, time_s=loop.time_s)

@@ -73,9 +73,7 @@ class Reading:
 
 def read(record: AnyRecord) -> Reading:
     """The loops, evolution and scars or profiles of a record; profiles alone suffice.
-
-    Raises:
-        RecordError: no loop of the record slides as a whole, or none can be read.
+    Raises RecordError if no loop of the record slides as a whole, or none can be read.
     """
     notes: list[str] = []
     loops = list(_loops(record, notes))

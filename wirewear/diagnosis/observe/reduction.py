@@ -257,9 +257,7 @@ class Observations:
 
 def reduce(record: AnyRecord, observables: Sequence[Observable] | None = None) -> Observations:
     """All that is observed of a record, by all observables there are unless some are named.
-
-    Raises:
-        RecordError: no loop of the record slides as a whole, or none can be read.
+    Raises RecordError if no loop of the record slides as a whole, or none can be read.
     """
     reading = read(record)
     known = all_observables() if observables is None else observables
@@ -311,9 +309,7 @@ def _stated_scatter(record: AnyRecord) -> dict[str, float]:
 
 def all_observables() -> tuple[Observable, ...]:
     """One of each.
-
-    Raises:
-        WirewearError: a package's entry point holds no observable, or one whose name or zone is taken.
+    Raises WirewearError if a package's entry point holds no observable, or one whose name or zone is taken.
     """
     return _all_observables()
 
