@@ -305,7 +305,6 @@ def _named_surfaces(geometry: BodyGeometry, mesh: HexMesh, patch: ContactPatch) 
 @dataclass(frozen=True)
 class Elastic:
     """An isotropic linear elastic material.
-
     Raises ValueError unless the modulus is positive and Poisson's ratio lies between 0 and 0.5.
     """
 

@@ -193,7 +193,6 @@ def trapezoidal(dwell: float) -> Waveform:
 class LoadCycle:
     """Normal load over that of the test in the course of a cycle: 1 + amplitude cos(2 pi ratio t - lag), or straight
     lines between points (share of the cycle passed, share of the load). Nothing presses where that is below 0.
-
     Raises SolverError for a ratio below 1, points that are none of a cycle, or a load that presses at no time.
     """
 

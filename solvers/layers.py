@@ -23,10 +23,7 @@ _LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough laye
 
 
 class ContactLayer(Protocol):
-    """A layer between the surfaces.
-
-    retained_fraction: share of the worn depth that it fills on each body.
-    """
+    """A layer between the surfaces. retained_fraction: share of the worn depth that it fills on each body."""
 
     @property
     def retained_fraction(self) -> float:

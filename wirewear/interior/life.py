@@ -42,9 +42,7 @@ WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 
 
 def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
-    """The criterion that a table states, with its data.
-    Raises StudyError if some are lacking.
-    """
+    """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
     modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
     limit = ENDLESS_cycles if table.endurance_cycles is None else table.endurance_cycles
     if table.criterion in ("crossland", "stress-life"):

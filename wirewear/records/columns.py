@@ -57,7 +57,6 @@ class ColumnTable:
 
 def read_columns(path: Path, wanted: Sequence[Column]) -> ColumnTable:
     """The wanted columns of a CSV file whose first line names them, in any order; others are passed over.
-
     Raises RecordError if the file cannot be read, lacks a column that is not optional, or holds a wrong value.
     """
     text = read_delimited(path)

@@ -235,7 +235,6 @@ def closed_loop(
     samples: int = 400,
 ) -> HysteresisLoop:
     """The whole steady Q–δ loop under a sinusoidal drive, in partial or in gross slip.
-
     Raises ValueError for fewer than 8 samples or values that are not positive.
     """
     if samples < 8:

@@ -37,7 +37,6 @@ def hertz_stress(
     poissons_ratio: float,
 ) -> Array:
     """Stresses (..., 6) under the pressure p0 √(1 − r²/a²).
-
     Raises ValueError for a radius that is not positive, or a point above the surface.
     """
     sizes = {"contact_radius_mm": contact_radius_mm, "peak_pressure_MPa": peak_pressure_MPa, "peak_shear_MPa": 0.0}

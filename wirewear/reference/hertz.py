@@ -107,7 +107,6 @@ def hertz_point(normal_load_N: float, radius_mm: float, modulus_MPa: float) -> P
 
 def hertz_line(normal_load_N_per_mm: float, radius_mm: float, modulus_MPa: float) -> LineContact:
     """Cylinder of (relative) radius R on a half-space: a² = 4PR/(πE*), p0 = 2P/(πa) (Johnson 1985, section 4.2).
-
     Raises ValueError for an argument that is not positive.
     """
     require_positive(normal_load_N_per_mm=normal_load_N_per_mm, radius_mm=radius_mm, modulus_MPa=modulus_MPa)
@@ -201,7 +200,6 @@ def hertz_crossed_cylinders(
     second: Elastic,
 ) -> PointContact:
     """Two cylinders of any radii and materials crossed at any angle between 0 and 180° (exclusive).
-
     Raises ValueError for an argument outside its range. Source: `relative_curvatures`, `hertz_elliptic`.
     """
     relative_curvatures(first_radius_mm, second_radius_mm, crossing_angle_deg)  # raises
@@ -219,7 +217,6 @@ def hertz_bodies(
     second: Elastic,
 ) -> PointContact:
     """Any two bodies that touch at a point; arguments as of `gap_curvatures`.
-
     Raises ValueError where they touch along a line. Source: `gap_curvatures`, `hertz_elliptic`.
     """
     small, large, angle = gap_curvatures(first_per_mm, second_per_mm, angle_rad)

@@ -57,7 +57,6 @@ def crossed_wire_scar(volume_mm3: float, wire_radius_mm: float) -> CrossedWireSc
 
 def line_contact_scar(area_mm2: float, radius_mm: float) -> LineScar:
     """Scar of a cylinder on a flat: A = 2b³/(3R), h = b²/(2R). With A ~ N the depth grows as N^⅔.
-
     Raises ValueError for an argument that is not positive.
     """
     require_positive(area_mm2=area_mm2, radius_mm=radius_mm)
@@ -290,7 +289,6 @@ def _peak(reach: float, s: Array, per_place: Array) -> float:
 
 def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineScar:
     """Scar of an even profile on a flat in gross slip, both bodies together: A = 2 ∫ (h(b) − h(t)) dt from 0 to b.
-
     Raises ValueError where the area is larger than the widest scar's.
     """
     require_positive(area_mm2=area_mm2, widest_mm=widest_mm)
@@ -300,7 +298,6 @@ def even_line_scar(profile: Profile, area_mm2: float, widest_mm: float) -> LineS
 
 def turned_scar(profile: Profile, volume_mm3: float, widest_mm: float) -> float:
     """Radius in mm of the scar of a profile that is turned about its middle: V = 2π ∫ (h(b) − h(r)) r dr from 0 to b.
-
     Raises ValueError where the volume is larger than the widest scar's.
     """
     require_positive(volume_mm3=volume_mm3, widest_mm=widest_mm)

@@ -196,10 +196,7 @@ class Found:
 
 @dataclass(frozen=True)
 class RunFolder(RunStore):
-    """The folder of the run of an identity.
-
-    derived: patterns of the files that are made of a result.
-    """
+    """The folder of the run of an identity. derived: patterns of the files that are made of a result."""
 
     path: Path
     identity: Identity

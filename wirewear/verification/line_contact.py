@@ -112,7 +112,6 @@ def to_force(
     problem: solvers.ContactProblem, state: solvers.ContactState, force_N_per_mm: float
 ) -> solvers.ContactState:
     """Displace the flat in steps until the tangential force passes the one given, the last step shortened to meet it.
-
     Raises ValueError when the force is not reached, as beyond µP.
     """
     start = tangential_force(state)

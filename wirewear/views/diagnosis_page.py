@@ -27,9 +27,7 @@ VERDICTS = {
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
-    """Write diagnosis.json and report.html; return their paths.
-    Raises ResultError if they cannot be written.
-    """
+    """Write diagnosis.json and report.html; return their paths. Raises ResultError if they cannot be written."""
     texts = {
         JSON_FILE_NAME: json_text(with_checksum(finite(diagnosed.diagnosis.to_json())), indent=1) + "\n",
         REPORT_FILE_NAME: page(diagnosed),

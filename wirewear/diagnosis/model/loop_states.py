@@ -127,9 +127,7 @@ def state_of(result: RunResult, loop: Loop, friction: float, fresh_stiffness: fl
 
 
 def sliding(result: RunResult, row_of: Callable[[Loop], tuple[object, ...] | None]) -> list[Array]:
-    """Columns of the rows that a run's loops give.
-    Raises RunError if none slides as a whole.
-    """
+    """Columns of the rows that a run's loops give. Raises RunError if none slides as a whole."""
     rows = [row for loop in result.loops if (row := row_of(loop)) is not None]
     if not rows:
         raise RunError(

@@ -82,9 +82,7 @@ class WearStates:
 
     @classmethod
     def of_run(cls, result: RunResult) -> WearStates:
-        """States of a complete run of a contact at a point.
-        Raises RunError if the run has no loops in gross slip.
-        """
+        """States of a complete run of a contact at a point. Raises RunError if the run has no loops in gross slip."""
         friction, load = result.study["contact"]["friction"], result.study["conditions"]["normal_load_N"]
         bodies = study_from_tables(result.study, result.label).bodies
         gap, fresh = Gap.of(*bodies), unworn_stiffness_N_per_um(load, *bodies)
