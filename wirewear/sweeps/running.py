@@ -194,11 +194,10 @@ class SweepObserver:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """The rows of a sweep by their number, and what it was foreseen to take, if any were missing."""
+    """The rows of a sweep by their number."""
 
     sweep: Sweep
     rows: Mapping[int, SweepRow]
-    forecast: Forecast | None
 
     @property
     def whole(self) -> bool:
@@ -225,11 +224,10 @@ def run_sweep(
         rows, note = journal.begun()
         if note:
             watcher.note(note)
-        expected = None
         if len(rows) < len(sweep):
             with engine.held():
-                expected = _make_missing(sweep, rows, journal, engine, watcher, only_pilots=only_pilots)
-        return SweepResult(sweep, dict(sorted(rows.items())), expected)
+                _make_missing(sweep, rows, journal, engine, watcher, only_pilots=only_pilots)
+        return SweepResult(sweep, dict(sorted(rows.items())))
 
 
 def _make_missing(
@@ -240,8 +238,8 @@ def _make_missing(
     observer: SweepObserver,
     *,
     only_pilots: bool,
-) -> Forecast | None:
-    """Make the rows that are missing, and add them to the others; returns what all were foreseen to take."""
+) -> None:
+    """Make the rows that are missing, and add them to the others."""
     output = journal.path.parent
     missing = [place for place in range(len(sweep)) if place + 1 not in rows]
     results = prepared_folder(output / RESULTS).resolve() if sweep.keep_results else None
@@ -263,14 +261,12 @@ def _make_missing(
     foreseeable = bool(np.isfinite(sizes).all())
     first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
     make(first)
-    expected = None
     if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
         expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
         observer.foreseen(expected)
         _require_room(expected, output)
     if not only_pilots:
         make(place for place in missing if place not in first)
-    return expected
 
 
 def _row_of(number: int, row: SweepRow | None, error: BaseException | None) -> SweepRow:

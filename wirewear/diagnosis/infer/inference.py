@@ -49,21 +49,17 @@ class Problem:
     layout: Layout
     mean: Array
     whitening: Array
-    log_determinant: float
     known: dict[Setup, Array] = field(default_factory=dict)
 
     @classmethod
     def of(cls, states: WearStates, setup: Setup, layout: Layout, covariance: Covariance) -> Problem:
         """The whole record."""
-        whitening, log_determinant = _whitening(covariance.total)
-        return cls(states, setup, layout, covariance.mean, whitening, log_determinant)
+        return cls(states, setup, layout, covariance.mean, _whitening(covariance.total))
 
     def part(self, keep: BoolArray, covariance: Covariance) -> Problem:
         """Some observables only."""
-        whitening, log_determinant = _whitening(covariance.total[np.ix_(keep, keep)])
-        return Problem(
-            self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening, log_determinant
-        )
+        whitening = _whitening(covariance.total[np.ix_(keep, keep)])
+        return Problem(self.states, self.setup, self.layout.taken(keep), covariance.mean[keep], whitening)
 
     def predictions(self, setups: Sequence[Setup]) -> Array:
         """Observables (k, n) under setups."""
@@ -264,9 +260,7 @@ def _jacobian(at: Callable[[Array], Setup], z: Array, rest: Array) -> Asking[Arr
     )
 
 
-def _whitening(covariance: Array) -> tuple[Array, float]:
+def _whitening(covariance: Array) -> Array:
     scale = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)
-    factor = np.linalg.cholesky(correlation)
-    inverse = solve_triangular(factor, np.eye(scale.size), lower=True)
-    return inverse / scale, 2.0 * float(np.log(np.diag(factor)).sum() + np.log(scale).sum())
+    return solve_triangular(np.linalg.cholesky(correlation), np.eye(scale.size), lower=True) / scale
