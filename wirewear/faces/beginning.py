@@ -1,15 +1,17 @@
 """Commands that begin: a study or a mapping to start from, and parameters fitted to a record."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from wirewear.base.errors import RecordError, StudyError, as_sentence
-from wirewear.base.writing import is_special, json_text
+from wirewear.base.reading import TABLE_FILE_NAME, Held, parsed_toml, recognised, require_no_other
+from wirewear.base.writing import is_special, json_text, prepared_folder, usable_file, write_text
 from wirewear.faces.group import Finite, Given, OutputFile, OutputFolder, busy, cli, given, most_memory, of_block, stage
-from wirewear.kinds import KINDS, Kind
+from wirewear.kinds import KINDS, Kind, any_study, kind_of
 from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
@@ -99,9 +101,6 @@ _TOLD = {
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
-    from wirewear.base.reading import Held, parsed_toml, recognised
-    from wirewear.base.writing import prepared_folder, write_text
-    from wirewear.kinds import any_study
     from wirewear.study.template import study_text
 
     if len(names) > 1:
@@ -145,10 +144,6 @@ def _new_mapping(
     known: dict[str, Any],
     kind: Kind,
 ) -> None:
-    from dataclasses import replace
-
-    from wirewear.base.reading import Held, require_no_other
-    from wirewear.base.writing import prepared_folder, usable_file, write_text
     from wirewear.records.importing.guessing import mapping_text, with_files_from
     from wirewear.records.importing.reader import OPEN, lines_to_fill_in
 
@@ -225,12 +220,9 @@ def fit(
     Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
     from wirewear.base.locks import occupied
-    from wirewear.base.reading import TABLE_FILE_NAME
-    from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record
     from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
-    from wirewear.kinds import kind_of
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import write_page

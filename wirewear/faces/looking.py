@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
+from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from wirewear.base.frame import notebook_table
 from wirewear.results import RunResult, write_result
 from wirewear.results import read_result as read_plain
 from wirewear.results import read_results as read_all_plain
+from wirewear.results.flat import labelled, surface_mesh, tables_of, write_netcdf
 from wirewear.results.scar import called
 
 if TYPE_CHECKING:
@@ -54,14 +56,10 @@ class Run(RunResult):
         """Evolution, loops and scars as labelled arrays, each with its unit in `attrs["units"]`.
         Raises ResultError if xarray is not installed.
         """
-        from wirewear.results.flat import labelled
-
         return labelled(self)
 
     def to_polars(self, table: str = "evolution") -> pl.DataFrame:
         """One of the tables evolution, loops, scars as a data frame. Raises ResultError if there is no such table."""
-        from wirewear.results.flat import tables_of
-
         tables = tables_of(self)
         if table not in tables:
             raise ResultError(f"there is no table {table!r}: choose one of {', '.join(tables)}.")
@@ -71,8 +69,6 @@ class Run(RunResult):
         """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
         Raises ResultError if no scar is recorded near that cycle, there is no such wire, or it is a line contact.
         """
-        from wirewear.results.flat import surface_mesh
-
         self.with_maps()
         body = wire or self.bodies[1]
         return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, body), upper=self.is_upper(body))
@@ -97,8 +93,6 @@ class Run(RunResult):
         """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
         Raises ResultError if it cannot be written.
         """
-        from wirewear.results.flat import write_netcdf
-
         path = Path(path)
         if path.suffix == ".nc":
             return write_netcdf(self, path)
@@ -116,8 +110,6 @@ class Run(RunResult):
         )
 
     def _repr_html_(self) -> str:
-        from io import BytesIO
-
         from wirewear.pictures.style import styled
 
         evolution = self.evolution

@@ -7,7 +7,7 @@ import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
-from wirewear.base.writing import json_text
+from wirewear.base.writing import json_text, prepared_folder, usable_file
 from wirewear.faces.group import (
     Finite,
     Given,
@@ -20,7 +20,7 @@ from wirewear.faces.group import (
     most_memory,
     paper,
 )
-from wirewear.study import FIDELITIES
+from wirewear.study import FIDELITIES, load_study
 
 
 def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
@@ -57,7 +57,6 @@ def loops_command(
     **chosen: str | None,
 ) -> None:
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
-    from wirewear.base.writing import usable_file
     from wirewear.faces.study_script import wide_console
     from wirewear.pictures import require_picture_name
     from wirewear.views.loops_report import (
@@ -110,7 +109,6 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.console import Console
     from rich.markup import escape
 
-    from wirewear.base.writing import prepared_folder
     from wirewear.faces.study_script import progress_bar
     from wirewear.fitting.sensor_calibration import calibrate as solve
     from wirewear.fitting.sensor_calibration import (
@@ -121,7 +119,6 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         parse_near,
     )
     from wirewear.records import read_record, write_record
-    from wirewear.study import load_study
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")

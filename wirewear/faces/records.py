@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.base.errors import RecordError
+from wirewear.base.reading import TABLE_FILE_NAME, Held, parsed_toml, read_text, recognised
 from wirewear.base.writing import json_text
 from wirewear.faces.group import Finite, Given, OutputFolder, a_list, busy, cli, most_memory, of_block, paper, stage
 
@@ -194,8 +195,6 @@ def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
 
 def _require_no_measurement(folder: Path) -> None:
     """See that an exported simulation takes the place of no measured test. Raises RecordError if one stands there."""
-    from wirewear.base.reading import TABLE_FILE_NAME, parsed_toml, read_text
-
     path = folder / TABLE_FILE_NAME
     if not path.is_file():
         return
@@ -261,7 +260,6 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
     from wirewear.base.locks import occupied
-    from wirewear.base.reading import Held, recognised
     from wirewear.faces.study_script import wide_console
     from wirewear.records import read_record
     from wirewear.views.comparison import compare, differences_table, write_comparison

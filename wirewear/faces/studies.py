@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.base.errors import StudyError, WirewearError
-from wirewear.base.writing import json_text
+from wirewear.base.writing import json_text, usable_folder
 from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
-from wirewear.study import FIDELITIES
+from wirewear.study import FIDELITIES, load_study
 
 if TYPE_CHECKING:
     from wirewear.study import AnyStudy
@@ -94,7 +94,6 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
     """Run a study without and with an effect, and draw its signature."""
     from wirewear.effects import effect_named
     from wirewear.simulation import ProgressBar
-    from wirewear.study import load_study
     from wirewear.sweeps.signature import draw_signature, signature_of, signature_study
 
     study = signature_study() if study_path is None else load_study(study_path)
@@ -127,7 +126,6 @@ def show(result_path: Path, output: Path | None, ending: str, animation: bool) -
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Page folder.  [default: beside it]")
 def report(result_path: Path, output: Path | None) -> None:
     """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
-    from wirewear.base.writing import usable_folder
     from wirewear.results import read_results
     from wirewear.views.run_page import write_page
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from wirewear.base.writing import json_text
+from wirewear.base.writing import json_text, usable_folder
 from wirewear.faces import group
 from wirewear.study import FIDELITIES
 
@@ -173,7 +173,6 @@ def converge(
 @group.paper
 def mesh(study_path: Path, fidelity: str, output: Path | None) -> None:
     """Mesh both bodies of a study, write them as VTU files and draw them and what holds them."""
-    from wirewear.base.writing import usable_folder
     from wirewear.kinds import kind_of, load_any_study
 
     folder = usable_folder(output or group.default_output(study_path) / "mesh")

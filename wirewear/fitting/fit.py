@@ -25,6 +25,7 @@ from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.values import believed_tables, stated_friction
 from wirewear.results import read_loops
+from wirewear.simulation import Observer, run_study
 from wirewear.study import study_from_tables
 
 if TYPE_CHECKING:
@@ -64,8 +65,6 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     """Run the fitted study, and set its loops beside those of the record.
     Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
-    from wirewear.simulation import Observer, run_study
-
     tests = loops_of_tests(fitted.record)
     quiet = observer_of or (lambda _: nullcontext(Observer()))
     length_mm = fitted.record.tables.length_mm

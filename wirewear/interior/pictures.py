@@ -14,6 +14,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from PIL import Image
 
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
@@ -131,8 +132,6 @@ def animate_cycle(moments: Sequence[Sequence[BodyState]], path: Path, tracked: T
     """Write an animated GIF of sections along the motion over a cycle; each moment holds the states of all bodies.
     Raises ResultError if the file cannot be written, or there is no moment.
     """
-    from PIL import Image
-
     if not moments:
         raise ResultError(f"there is nothing to animate in {path}: no position of the cycle is recorded")
     windows = [_contact(states) for states in moments]

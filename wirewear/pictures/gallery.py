@@ -16,6 +16,7 @@ from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import FuncFormatter
+from PIL import Image
 
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError
@@ -264,8 +265,6 @@ def animation(result: RunResult, path: Path) -> Path:
     """Write the moving picture as GIF and return its path.
     Raises ResultError if there is no cycle of which both a loop and scars are recorded, or the file cannot be written.
     """
-    from PIL import Image
-
     cycles = sorted(set(result.scar_cycles()) & {loop.cycle for loop in result.loops})
     if not cycles:
         raise ResultError("no loop and scars of one cycle are recorded, so that nothing can be shown in motion")

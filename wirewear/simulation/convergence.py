@@ -13,6 +13,7 @@ from typing import Any
 from rich import box
 from rich.markup import escape
 from rich.table import Table
+from scipy.optimize import brentq
 
 from wirewear.base.engine import Engine
 from wirewear.base.errors import ResultError
@@ -68,8 +69,6 @@ def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
 
 def _order(spacings: Sequence[float], ratio: float) -> float:
     """The order at which errors fall so that the two changes have this ratio, within what can be believed."""
-    from scipy.optimize import brentq
-
     coarse, middle, fine = spacings
 
     def excess(order: float) -> float:

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.stats import qmc
 
 from geometry.arrays import Array
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
@@ -100,8 +101,6 @@ def design_of(tables: SweepTables, where: str) -> Design:
 
 def _drawn(kind: str, factors: int, samples: int, seed: int, where: str) -> Array:
     if kind == LATIN_HYPERCUBE:
-        from scipy.stats import qmc
-
         shares: Array = qmc.LatinHypercube(factors, rng=np.random.default_rng(seed)).random(samples)
         return shares
     if samples & (samples - 1):

@@ -13,6 +13,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
+from rich import box
+from rich.table import Table
+from scipy.stats import norm, qmc
 
 from geometry.arrays import Array, IntArray
 from wirewear.base import frame
@@ -63,9 +66,6 @@ def name_of(interval: Interval) -> str:
 
 def table(found: Uncertainty) -> Table:
     """Intervals, to be printed with rich."""
-    from rich import box
-    from rich.table import Table
-
     made = Table("figure", box=box.SIMPLE_HEAD, pad_edge=False)
     for heading in ("nominal", "2.5 %", "median", "97.5 %", "surrogate's error"):
         made.add_column(heading, justify="right", no_wrap=True)
@@ -263,8 +263,6 @@ def _input(study: Study, name: str, size: float) -> Input:
 
 def sweep_of(study: Study, fidelity: str, runs: int = RUNS) -> tuple[Sweep, Array]:
     """The runs that tell, the one in the middle first, and where they lie in standard deviations (runs + 1, d)."""
-    from scipy.stats import norm, qmc
-
     inputs = inputs_of(study)
     drawn = qmc.LatinHypercube(len(inputs), rng=np.random.default_rng(SEED)).random(runs)
     inside = norm.cdf(-FARTHEST) + drawn * (norm.cdf(FARTHEST) - norm.cdf(-FARTHEST))

@@ -263,4 +263,4 @@ def _jacobian(at: Callable[[Array], Setup], z: Array, rest: Array) -> Asking[Arr
 def _whitening(covariance: Array) -> Array:
     scale = np.sqrt(np.diag(covariance))
     correlation = covariance / np.outer(scale, scale) + 1e-9 * np.eye(scale.size)
-    return solve_triangular(np.linalg.cholesky(correlation), np.eye(scale.size), lower=True) / scale
+    return np.asarray(solve_triangular(np.linalg.cholesky(correlation), np.eye(scale.size), lower=True) / scale)

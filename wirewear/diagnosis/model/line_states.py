@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from geometry import TabledProfile
+from geometry import Cylinder, RoundedFlat, TabledProfile
 from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
@@ -271,8 +271,6 @@ def _elastic(body: Mapping[str, Any]) -> Elastic:
 
 def _radius_mm(face: Face) -> float:
     """Of a cylinder that falls as much as the face does at the end of its steep part."""
-    from geometry import Cylinder, RoundedFlat
-
     match face:
         case Cylinder(radius_mm=radius):
             return radius

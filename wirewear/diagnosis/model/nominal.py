@@ -10,14 +10,18 @@ from math import log
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from solvers import Archard, EnergyLaw
+from solvers import Archard, EnergyLaw, SolverError
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
+from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
 from wirewear.records.values import believed_study
+from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.results.scar import called
+from wirewear.simulation import Observer, run_study
 from wirewear.study.bodies import Gap
 from wirewear.study.programme import held_by, held_keys
+from wirewear.study.tables import Wear
 
 if TYPE_CHECKING:
     from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
@@ -68,7 +72,6 @@ def kept_or_made(
     read: of that file; one that is damaged is made anew.  make: in a folder, the result and its file there.
     """
     from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
-    from wirewear.base.writing import temporary_folder, write_bytes
 
     path = kept_file(name)
     if path is not None and path.exists():
@@ -186,8 +189,6 @@ def nominal_run(
     Raises StudyError if the study cannot be meshed; SolverError if the contact did not converge before enough loops
     were logged.
     """
-    from wirewear.results import RESULT_FILE_NAME, read_result
-
     # Effects of the model enter the fast model; the wear states are those without.
     nominal = asked(study.with_effects())
 
@@ -235,8 +236,6 @@ def wearing(study: Study) -> Study:
     By the end a volume V = δ⁴/R is worn, with which scars begin to change loops. The fast model takes as much of it as
     the study wears: nothing.
     """
-    from wirewear.study.tables import Wear
-
     if study.wear is not None and any(study.wear.coefficients.values()):
         return study
     conditions = study.conditions
@@ -260,10 +259,6 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
 
 
 def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
-    from solvers import SolverError
-    from wirewear.results import RESULT_FILE_NAME, read_result
-    from wirewear.simulation import Observer, run_study
-
     problem: Exception | None = None
     farthest: RunResult | None = None
     study = nominal.study

@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 
 from geometry.arrays import Array
@@ -152,8 +153,6 @@ def _no_matlab_file(path: Path, problem: Exception) -> RecordError:
 
 
 def _matlab_73(path: Path, wanted: Collection[str] | None) -> dict[str, Any]:
-    import h5py
-
     def held(group: Any, above: str = "") -> dict[str, Any]:
         return {name: read(item, above + name) for name, item in group.items() if not name.startswith("#")}
 
