@@ -48,6 +48,7 @@ def test_places_of_one_stroke_lie_between_those_of_the_other(amplitude: float, s
     spacing = 2.0 * slides / (count - 2)
     assert np.allclose(np.diff(both), 0.5 * spacing, rtol=1e-9, atol=1e-12 * amplitude)
     assert np.abs(both).max() <= slides
+    assert places[0] == pytest.approx(0.5 * (amplitude + places[1]))
 
 
 @given(amplitudes, st.floats(0.76, 1.2), counts)

@@ -24,8 +24,8 @@ from wirewear.diagnosis.infer.covariance import (
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe import Observable, Site, channels
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
-from wirewear.diagnosis.observe.measured_loops import reduced_loop
-from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
+from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop
+from wirewear.diagnosis.observe.plateau import BEYOND, PEAK, KneePeak, PlateauForce, peak_N
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
 from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
@@ -204,6 +204,23 @@ def error_of_means(correlation: float, stated: float | None = None, tries: int =
 @pytest.mark.parametrize("correlation", [0.0, 0.3, 0.6, 0.75])
 def test_noise_and_its_correlation_are_found_under_a_curve_that_takes_its_slow_part(correlation: float) -> None:
     assert error_of_means(correlation) == pytest.approx(1.0, abs=0.15)
+
+
+def test_noise_is_told_from_a_hooked_branch_and_a_spread_by_medians_is_a_standard_deviation() -> None:
+    random = np.random.default_rng(8)
+    x = np.linspace(-55.0, 60.0, 190)
+    hooked = [(x, 1.24 + 0.6 * (x / 60.0) ** 21 + 0.01 * random.standard_normal(x.size)) for _ in range(2)]
+    noise = _force_noise(hooked, Noise(), 0.0)
+    assert noise is not None
+    assert noise[0] == pytest.approx(0.01, rel=0.1)
+    assert _usual(random.standard_normal(10_001)) == pytest.approx((0.0, 1.0), abs=0.03)
+
+
+@pytest.mark.parametrize(("near", "peak"), [(1, np.nan), (2, 0.2)])
+def test_a_peak_is_what_its_window_has_beyond_the_plateau_if_it_holds_two_samples(near: int, peak: float) -> None:
+    past = np.concatenate([np.linspace(*PEAK, 2)[:near], np.linspace(*BEYOND, 3)])
+    force = np.where(np.arange(past.size) < near, 1.2, 1.0)
+    assert peak_N(60.0 * past, force, 60.0)[0] == pytest.approx(peak, nan_ok=True)
 
 
 def test_errors_of_readings_grow_with_the_correlation_of_the_noise() -> None:

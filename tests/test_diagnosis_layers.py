@@ -54,6 +54,16 @@ def test_debris_that_spreads_the_pressure_leaves_lower_hooks_than_debris_that_is
     assert abs(less[0]) < 0.1 * less.max()
 
 
+def test_wear_unloads_a_layer_which_then_lifts_the_wire_against_its_loading_spring_by_less_than_its_height() -> None:
+    stiff, soft = (
+        course(replace(nominal(), normal_spring_N_per_um=spring), cycles=1e9).normal_force_N[:, 0, 0]
+        for spring in (0.01, 0.0)
+    )
+    lifted_um = (stiff - soft) / 0.01
+    assert np.all(np.diff(lifted_um) > 0.1)
+    assert lifted_um[-1] < FIVE["layer_um"]
+
+
 def test_layers_of_springs_and_of_asperities_give_way_alike_where_the_closure_is_the_height() -> None:
     """A spring of s/P is that of asperities with an exponential law: closures over heights are the ratio of both."""
     rigid = replace(nominal(), stick_factor=1e6)

@@ -18,6 +18,7 @@ from wirewear.base.course import Course
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
+from wirewear.diagnosis.infer.where import GapFinding
 from wirewear.diagnosis.model.candidates import library
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import FULL_SLIP
@@ -29,7 +30,8 @@ from wirewear.diagnosis.observe.reduction import _all_observables, reduce
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
-from wirewear.views.diagnosis_values import Cause, Estimate
+from wirewear.views.diagnosis_page import ten_lines
+from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
 from wirewear.views.diagnosis_wording import _one, explanations, sentence_of, share
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
@@ -276,6 +278,9 @@ def test_an_open_answer_states_no_gap_that_is_less_likely_than_none(none: float,
     said = sentence_of("ambiguous", causes, (), shrink, ())
     assert said.startswith(begins)
     assert "plasticity, flattening 0.45 µm" in said
+    zones = tuple(GapFinding("plateau", "middle", (1, 9), 0.4, 2.0, text) for text in ("one", "two", "three"))
+    answer = Diagnosis("a", "b", "ambiguous", said, shrink, {}, None, zones, tuple(causes), (), (), None, ())
+    assert [line.split()[1] for line in ten_lines(answer).splitlines() if line.startswith("  where:")] == ["one", "two"]
 
 
 def test_effects_that_cannot_be_told_apart_are_one_explanation_and_so_are_the_halves_of_a_pair() -> None:

@@ -179,12 +179,14 @@ def test_a_model_that_wears_as_the_fast_model_does_not_foresee_is_refused(key: s
         checked_model(measured, nominal_study(measured).with_values({key: value}))
 
 
-def test_an_effect_has_all_blocks_hold_its_displacement() -> None:
-    block = "[[programme]]\ncycles = 1\nconditions.held_slip_amplitude_um = 4.0\n"
-    study = coarse(held("held_slip_amplitude_um = 8.0") + block)
-    moved = study.with_effects(HeldDisplacement(displacement_amplitude_um=30.0)).driven
+@pytest.mark.parametrize(
+    ("stated", "key"), [("held_slip_amplitude_um = 8.0", "held_slip_amplitude_um"), ("", "held_energy_mJ")]
+)
+def test_an_effect_has_all_blocks_hold_its_displacement(stated: str, key: str) -> None:
+    study = coarse(held(stated) + f"[[programme]]\ncycles = 1\nconditions.{key} = 4.0\n")
+    moved = study.with_effects(HeldDisplacement(displacement_amplitude_um=20.0)).driven
     assert [held_keys(own.study.conditions) for own in moved.schedule.stretches] == [[]]
-    assert moved.envelope.conditions.displacement_amplitude_um == 30.0
+    assert moved.envelope.conditions.displacement_amplitude_um == 20.0
 
 
 @pytest.mark.slow

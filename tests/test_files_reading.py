@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from scipy.io import savemat
 
@@ -110,6 +110,7 @@ def read(text: DelimitedText, fast: bool) -> Numbers | str | None:
         return str(refused)
 
 
+@example(layout=LAYOUTS[2], rows=[("", ""), ("1", "2")])
 @given(layout=st.sampled_from(LAYOUTS), rows=st.lists(st.tuples(FIELDS, FIELDS), min_size=1, max_size=5))
 def test_the_fast_reader_reads_what_the_slow_one_does(layout: DelimitedLayout, rows: list[tuple[str, str]]) -> None:
     text = text_of(layout, rows)

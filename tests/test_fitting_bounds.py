@@ -14,14 +14,15 @@ from geometry.arrays import Array
 from tests.commands import wirewear
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.model.candidates import Candidate, library
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
-from wirewear.fitting.fast_fit import LoopsOfTests, fast_fit, figures_of_model
+from wirewear.fitting.fast_fit import FastFit, LoopsOfTests, fast_fit, figures_of_model
+from wirewear.fitting.fit import _misfit
 from wirewear.fitting.report import fit_json
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
-from wirewear.views.diagnosis_values import estimates
+from wirewear.views.diagnosis_values import estimates, forms
 
 pytestmark = pytest.mark.seconds
 
@@ -114,6 +115,19 @@ def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None
     (found,) = estimates(candidate, np.zeros(1), np.ones(1), dispersion=1e12).values()
     assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
     assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
+
+
+def test_intervals_of_a_laws_form_reach_1_96_deviations_to_either_side() -> None:
+    candidate = next(one for one in library(nominal()) if one.forms)
+    found = forms(candidate, np.zeros(len(candidate.unknowns)), np.full(len(candidate.unknowns), 0.3), 4.0)
+    for name, form in candidate.forms.items():
+        assert sorted(found[name].interval95) == pytest.approx(sorted(form.value(z) for z in (-1.176, 1.176)))
+
+
+@pytest.mark.parametrize(("times", "told"), [(2.9, False), (3.1, True)])
+def test_a_misfit_is_that_of_each_degree_of_freedom(times: float, *, told: bool) -> None:
+    fit = FastFit(*np.zeros((5, 4)), misfit=6.0 * times**2, points=10)
+    assert bool(_misfit(fit)) is told
 
 
 @pytest.mark.seconds

@@ -23,7 +23,7 @@ from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
-from wirewear.simulation.line_model import plan
+from wirewear.simulation.line_model import farthest_contact, plan
 from wirewear.verification.line_contact import (
     MATERIAL,
     LOAD_N_per_mm,
@@ -84,6 +84,8 @@ def test_any_even_profile_touches_and_wears_as_the_cylinder_that_it_is() -> None
         contact = reference.even_line_contact(face, 120.0, MODULUS, 1.0)
         assert contact.half_width_mm == pytest.approx(hertz.half_width_mm, rel=tolerance)
         assert contact.peak_pressure_MPa == pytest.approx(hertz.peak_pressure_MPa, rel=10 * tolerance)
+        # Tilted by 0.02 rad it touches 6 mm × 0.02 aside.
+        assert farthest_contact(face, 0.0, 0.02, contact) == pytest.approx(hertz.half_width_mm + 0.12, abs=0.005)
         scar = reference.even_line_scar(face, 1e-3, 1.0)
         assert scar.half_width_mm == pytest.approx(reference.line_contact_scar(1e-3, 6.0).half_width_mm, rel=1e-3)
     with pytest.raises(ValueError, match="does not bear"):

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+from itertools import permutations
 
 import numpy as np
 import pytest
@@ -14,8 +15,8 @@ from tests.synthetic_loops import HOOKED, Recipe, SyntheticLoop, assert_known, d
 from wirewear.base.errors import WirewearError
 from wirewear.loops import LoopError, analyse_loop
 from wirewear.loops.cleaning import clean_loop
-from wirewear.loops.cycles import _continues_a_line
-from wirewear.loops.drive import period_of
+from wirewear.loops.cycles import _continues_a_line, _shortened, _steps
+from wirewear.loops.drive import Drift, drift_of, period_of
 from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
 from wirewear.loops.opening import lag_of
 
@@ -248,6 +249,25 @@ def test_a_displacement_that_drifts_is_noted_and_freed_from_it(noise: float, dri
     assert any("drifts by" in note for note in figures.notes)
     assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.01)
     assert figures.slip_amplitude_um.value == pytest.approx(LOOP.slip_amplitude_um, rel=0.01)
+
+
+def test_what_may_be_a_drift_can_be_taken_away_and_a_cycle_that_ends_early_or_is_open_has_none() -> None:
+    time = np.arange(60) / 60
+    drive, force = 60.0 * np.sin(2.0 * np.pi * time), np.sign(np.cos(2.0 * np.pi * time))
+    wandering = drive + 2.4 * time + 0.05 * np.random.default_rng(1).standard_normal(60)
+    still = clean_loop(wandering, force, time_s=time).without_drift
+    assert np.polyfit(still.time, still.displacement_um - drive[still.index], 1)[0] == pytest.approx(0.0, abs=0.3)
+    early = np.arange(190) / 200
+    phase = 2.0 * np.pi * early
+    assert drift_of(early, 60.0 * np.sin(phase)) == Drift()
+    opened = clean_loop(60.0 * np.sin(phase), np.sign(np.cos(phase)))
+    assert f"is open by {0.5 * abs(np.sin(phase[-1])):.0%} of" in " ".join(opened.notes)
+
+
+def test_the_shortest_tour_of_a_squares_corners_is_its_outline() -> None:
+    corners = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    for order in permutations(range(4)):
+        assert _steps(corners, _shortened(corners, np.array(order))).sum() == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.005])

@@ -13,8 +13,8 @@ from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_reco
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
-from wirewear.faces.maps_reading import fretting_tests
-from wirewear.records import write_record
+from wirewear.faces.maps_reading import _worn, fretting_tests
+from wirewear.records import read_record, write_record
 from wirewear.results import write_result
 from wirewear.views.run_maps import (
     FreshContact,
@@ -89,6 +89,15 @@ def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:
     # The rig is that of the loops, not the rigid one that its owner states.
     assert 1e3 / test.contact.rig_um_per_N == pytest.approx(167.0, rel=0.06)
     assert test.volume_mm3 / test.energy_J == pytest.approx(3e-5, rel=0.05)
+
+
+def test_a_repeat_counts_for_wear_only_if_both_its_scars_are_known() -> None:
+    record = read_record(EXAMPLES / "rigid_stated_compliant_rig")
+    whole = _worn(record)
+    first = record.scars[0]
+    less = dataclasses.replace(record, scars=[one for one in record.scars if one is not first])
+    assert len(whole) == 3
+    assert _worn(less) == whole[1:] == whole[-2:]
 
 
 def test_a_simulated_test_has_the_wear_coefficient_of_its_study(tmp_path: Path) -> None:

@@ -236,6 +236,15 @@ def test_where_the_rim_falls_between_nodes_does_not_show(edge: float) -> None:
     assert largest_within(np.outer(_band(edge), _band(12.0))) == pytest.approx(1.0, abs=0.26)
 
 
+@pytest.mark.parametrize("shape", [(7, 6), (7, 1)])
+def test_a_peak_counts_as_it_is_between_nodes_that_touch_and_as_its_elements_mean_on_the_rim(shape: Any) -> None:
+    for node in np.ndindex(shape):
+        pressure = np.ones(shape)
+        pressure[node] = 9.0
+        inside = all(n == 1 or 0 < i < n - 1 for i, n in zip(node, shape, strict=True))
+        assert largest_within(pressure) == (9.0 if inside else 3.0 if shape[1] > 1 else 5.0)
+
+
 @pytest.mark.parametrize(("slip_mm", "told"), [(1e-6, 0.1), (1e-17, 0.0)])
 def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
     monkeypatch: pytest.MonkeyPatch, slip_mm: float, told: float

@@ -21,7 +21,8 @@ from tests.commands import wirewear
 from tests.synthetic_results import bowl, result
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
-from wirewear.pictures.mesh import PARTS, round_facets
+from wirewear.pictures.mesh import PARTS, PIXELS, _Drawn, _show, round_facets
+from wirewear.pictures.scar_maps import touched_half_extent
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.results import Scar, write_result
@@ -83,6 +84,23 @@ def test_a_map_shows_the_scar_where_it_is() -> None:
         worn_y, worn_x = np.nonzero(values > 0.02 * values.max())
         assert abs(x[worn_x]).max() == pytest.approx(half_x, rel=0.05)
         assert abs(y[worn_y]).max() == pytest.approx(half_y, rel=0.05)
+
+
+def test_a_map_reaches_as_far_as_the_bodies_press_or_slide_on_each_other() -> None:
+    narrow, run = bowl("moving", 12.0, 50.0, 30.0), bowl("moving", 12.0, 140.0, 95.0)
+    pressed = np.where(narrow.sampled(run.axial_um, run.transverse_um) > 0.0, 100.0, 0.0)
+    assert touched_half_extent([replace(run, pressure_MPa=pressed)]) == touched_half_extent([run])
+    assert touched_half_extent([replace(run, slip_distance_um=0.0 * pressed)]) == touched_half_extent([run])
+
+
+@pytest.mark.parametrize("mm_per_pixel", [0.0003, 0.004])
+def test_a_scale_bar_is_as_long_as_it_says_and_less_than_a_third_of_the_picture(mm_per_pixel: float) -> None:
+    axes = style.new_figure(2.0).subplots()
+    _show(axes, _Drawn(np.zeros((PIXELS, PIXELS, 3), np.uint8), mm_per_pixel, {}))
+    length = float(np.ptp(axes.lines[0].get_xdata()))
+    said, unit = axes.texts[0].get_text().split()
+    assert float(said) * {"mm": 1.0, "µm": 1e-3}[unit] == pytest.approx(length * mm_per_pixel)
+    assert 0.1 < length / PIXELS <= 0.3
 
 
 def test_sections_show_the_worn_below_the_unworn_profile() -> None:

@@ -15,7 +15,13 @@ from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.mending import of_own_definitions
 from wirewear.records import check_record
-from wirewear.simulation.contact_forces import at_mid_stroke, forces_on, mean_pressures, pressure_figures
+from wirewear.simulation.contact_forces import (
+    at_mid_stroke,
+    forces_on,
+    mean_pressures,
+    nodal_pressures,
+    pressure_figures,
+)
 from wirewear.simulation.tally import Counters, bends, energy_mismatch, judge
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
@@ -98,6 +104,14 @@ def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments()
     drives = [0.06, 0.03, 0.01, 0.009, 0.008, 0.007, 0.006, -0.02, -0.03, -0.06]
     pressures = [100.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0]
     assert at_mid_stroke(drives, pressures) == 1.0
+
+
+def test_a_traction_along_the_normal_of_a_slope_is_all_pressure(problem: ContactProblem, cycle: CycleTrace) -> None:
+    state = cycle.states[0]
+    slope = problem.surface.mean_slope(np.arange(problem.primary.patch.size), state.wear.primary_depth)
+    pressed = replace(state, traction=70.0 * np.column_stack([-slope, np.ones(len(slope))]))
+    assert np.abs(slope).max() > 0.1
+    assert nodal_pressures(problem, [pressed]) == pytest.approx(np.full((1, len(slope)), 70.0))
 
 
 def test_the_largest_mean_is_that_of_any_increment(problem: ContactProblem, cycle: CycleTrace) -> None:

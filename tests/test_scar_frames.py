@@ -143,6 +143,16 @@ def test_a_plain_ellipse_is_never_called_too_round_and_a_wrong_frame_is_found_as
         assert found.rotation_deg == pytest.approx(angle, abs=1.0)
 
 
+@pytest.mark.parametrize(("length", "is_round"), [(60.6, True), (66.0, False)])
+def test_a_scar_that_is_all_but_round_has_no_rotation(length: float, *, is_round: bool) -> None:
+    simulated = bowl("moving", 6.0, length, 60.0)
+    x = np.arange(-150.0, 151.0, 10.0)
+    noise = NOISE_um * np.random.default_rng(1).standard_normal((x.size, x.size))
+    assert (
+        register(MeasuredScar(1, "moving", x, x, simulated.sampled(x, x) + noise), simulated).rotation_held is is_round
+    )
+
+
 def test_quarters_of_a_turn_keep_every_point() -> None:
     depth = np.arange(12.0).reshape(4, 3)
     scar = MeasuredScar(1, "fixed", np.arange(4.0), np.arange(3.0), depth)
