@@ -105,7 +105,7 @@ def vertical_gap(
     if secondary.incline != 0.0:
         other += secondary.incline * (surface.body.node_positions[:, 0] - offset_mm[0])
     # Upper height minus lower height, whichever of the two is the primary.
-    gap = surface.body.facing * (other - surface.body.node_heights(primary_depth))
+    gap = surface.body.facing * (other - surface.body.worn(primary_depth).heights)
     return np.where(inside, gap, np.inf)
 
 

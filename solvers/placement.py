@@ -96,10 +96,6 @@ class PlacedBody:
     def _fresh_node_heights(self) -> Array:
         return np.asarray(self.patch.profile.height(self.patch.grid()))
 
-    def node_heights(self, depth_mm: Array) -> Array:
-        """Height of the worn surface at the patch's nodes in world z relative to the body's origin, shape (n,)."""
-        return self.worn(depth_mm).heights
-
     def worn(self, depth_mm: Array) -> WornNodes:
         """The surface worn by `depth_mm` (n_a, n_t) at the patch's nodes.
 
@@ -214,12 +210,7 @@ def _sizes(primary: PlacedBody, secondary: PlacedBody) -> Array:
     """Sizes (n, 4) along and across of the elements about the primary's nodes, and of those that face them at rest."""
     own, other = primary.patch, secondary.patch
     there = primary.node_positions @ secondary.world_to_patch.T
-    along, across = np.meshgrid(_about(own.axial_mm), _about(own.transverse_mm), indexing="ij")
-    facing_along = np.interp(there[:, 0], other.axial_mm, _about(other.axial_mm))
-    facing_across = np.interp(there[:, 1], other.transverse_mm, _about(other.transverse_mm))
+    along, across = np.meshgrid(np.gradient(own.axial_mm), np.gradient(own.transverse_mm), indexing="ij")
+    facing_along = np.interp(there[:, 0], other.axial_mm, np.gradient(other.axial_mm))
+    facing_across = np.interp(there[:, 1], other.transverse_mm, np.gradient(other.transverse_mm))
     return np.column_stack([along.ravel(), across.ravel(), facing_along, facing_across])
-
-
-def _about(lines: Array) -> Array:
-    """Mean size of the elements on both sides of each line."""
-    return np.gradient(lines)

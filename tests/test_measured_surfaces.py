@@ -154,7 +154,7 @@ def test_a_map_along_the_motion_and_one_along_the_axis_are_one_surface(*, upper:
         )
         x, y = 1e3 * body.node_positions.T
         facing = -1.0 if upper else 1.0
-        np.testing.assert_allclose(body.node_heights(np.zeros((5, 5))), -1e-3 * facing * slanted(x, y), atol=1e-9)
+        np.testing.assert_allclose(body.worn(np.zeros((5, 5))).heights, -1e-3 * facing * slanted(x, y), atol=1e-9)
         sample = body.sample(body.node_positions, np.zeros((5, 5)))
         np.testing.assert_allclose(sample.slope, np.tile(-facing * np.array([0.03, -0.01]), (25, 1)), atol=1e-6)
 

@@ -182,9 +182,9 @@ def test_a_placed_body_sees_one_surface_whether_nodes_have_been_moved_into_it_or
     depth = scar(fresh, 0.008)
     body = place(bodies.condensed_wire(FINE_mm), upper=upper, axis_angle_rad=0.7)
     moved = replace(body, patch=fresh.worn(depth).patch)
-    assert np.array_equal(moved.node_heights(depth), body.node_heights(depth))
+    assert np.array_equal(moved.worn(depth).heights, body.worn(depth).heights)
     on_mesh = fresh.worn(depth).mesh.points[fresh.patch.nodes.ravel(), 2]
-    assert moved.node_heights(depth) == pytest.approx((-1.0 if upper else 1.0) * on_mesh, abs=1e-15)
+    assert moved.worn(depth).heights == pytest.approx((-1.0 if upper else 1.0) * on_mesh, abs=1e-15)
 
 
 @pytest.mark.seconds

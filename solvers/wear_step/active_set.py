@@ -62,14 +62,9 @@ class CycleEquations:
         none = np.zeros((len(self.gaps), 3))
         return layers_at_nodes(self.problem.layers, self.cycle.orbits.opening(*self.worn), none, none)
 
-    @property
-    def _wear_work(self) -> Friction:
-        """Wear work per slip, as a law of the pressure."""
-        return self.problem.wear.law.work_per_slip(self.friction)
-
     def works(self, pressure: Array) -> tuple[Array, Array]:
         """Friction work and wear work (N,) of one cycle per area under pressures (N,)."""
-        energy, worn = self.friction.limit(pressure) * self.slip, self._wear_work
+        energy, worn = self.friction.limit(pressure) * self.slip, self.problem.wear.law.work_per_slip(self.friction)
         if worn is self.friction and isinstance(self.cycle.wearing, float):
             return energy, energy if self.cycle.wearing == 1.0 else energy * self.cycle.wearing
         return energy, worn.limit(pressure) * self.slip * self.cycle.wearing
@@ -90,7 +85,7 @@ class CycleEquations:
         cycle, facing, holder, on = self.cycle, self.facing, self.problem.holder, np.flatnonzero(active)
         closure, softness = self._closure(about)
         slope, constant = self.friction.tangent(about)
-        work_slope, work_constant = self._wear_work.tangent(about)
+        work_slope, work_constant = self.problem.wear.law.work_per_slip(self.friction).tangent(about)
         constant, work_constant = np.where(active, constant, 0.0), np.where(active, work_constant, 0.0)
         opened, wearing = open_share(self.problem.layers) * facing.upward, self.slip * cycle.wearing * self.cycles
         known = facing.upward * self.gaps + facing.by_stuck + closure - softness * about

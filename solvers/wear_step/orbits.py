@@ -126,8 +126,8 @@ def _met(
         sticks=everywhere,
         direction=direction,
         stuck=np.where(sticks[:, None], tangential, 0.0),
-        moved=_rigid_motion(old, new),
-        moves=_rigid_motion(new, following),
+        moved=(new.drive - old.drive) - (new.holder_x - old.holder_x),
+        moves=(following.drive - new.drive) - (following.holder_x - new.holder_x),
         driven=0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive)),
     )
 
@@ -146,10 +146,6 @@ def _position(met: _Met, state: ContactState, sticks: BoolArray) -> Position:
         moves=met.moves,
         driven=met.driven,
     )
-
-
-def _rigid_motion(old: ContactState, new: ContactState) -> float:
-    return (new.drive - old.drive) - (new.holder_x - old.holder_x)
 
 
 def _slips(problem: ContactProblem, pairing: Pairing, lever: Array, states: Sequence[ContactState]) -> list[Array]:

@@ -187,7 +187,7 @@ def _images(body: PlacedBody, signs: Array) -> IntArray | None:
         return None
     images = np.empty(len(order), dtype=np.int64)
     images[order_there] = order
-    heights = body.node_heights(np.zeros(body.patch.shape))
+    heights = body.worn(np.zeros(body.patch.shape)).heights
     if np.abs(heights - heights[images]).max() > _PLACE_TOLERANCE_mm:
         return None
     return images if _compliance_is_mirrored(body, images, np.append(signs, 1.0)) else None

@@ -254,7 +254,8 @@ class DaskCluster(Engine):
                 get_address_host_port(self.address)
             client = Client(self.address, timeout=PATIENCE_s, set_as_default=False)
         except (OSError, ValueError, TimeoutError) as problem:
-            raise EngineError(f"no Dask scheduler answers at {self.address!r} ({_first_line(problem)}).") from None
+            told = next(iter(str(problem).splitlines()), type(problem).__name__)
+            raise EngineError(f"no Dask scheduler answers at {self.address!r} ({told}).") from None
         with client:
             self._require_fit(client)
             yield client
@@ -286,7 +287,3 @@ def _workers(client: Client) -> dict[str, Any]:
 
 def _program() -> str:
     return code_hash()
-
-
-def _first_line(problem: BaseException) -> str:
-    return next(iter(str(problem).splitlines()), type(problem).__name__)

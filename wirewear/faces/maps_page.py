@@ -182,7 +182,7 @@ def maps_page(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
         {
             "tests": [row_of(test) for test in tests],
             "columns": columns_of(tests),
-            "per": per_of(tests),
+            "per": "/mm" if tests[0].per_mm else "",
             "contacts": any(test.contact is not None for test in tests),
             "sentences": sentences(tests),
             "through": through,
@@ -202,7 +202,7 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
     reach, loads = _extent(tests, contacts)
     labels = labels_of([(test.displacement_amplitude_um, test.normal_load_N) for test in tests])
     return {
-        "per": per_of(tests),
+        "per": "/mm" if tests[0].per_mm else "",
         "tests": [_test(label, test) for label, test in zip(labels, tests, strict=True)],
         "regimes": {regime: {"color": colour, "shape": shape} for regime, (colour, shape) in MARKS.items()},
         "contacts": [_boundaries(contact, reach, loads, fatigue_limit_MPa) for contact in contacts],
@@ -210,11 +210,6 @@ def page_data(tests: Sequence[MappedTest], fatigue_limit_MPa: float | None = Non
         "loads": numbers(np.array(loads)),
         "lines": [_line(line) for line in (through, threshold) if line is not None],
     }
-
-
-def per_of(tests: Sequence[MappedTest]) -> str:
-    """What stands behind units of force, energy and volume: line contacts are per millimetre."""
-    return "/mm" if tests[0].per_mm else ""
 
 
 def groups(tests: Iterable[MappedTest]) -> list[FreshContact]:

@@ -269,8 +269,8 @@ def calibration_text(calibration: Calibration, correction: "Correction | None") 
         table.add_row(f"{motion.normal_load_N:g}", f"{largest:.3g}", f"{difference:.4g}", f"{slope(motion):.4g}")
     rms, most_um = polynomial.residual_rms_um, polynomial.residual_largest_um
     lines = [
-        f"linear_um_per_N = {_with_interval(polynomial.linear_um_per_N)}",
-        f"quadratic_um_per_N2 = {_with_interval(polynomial.quadratic_um_per_N2)}",
+        f"linear_um_per_N = {' ± '.join(rounded(polynomial.linear_um_per_N))}",
+        f"quadratic_um_per_N2 = {' ± '.join(rounded(polynomial.quadratic_um_per_N2))}",
         f"motions lie {rms:.2g} um from it (root mean square), at most {most_um:.2g} um",
     ]
     if correction is not None:
@@ -280,10 +280,6 @@ def calibration_text(calibration: Calibration, correction: "Correction | None") 
         )
         lines += correction.notes
     return Group(table, Text("\n".join(lines)))
-
-
-def _with_interval(measured: Measured) -> str:
-    return " ± ".join(rounded(measured))
 
 
 @dataclass(frozen=True)

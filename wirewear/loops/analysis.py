@@ -13,15 +13,7 @@ from wirewear.loops.courses import Courses, courses_of, static_overshoot, stick_
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
 from wirewear.loops.opening import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
-from wirewear.loops.stiffness import (
-    RESOLVED,
-    bent,
-    corner_of,
-    mean_stiffness,
-    micro_slip_branch,
-    samples_told_by,
-    sliding_stiffness,
-)
+from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
 
@@ -335,7 +327,7 @@ def _stiffness_notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, n
         return ["no sample lies on the micro-slip branches, so the measured stiffness is left out"]
     notes = []
     for branch, slip in courses.both:
-        resolved = samples_told_by(branch, slip)
+        resolved = int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
         if resolved < RESOLVED:
             name = "forward" if branch.direction > 0 else "backward"
             notes.append(

@@ -151,11 +151,6 @@ def _line(
     return fit_line(z, y, loop.displacement_noise_um, loop.force_noise_N), inside
 
 
-def samples_told_by(branch: Branch, slip: MicroSlip) -> int:
-    """How many samples lie in half of the micro-slip region."""
-    return int(np.count_nonzero(branch.travel_um <= 0.5 * slip.travel_um))
-
-
 def bent(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> bool:
     """Whether half of the micro-slip region is no line of a contact that yields.
 

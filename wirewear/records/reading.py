@@ -265,7 +265,7 @@ def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
     ]
     if any(loop.normal_force_N is not None for loop in loops):
         columns["normal_force_N"] = np.concatenate(normal)
-    return frame_of({column.name: columns[column.name] for column in LOOP_COLUMNS if column.name in columns})
+    return frame_of(columns)
 
 
 def evolution_frame(evolution: Sequence[MeasuredEvolution]) -> "pl.DataFrame":

@@ -47,7 +47,7 @@ def wear_stepper(test: FrettingTest, cycler: Cycler, problem: ContactProblem) ->
         own: ContactProblem, state: ContactState, done: float, wanted: float, milestones: tuple[float, ...], _end: float
     ) -> JumpStep[ContactState]:
         """To the next milestone where nothing wears; else one cycle that stands for the jump."""
-        jump = next_milestone(milestones, done) - done
+        jump = min(milestone for milestone in milestones if milestone > done) - done
         if problem.unchanging or size is None:
             return JumpStep(state, jump, 0.0, wanted)
         return JumpStep(cycler.worn(own, state, done, min(size, jump)), min(size, jump), 0.0, wanted)
@@ -64,11 +64,6 @@ def whole_cycles(cycler: Cycler, controller: JumpController) -> WearStepper:
         return take_step(controller, state, wanted, done, milestones, end, cycler.wearing(own, state, done))
 
     return WearStepper(controller.first_jump, step)
-
-
-def next_milestone(milestones: tuple[float, ...], done: float) -> float:
-    """The first milestone after `done` cycles."""
-    return min(milestone for milestone in milestones if milestone > done)
 
 
 def cycle_through(
@@ -179,7 +174,7 @@ class _Run:
                 problem, state = self._on_meshes(larger, problem, state, done)
                 continue
             state, wanted = step.state, step.next_jump
-            ahead = next_milestone(self.test.stops, done)
+            ahead = min(milestone for milestone in self.test.stops if milestone > done)
             reached = abs(ahead - done - step.jump) < _MET * ahead
             done = ahead if reached else done + step.jump
             self.ending.follow(state, done)

@@ -166,13 +166,8 @@ class PointMeshes(Meshes):
         ahead = max(float(np.abs(depth - before).max()) for depth, before in zip(depths, moved, strict=True))
         return ahead > 0.0 and ahead >= 1e-3 * every_um
 
-    @property
-    def all_stages(self) -> tuple[MeshStage, ...]:
-        """Planned ones, then spare ones."""
-        return (*self.stages, *self.spare)
-
     def _stage(self, index: int) -> MeshStage:
-        return self.all_stages[index]
+        return (*self.stages, *self.spare)[index]
 
     def _outgrown(self, stage: int, volume_mm3: float) -> bool:
         if stage + 1 >= len(self.stages):

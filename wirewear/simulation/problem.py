@@ -44,12 +44,12 @@ def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | 
     stored = None if path is None else _load(path, geometry.profile)
     if path is not None and stored is not None:
         mark_used(path)
-        return _on_bricks(stored, geometry, material)
+        return replace(stored, bricks=Bricks(material, geometry.layers))
     meshed = build_body(geometry)
     body = condense(meshed.mesh, meshed.patch, material, bedding=meshed.bedding)
     if path is not None:
         _store(path, body)
-    return _on_bricks(body, geometry, material)
+    return replace(body, bricks=Bricks(material, geometry.layers))
 
 
 def condensed_worn_body(
@@ -62,12 +62,7 @@ def condensed_worn_body(
     """
     worn = _fresh_body(geometry).worn(worn_depth_mm)
     body = condense(worn.mesh, worn.patch, material, bedding=worn.bedding)
-    return _on_bricks(body, geometry, material), worn.smallest_scaled_jacobian
-
-
-def _on_bricks(body: solvers.CondensedBody, geometry: BodyGeometry, material: Elastic) -> solvers.CondensedBody:
-    """The body with what it is known of the elements under its patch."""
-    return replace(body, bricks=Bricks(material, geometry.layers))
+    return replace(body, bricks=Bricks(material, geometry.layers)), worn.smallest_scaled_jacobian
 
 
 @lru_cache(maxsize=2)

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 
-from geometry.arrays import Array
 from solvers import CondensedBody, Holder
 from wirewear import reference
 from wirewear.simulation import discretise, simulate
@@ -47,7 +46,7 @@ def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
     # Radius of the circle with the area of the nodes that carry load and do not slide in the last cycle.
     first, last = (result.scar(cycle, "fixed") for cycle in (1, _CYCLES))
     sticks = (last.pressure_MPa > 0.0) & (last.slip_distance_um < _STUCK * first.slip_distance_um.max())
-    areas = np.outer(_widths_mm(last.axial_um), _widths_mm(last.transverse_um))
+    areas = np.outer(1e-3 * np.gradient(last.axial_um), 1e-3 * np.gradient(last.transverse_um))
     return (
         compared(
             name,
@@ -98,11 +97,6 @@ def limiting_shape(resolution: float) -> reference.LimitingShape:
     radius = 0.5 * _DIAMETER_mm
     contact = reference.WearingContact(radius, hertz.CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
     return contact.under_approach(_APPROACH_mm)
-
-
-def _widths_mm(lines_um: Array) -> Array:
-    """What belongs to each of some mesh lines (n,)."""
-    return 1e-3 * np.gradient(lines_um)
 
 
 _LOAD_N = 100.0

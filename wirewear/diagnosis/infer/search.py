@@ -79,7 +79,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     effects = [effect for effect in library(setup) if effect.kind.name not in left_out]
     problem, covariance = problem_around(states, setup, setup, observed)
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
-    best = _best(none, singles)
+    best = max((none, *singles), key=lambda one: one.merit)
     around: list[tuple[str, ...]] = [()]
     # An explanation is judged by the covariance around it: taken anew until the leader stays, or leads for the second
     # time.
@@ -88,7 +88,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         around.append(first.names)
         problem, covariance = problem_around(states, setup, first.setup, observed, first.candidates, problem)
         none, *singles = _refitted(problem, singles, first)
-        best = _best(none, singles)
+        best = max((none, *singles), key=lambda one: one.merit)
     tried: list[Fit] = []
     pairs: list[Fit] = []
     if best.candidates:
@@ -98,7 +98,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
         if pairs:
             problem, covariance = problem_around(states, setup, pairs[0].setup, observed, pairs[0].candidates, problem)
             none, *singles = _refitted(problem, singles, best)
-            single = _best(none, singles)
+            single = max((none, *singles), key=lambda one: one.merit)
             pairs = together(problem, [sought(problem, one.candidates, [one.coordinates]) for one in pairs])
             pairs = [one for one in pairs if one.log_evidence > single.log_evidence + PAIR_GAIN]
         if not pairs:
@@ -130,10 +130,6 @@ def problem_around(
         covariance = with_model_error(states, setup, around, observed.layout, covariance, error)
     problem = Problem.of(states, setup, observed.layout, covariance)
     return problem if before is None else replace(problem, known=before.known), covariance
-
-
-def _best(none: Fit, singles: Sequence[Fit]) -> Fit:
-    return max((none, *singles), key=lambda one: one.merit)
 
 
 def _refitted(problem: Problem, singles: Sequence[Fit], best: Fit) -> list[Fit]:

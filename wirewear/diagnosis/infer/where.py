@@ -305,9 +305,9 @@ def _alike_place(problem: Problem, part: Part, largest: int, present: BoolArray)
         both = {int(np.sign(at)) for at in part.sites.level[present & (np.abs(part.sites.level) > 1e-9)]} == {-1, 1}
         at = f"{abs(level):.2g} µm to either side" if both else f"{level:+.2g} µm"
         middle = abs(level) < 0.1 * problem.setup.amplitude_um
-        return "at mid-stroke" if middle else _minus(f"at {at} of the middle")
+        return "at mid-stroke" if middle else f"at {at} of the middle".replace("-", "−")
     if isinstance(part.observable, Stick):
-        return _minus(f"at {level * branch:+.2g} N after a reversal")
+        return f"at {level * branch:+.2g} N after a reversal".replace("-", "−")
     zone = str(part.observable.zone(part.sites, problem.setup.amplitude_um)[largest])
     return next(one.words for one in part.observable.zones if one.name == zone)
 
@@ -330,10 +330,6 @@ def _course(problem: Problem, one: Distortion) -> str:
     text = f"{scale * first:+.{digits}g}{unit} at first, {scale * last:+.{digits}g}{unit} in the end"
     if most not in (0, values.size - 1):
         text += f", {scale * values[most]:+.{digits}g}{unit} about cycle {counted(float(f'{np.exp(knots[most]):.2g}'))}"
-    return _minus(text)
-
-
-def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 

@@ -8,7 +8,6 @@ from functools import cache, cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError, RunError
@@ -255,12 +254,12 @@ class FastMotion:
 
         Source: Bendat & Piersol, Random Data, 4th ed., section 2.3.
         """
-        undone = self.harmonics * (1.0 + 1j * lag * self._orders)
+        undone = self.harmonics * (1.0 + 1j * lag * np.arange(1, self.harmonics.size + 1))
         return FastMotion(np.concatenate([undone, _beyond(undone)]))
 
     def behind(self, lag: float) -> FastMotion:
         """This motion behind such a filter."""
-        return FastMotion(np.asarray(self.harmonics / (1.0 + 1j * lag * self._orders)))
+        return FastMotion(np.asarray(self.harmonics / (1.0 + 1j * lag * np.arange(1, self.harmonics.size + 1))))
 
     def phases(self, place: Array) -> Array:
         """When places (..., 2, m) are passed, −1 and 1 being the ends of the stroke, one way and back; both increase.
@@ -281,10 +280,6 @@ class FastMotion:
     @cached_property
     def half_range(self) -> float:
         return 0.5 * float(np.ptp(self._even))
-
-    @property
-    def _orders(self) -> NDArray[np.intp]:
-        return np.arange(1, self.harmonics.size + 1)
 
     @cached_property
     def _even(self) -> Array:

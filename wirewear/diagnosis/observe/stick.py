@@ -87,13 +87,9 @@ def has_few_samples(branches: list[ObservedBranch], force_N: float) -> bool:
 
 def _samples(branches: list[ObservedBranch], force_N: float) -> list[Array]:
     """Forces of the samples that stick for certain, branch by branch."""
-    top, lowest = _top(branches), FORCES[0] * force_N
+    top, lowest = min(branch.stick_top_N for branch in branches), FORCES[0] * force_N
     seen = [branch.force_N[: branch.knee + 1] for branch in branches]
     return [q[(q > lowest) & (q < min(top, FORCES[-1] * force_N))] for q in seen]
-
-
-def _top(branches: list[ObservedBranch]) -> float:
-    return min(branch.stick_top_N for branch in branches)
 
 
 def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
@@ -101,7 +97,7 @@ def _levels(branches: list[ObservedBranch], force_N: float) -> list[float]:
     samples = _samples(branches, force_N)
     count = min(q.size for q in samples)
     if count > FEW_SAMPLES:
-        return [at * force_N for at in FORCES if at * force_N < _top(branches)]
+        return [at * force_N for at in FORCES if at * force_N < min(branch.stick_top_N for branch in branches)]
     if count == 0:
         return []
     levels = np.median([q[:count] for q in samples], axis=0)

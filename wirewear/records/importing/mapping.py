@@ -8,11 +8,11 @@ from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, RecordError, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
-from wirewear.records.contact_tables import BallTest, LineNoise, LineTest, ShapesTest
+from wirewear.records.contact_tables import BallTest, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.of_test import Metadata
-from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, StatedScatter, WiresTest
+from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
 from wirewear.study.keys import CheckedFlag, NormalLoad, Table, checked_text, one_of
 from wirewear.study.lines import LineLoad
 
@@ -314,8 +314,6 @@ class LineMapping(LineTest):
     """A whole mapping file of a line contact."""
 
     conditions: MappedConditions = Field(description="load, stroke, frequency and length of the test")
-    noise: LineNoise = Field(LineNoise(), description="noise of one sample")
-    scatter: StatedScatter = Field(StatedScatter(), description="scatter between tests on fresh specimens")
     loops: LoopSource | None = Field(None, description="where the loops are; forces may be in N/mm")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
     profiles: Profiles = Field(Profiles(), description="where the profiles are")
