@@ -25,6 +25,7 @@ from numba import njit
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
 F = TypeVar("F", bound=Callable[..., object])
@@ -121,7 +122,8 @@ class KeptCode(NullCache):
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """The code for these types; None where none is kept that is whole and of these sources."""
-        target_context.refresh()
+        # All else that numba loads for a compilation, it loads when one is due.
+        rtsys.initialize(target_context)
         name = self._name(sig, target_context.codegen())
         for folder, _ in self._folders():
             # Of what can be wrong with a pickle there is no list.
