@@ -67,11 +67,9 @@ class Store:
     def interrupted(self) -> tuple[Checkpoint, Result] | None:
         return None if self.checkpoint is None else (self.checkpoint, self.results[-1])
 
-    def result(self) -> Result:
-        return self.results[-1]
-
-    def write(self, result: Result) -> None:
+    def write(self, result: Result) -> Result:
         self.results.append(result)
+        return result
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         self.checkpoint = checkpoint
@@ -251,8 +249,9 @@ def test_a_run_that_cannot_go_on_says_why_and_is_kept(monkeypatch: pytest.Monkey
     store = Store()
     with pytest.raises(type(failure)):
         run(monkeypatch, Stepper(stop_after=100.0, failure=failure), store)
-    assert (store.result().status, store.result().message) == ("failed", str(failure))
-    assert [cycle for cycle, _ in store.result().measured] == [1.0, 30.0, 100.0]
+    kept = store.results[-1]
+    assert (kept.status, kept.message) == ("failed", str(failure))
+    assert [cycle for cycle, _ in kept.measured] == [1.0, 30.0, 100.0]
 
 
 def test_a_resumed_run_ends_as_one_that_was_not_interrupted(monkeypatch: pytest.MonkeyPatch) -> None:

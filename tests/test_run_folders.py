@@ -79,7 +79,7 @@ def test_an_interrupted_run_of_other_code_is_not_continued(tmp_path: Path) -> No
     one, other = Identity(digest(of), "this code"), Identity(digest(of), "other code")
     made = synthetic_results.result()
     write_result(tmp_path / RESULT_FILE_NAME, replace(made, settings={**made.settings, "identity": str(one)}))
-    folder = RunFolder(tmp_path, other)
+    folder = RunFolder(other, tmp_path)
     assert "another version" in folder.found(begun=False).note
     assert folder.interrupted() is None
 

@@ -112,6 +112,7 @@ _ROOT = Path(__file__).resolve().parents[2]
 
 _ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
 _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions change numbers.
+installed = cache(version)  #: The version of a package; each is read from a file of its own.
 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
@@ -153,7 +154,7 @@ class Identity:
 
 def identity_of(asked: Mapping[str, Any], code: Iterable[str], plan: Mapping[str, Any]) -> Identity:
     """The identity of what is asked, made by code (files and folders) by a plan that follows from both."""
-    beneath = {name: version(name) for name in _BENEATH}
+    beneath = {name: installed(name) for name in _BENEATH}
     return Identity(digest(asked), digest({"code": code_hash(tuple(code)), "beneath": beneath, "plan": plan}))
 
 

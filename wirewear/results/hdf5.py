@@ -28,7 +28,7 @@ reader, or a run killed at any moment, never meets half a file.
 
 import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -37,7 +37,7 @@ import numpy as np
 
 from geometry import Elastic
 from wirewear.base.errors import ResultError
-from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
+from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, write_arrays
 from wirewear.base.reading import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import earlier_lines
@@ -62,16 +62,20 @@ SCAR_ATTRIBUTES = ("cycle", "body", "diameter_mm", "axis_angle_deg")
 _SELDOM = {"length_mm": None, "diameter_along_mm": float("inf")}
 
 
-def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | None = None) -> None:
-    """Write `result` to `path`, replacing what is there in one step; the folder is made if need be.
+def write_result(path: str | Path, result: RunResult, so_far: GrowingImage | None = None) -> RunResult:
+    """Write `result` to `path`, replacing what is there in one step; the folder is made if need be. Returns what
+    `read_result` has from there.
 
     so_far: the file of a run that goes on, in which logged cycles stay as they are.
     Raises ResultError if a table holds what JSON cannot, or the file cannot be written.
     """
-    path, image = Path(path), (hdf5_image if so_far is None else so_far.filled)(lambda file: _fill(file, result))
+    path, tables = Path(path), {name: _json(name, getattr(result, name)) for name in TABLES}
+    image = (hdf5_image if so_far is None else so_far.filled)(lambda file: _fill(file, result, tables))
     with writing(ResultError, f"cannot write the result file {path}"):
         path.parent.mkdir(parents=True, exist_ok=True)
         write_bytes(path, image)
+    as_read: dict[str, Any] = {name: json.loads(text) for name, text in tables.items()}
+    return replace(result, path=path, **as_read)
 
 
 def read_result(path: str | Path) -> RunResult:
@@ -106,25 +110,25 @@ def read_results(path: str | Path) -> tuple[RunResult, ...]:
     return tuple(sorted(results, key=lambda result: result.variant))
 
 
-def _fill(file: h5py.File, result: RunResult) -> None:
+def _fill(file: h5py.File, result: RunResult, tables: Mapping[str, str]) -> None:
     file.attrs["format"] = FORMAT
     file.attrs["kind"] = KIND
     for name in ("header", *TABLES, "evolution"):
         file.pop(name, None)
     file["header"] = _json("header", {name: getattr(result, name) for name in HEADER})
-    for name in TABLES:
-        file[name] = _json(name, getattr(result, name))
+    for name, text in tables.items():
+        file[name] = text
     for group, loop in _added(file, "loops", result.loops):
         group.attrs["cycle"] = loop.cycle
-        _write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
-    _write_arrays(file.create_group("evolution", track_order=True), result.evolution)
+        write_arrays(group, {name: getattr(loop, name) for name in LOOP_COLUMNS})
+    write_arrays(file.create_group("evolution", track_order=True), result.evolution)
     for group, scar in _added(file, "scars", result.scars):
         for name in SCAR_ATTRIBUTES:
             group.attrs[name] = getattr(scar, name)
         for name, usual in _SELDOM.items():
             if (value := getattr(scar, name)) != usual:
                 group.attrs[name] = value
-        _write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
+        write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
     # While a run goes on, its file is written anew after every loop, and compressing takes longer than the rest.
     compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
@@ -145,9 +149,9 @@ def _write_forces(group: h5py.Group, forces: ContactForces, compression: Mapping
     if forces.geometry is not None and forces.material is not None:
         group.attrs["geometry"] = json.dumps(forces.geometry.as_table())
         group.attrs.update(asdict(forces.material))
-    _write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
+    write_arrays(group, {name: getattr(forces, name) for name in (*POSITION_COLUMNS, "nodes")})
     if forces.bulk_stress_MPa is not None:
-        _write_arrays(group, {"bulk_stress_MPa": forces.bulk_stress_MPa})
+        write_arrays(group, {"bulk_stress_MPa": forces.bulk_stress_MPa})
     group.create_dataset("force_N", data=forces.force_N, track_times=False, **compression)
 
 
@@ -170,12 +174,6 @@ def _forces(group: h5py.Group) -> ContactForces:
             if name in group
         },
     )
-
-
-def _write_arrays(group: h5py.Group, arrays: Mapping[str, Any]) -> None:
-    for name, array in arrays.items():
-        # Without time stamps, equal results are equal files.
-        group.create_dataset(name, data=array, track_times=False)
 
 
 def _run_result(file: h5py.File, path: Path) -> RunResult:

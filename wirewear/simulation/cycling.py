@@ -105,9 +105,9 @@ class _Run:
         except SolverError as error:
             self._store("failed", str(error))
             raise
-        self._store("complete", told)
+        result = self._store("complete", told)
         self.store.drop_checkpoint()
-        return self.store.result()
+        return result
 
     def _restored(self) -> Checkpoint | None:
         """The last checkpoint, if there is one, with everything as it was then."""
@@ -249,7 +249,7 @@ class _Run:
         counters, identity = self.record.tally.for_checkpoint(), str(self.store.identity)
         self.store.write_checkpoint(Checkpoint(done, jump, state, self.cycler.guide, counters, self.history, identity))
 
-    def _store(self, status: str, message: str) -> None:
-        result = self.record.result(status, message, self.history)
-        self.store.write(result)
+    def _store(self, status: str, message: str) -> RunResult:
+        result = self.store.write(self.record.result(status, message, self.history))
         self.observer.logged(result)
+        return result

@@ -1,4 +1,4 @@
-"""Where a run keeps what it leaves: a folder, with the result and the checkpoint at which it goes on, or memory.
+"""Where a run keeps what it leaves: a folder, with the result and the checkpoint at which it goes on, or nowhere.
 
 The checkpoint is the state of an unfinished run beside its result: enough to go on as if nothing had happened.
 """
@@ -7,7 +7,7 @@ import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar
@@ -19,7 +19,7 @@ from geometry.arrays import Array
 from solvers import ContactProblem, ContactState, Guide, WearState
 from wirewear.base.cache import Identity, digest
 from wirewear.base.errors import ResultError, RunError
-from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5
+from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, write_arrays
 from wirewear.base.locks import clear_abandoned, last_noted, occupied
 from wirewear.base.writing import write_bytes, writing
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result, write_result
@@ -109,8 +109,7 @@ def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:
     file.attrs["next_jump"] = checkpoint.next_jump
     file.attrs["meshes"] = json.dumps({"stage": checkpoint.meshes.stage, "changes": checkpoint.meshes.changes})
     if checkpoint.meshes.moved is not None:
-        for name, depth in zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True):
-            file.create_dataset(name, data=depth)
+        write_arrays(file, dict(zip(("moved_on_moving", "moved_on_fixed"), checkpoint.meshes.moved, strict=True)))
     _write(file.create_group("state"), checkpoint.state, skip="wear")
     _write(file.create_group("wear"), checkpoint.state.wear)
     if checkpoint.guide is not None:
@@ -142,9 +141,7 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
 
 
 def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "") -> None:
-    for name in (one.name for one in fields(values)):
-        if name != skip:
-            group.create_dataset(name, data=getattr(values, name))
+    write_arrays(group, {one.name: getattr(values, one.name) for one in fields(values) if one.name != skip})
 
 
 def _read(group: Any) -> dict[str, Any]:
@@ -154,20 +151,17 @@ def _read(group: Any) -> dict[str, Any]:
 T = TypeVar("T")
 
 
-class RunStore(ABC):
-    """Where a run keeps its result, and its checkpoint if it can be resumed.  identity: equal for runs that give the
-    same result.
+@dataclass(frozen=True)
+class RunStore:
+    """Where a run keeps its result, and its checkpoint if it can be resumed; of itself nowhere.  identity: equal for
+    runs that give the same result.
     """
 
     identity: Identity
 
-    @abstractmethod
-    def result(self) -> RunResult:
-        """The result as it was written last."""
-
-    @abstractmethod
-    def write(self, result: RunResult, /) -> None:
-        """Keep the result in place of the one before."""
+    def write(self, result: RunResult, /) -> RunResult:
+        """Keep the result in place of the one before; the result as it is kept."""
+        return result
 
     def interrupted(self) -> tuple[Checkpoint, RunResult] | None:
         """The last checkpoint and the result so far, if the run has come that far."""
@@ -199,7 +193,6 @@ class RunFolder(RunStore):
     """The folder of the run of an identity. derived: patterns of the files that are made of a result."""
 
     path: Path
-    identity: Identity
     derived: tuple[str, ...] = ()
 
     @cached_property
@@ -259,9 +252,9 @@ class RunFolder(RunStore):
         """The result as it is on disk."""
         return read_result(self.path / RESULT_FILE_NAME)
 
-    def write(self, result: RunResult) -> None:
-        """Write or replace the result."""
-        write_result(self.path / RESULT_FILE_NAME, result, self._so_far if result.status == "running" else None)
+    def write(self, result: RunResult) -> RunResult:
+        """Write or replace the result; it as it is read from there."""
+        return write_result(self.path / RESULT_FILE_NAME, result, self._so_far if result.status == "running" else None)
 
     def write_checkpoint(self, checkpoint: Checkpoint) -> None:
         """Write or replace the checkpoint."""
@@ -309,19 +302,3 @@ def _refuse_other_runs(output: Path, own: set[Path]) -> None:
             f"{output} holds other runs in folders of its own ({names}), with which these results would be mixed up: "
             "choose another --output, or delete them."
         )
-
-
-@dataclass
-class InMemory(RunStore):
-    """Keeps the last result of a run that leaves no files; such a run cannot be resumed."""
-
-    identity: Identity
-    _kept: list[RunResult] = field(default_factory=list)
-
-    def result(self) -> RunResult:
-        """The last result."""
-        return self._kept[-1]
-
-    def write(self, result: RunResult) -> None:
-        """Keep the result."""
-        self._kept[:] = [result]

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from math import ceil, log
 from typing import Any, ClassVar
@@ -294,7 +295,7 @@ class RunPlan(PlannedRun):
         )
         return tuple(float(cycle) for cycle in sorted({*logged, *between, self.study.conditions.cycles}))
 
-    @property
+    @cached_property
     def identity(self) -> Identity:
         return self.identified(
             {

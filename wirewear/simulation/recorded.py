@@ -5,8 +5,6 @@ Loop, scars, a row of the evolution, how well energies and volumes close; whatev
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from functools import cache
-from importlib.metadata import version
 from math import nan
 from typing import Any
 
@@ -23,6 +21,7 @@ from solvers import (
     bulk_work,
     measured_holder,
 )
+from wirewear.base.cache import installed
 from wirewear.results import (
     BULK_WORK,
     LAYERS_OF_BODIES,
@@ -180,12 +179,6 @@ def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[S
 _PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
 
 
-@cache
-def _versions() -> Mapping[str, str]:
-    """Of the packages; each is read from a file of its own."""
-    return {program: version(program) for program in _PROGRAMS}
-
-
 # Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is foreseen from near.
 _NEARLY = 0.9
 
@@ -313,7 +306,7 @@ class Recorded(ABC):
             contact_forces=tuple(self._forces),
             settings=self.settings(history) | layer_settings(self._study.layers),
             quality=tally.counters.quality(),
-            versions=dict(_versions()),
+            versions={program: installed(program) for program in _PROGRAMS},
             timings_s={
                 "preparation": tally.preparation_s,
                 "cycling": cycling_s,

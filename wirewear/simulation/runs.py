@@ -14,7 +14,7 @@ from wirewear.base.engine import Engine, LocalProcesses
 from wirewear.results import PRESSURE_LENGTH, ContactForces, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import InMemory, MeshHistory, RunFolder
+from wirewear.simulation.folder import MeshHistory, RunFolder, RunStore
 from wirewear.simulation.line_runs import LineRun, LineRunRecord
 from wirewear.simulation.observers import Observer
 from wirewear.simulation.plan import RunPlan
@@ -135,7 +135,7 @@ def run_study(
     tasks = [
         Task(
             plan.label,
-            RunFolder(output / plan.study.variant_name if study.variant_names else output, plan.identity, plan.derived),
+            RunFolder(plan.identity, output / plan.study.variant_name if study.variant_names else output, plan.derived),
             partial(run_cycles, plan),
             partial(type(plan).prepare, plan),
         )
@@ -169,8 +169,7 @@ def simulate(study: AnyStudy[Any], *, fidelity: str = "standard", observer: Obse
     way, record_of = _WAYS[type(alone(study, 'take one of them, as in study.variant("{first}")'))]
     plan = way.of(study, fidelity)
     plan.require_affordable()
-    kept = InMemory(plan.identity)
-    return cycle_through(plan.test, record_of(plan), kept, observer or Observer(), resume=False)
+    return cycle_through(plan.test, record_of(plan), RunStore(plan.identity), observer or Observer(), resume=False)
 
 
 def needed_memory(study: AnyStudy[Any], fidelity: str) -> float:

@@ -196,7 +196,8 @@ NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its
 class Table(BaseModel):
     """A table of the study: immutable, and without keys that it does not know."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    # Checks are built when a table is first read: those of most kinds of contact are never.
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
 def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
