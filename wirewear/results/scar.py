@@ -48,6 +48,21 @@ def require_equal_lengths(where: str, columns: Mapping[str, Array]) -> None:
         )
 
 
+def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
+    """Outermost places between which a section (n,) is above a level, linear between points; its ends if none is."""
+    over = np.flatnonzero(section > level)
+    if over.size == 0:
+        return float(line[0]), float(line[-1])
+
+    def between(inside: int, outside: int) -> float:
+        if not 0 <= outside < line.size:
+            return float(line[inside])
+        share = (section[inside] - level) / (section[inside] - section[outside])
+        return float(line[inside] + share * (line[outside] - line[inside]))
+
+    return between(int(over[0]), int(over[0]) - 1), between(int(over[-1]), int(over[-1]) + 1)
+
+
 ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
 
 #: What each quality of a run says, and from where on it should be looked at.
@@ -228,18 +243,7 @@ class Scar:
     def edges_um(self) -> tuple[float, float]:
         """Ends along x of a line contact's scar, where it is 1 % as deep as at its deepest; NaN if nothing is worn."""
         x, depth = self.axial_um, self.depth_um[:, 0]
-        level = _EDGE * float(depth.max())
-        worn = np.flatnonzero(depth > level)
-        if not len(worn):
-            return float("nan"), float("nan")
-
-        def crossing(inside: int, outside: int) -> float:
-            if not 0 <= outside < len(x):
-                return float(x[inside])
-            share = (depth[inside] - level) / (depth[inside] - depth[outside])
-            return float(x[inside] + share * (x[outside] - x[inside]))
-
-        return crossing(worn[0], worn[0] - 1), crossing(worn[-1], worn[-1] + 1)
+        return crossings(x, depth, _EDGE * float(depth.max())) if depth.any() else (float("nan"), float("nan"))
 
     def wire_coordinates(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[Array, Array]:
         """(axial, transverse) coordinates [µm] of points (x, y) in the sliding frame; shapes broadcast."""

@@ -10,7 +10,7 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.base.guessing import known_columns
-from wirewear.study.keys import Table
+from wirewear.study.keys import Table, pairs_of
 
 Face = Cylinder | RoundedFlat | TabledProfile
 
@@ -36,19 +36,12 @@ def half_width_of(face: Face) -> float:
 
 
 def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
-    points = []
-    for item in value if isinstance(value, list | tuple) else [None]:
-        pair = item if isinstance(item, list | tuple) else []
-        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) for x in pair):
-            raise ValueError(
-                f"is {shown(value)}, but must be a list of pairs such as [[0, 0], [0.5, 0.001], [1, 0.02]]"
-            )
-        points.append((float(pair[0]), float(pair[1])))
+    points = pairs_of(value, "[[0, 0], [0.5, 0.001], [1, 0.02]]")
     try:
-        TabledProfile(tuple(points))
+        TabledProfile(points)
     except GeometryError as problem:
         raise ValueError(f"does not describe a face: {problem}") from None
-    return tuple(points)
+    return points
 
 
 def _points_of_file(name: object) -> list[tuple[float, float]]:

@@ -6,6 +6,7 @@ The keys carry their units; values are kept as given. A key's checks stand in it
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import asdict
 from itertools import pairwise
+from math import inf
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast, get_args
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
@@ -175,16 +176,22 @@ WearLawKey = Annotated[
 ]
 
 
-def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
+def pairs_of(value: object, example: str, least: float = -inf) -> tuple[tuple[float, float], ...]:
+    """A list of pairs of numbers, none below the least; ValueError, with an example, if it is none."""
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
         pair = item if isinstance(item, list | tuple) else []
-        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or not x >= 0 for x in pair):
-            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as [[0, 1.0], [10000, 0.5]]")
+        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or x < least for x in pair):
+            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as {example}")
         points.append((float(pair[0]), float(pair[1])))
-    if any(later[0] <= earlier[0] for earlier, later in pairwise(points)):
-        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
     return tuple(points)
+
+
+def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
+    points = pairs_of(value, "[[0, 1.0], [10000, 0.5]]", 0.0)
+    if any(not later[0] > earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
+    return points
 
 
 Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)]

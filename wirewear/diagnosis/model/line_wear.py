@@ -15,7 +15,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import OxygenSupply
-from wirewear.diagnosis.model.loop_states import crossings
+from wirewear.results.scar import crossings
 from wirewear.study.faces import Face
 
 #: Places from the middle to the edge; steps over which the worn area grows; its first share of the last.

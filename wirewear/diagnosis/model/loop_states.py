@@ -12,6 +12,7 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
+from wirewear.results.scar import crossings
 
 if TYPE_CHECKING:
     from wirewear.results import Loop, RunResult
@@ -65,21 +66,6 @@ def _extent(line: Array, section: Array) -> float:
     """Width of a section at `SCAR_EDGE` of its height."""
     first, last = crossings(line, section, SCAR_EDGE * float(section.max()))
     return last - first
-
-
-def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
-    """Outermost places between which a section (n,) is above a level, linear between points; its ends if none is."""
-    over = np.flatnonzero(section > level)
-    if over.size == 0:
-        return float(line[0]), float(line[-1])
-
-    def between(inside: int, outside: int) -> float:
-        if not 0 <= outside < line.size:
-            return float(line[inside])
-        share = (section[inside] - level) / (section[inside] - section[outside])
-        return float(line[inside] + share * (line[outside] - line[inside]))
-
-    return between(int(over[0]), int(over[0]) - 1), between(int(over[-1]), int(over[-1]) + 1)
 
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
