@@ -178,25 +178,6 @@ class BodyGeometry(ABC):
         """A copy with other layers under the patch."""
         return replace(self, layering=layering)  # type: ignore[type-var]
 
-    def refined(self, factor: float) -> Self:
-        """A copy whose elements are smaller by `factor` everywhere."""
-
-        def finer(axis: GradedAxis) -> GradedAxis:
-            return replace(
-                axis,
-                fine_mm=axis.fine_mm / factor,
-                outer_mm=axis.outer_mm / factor,
-                growth=axis.growth ** (1.0 / factor),
-            )
-
-        return replace(  # type: ignore[type-var]
-            self,
-            axial=finer(self.axial),
-            transverse=finer(self.transverse),
-            coarse_mm=self.coarse_mm / factor,
-            layering=self.layering.refined(factor),
-        )
-
 
 @dataclass(frozen=True)
 class BodyMesh:
@@ -220,13 +201,10 @@ class BodyMesh:
     def worn(self, depth_mm: Array) -> "BodyMesh":
         """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n_a, n_t).
 
-        The patch's height is that of the moved nodes. GeometryError when the depth has another shape than the patch or
-        is negative somewhere, or naming the place of an element that the motion distorts too much.
+        The patch's height is that of the moved nodes. GeometryError naming the place of an element that the motion
+        distorts too much.
         """
-        patch = self.patch
-        if depth_mm.shape != patch.shape:
-            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of shape {patch.shape}")
-        depth_mm = _without_round_off(depth_mm)
+        patch, depth_mm = self.patch, _without_round_off(depth_mm)
         mesh = lowered(self.mesh, patch.nodes.ravel(), depth_mm.ravel())
         smallest = mesh.require_quality(LEAST_SCALED_JACOBIAN)
         before = 0.0 if patch.repositioned_depth_mm is None else patch.repositioned_depth_mm

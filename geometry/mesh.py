@@ -47,16 +47,10 @@ class ElementMesh(ABC):
     ADVICE: ClassVar[str]
 
     def __post_init__(self) -> None:
-        for name, columns in (("points", len(self.AXES)), ("cells", self.SIDES.max() + 1)):
-            shape = getattr(self, name).shape
-            if shape[1:] != (columns,):
-                raise GeometryError(f"{name} of a {type(self).__name__} must have shape (n, {columns}), not {shape}")
         object.__setattr__(self, "surfaces", MappingProxyType(dict(self.surfaces)))
 
     def surface_nodes(self, name: str) -> IntArray:
-        """Sorted node indices of a named surface, shape (k,); GeometryError when there is no such surface."""
-        if name not in self.surfaces:
-            raise GeometryError(f"the mesh has no surface '{name}'; it has {', '.join(sorted(self.surfaces))}")
+        """Sorted node indices of a named surface, shape (k,)."""
         return np.unique(self.surfaces[name])
 
     def boundary_facets(self) -> IntArray:
@@ -131,14 +125,11 @@ class HexMesh(ElementMesh):
     def with_mirror_image(self, axis: int) -> "HexMesh":
         """This mesh and its mirror image about the plane through zero on `axis`, sharing the nodes on that plane.
 
-        All nodes must lie on the non-negative side, else GeometryError. Surfaces of the mirror image join those of the
-        same name.
+        All nodes lie on the non-negative side. Surfaces of the mirror image join those of the same name.
         """
         coordinate = self.points[:, axis]
         tolerance = 1e-9 * float(np.ptp(self.points))
         on_plane = np.abs(coordinate) <= tolerance
-        if coordinate.min() < -tolerance:
-            raise GeometryError(f"the mesh crosses its mirror plane: {'xyz'[axis]} reaches {coordinate.min():.4g} mm")
         points = self.points.copy()
         points[on_plane, axis] = 0.0
         image_of = np.empty(len(points), dtype=np.int64)
@@ -152,15 +143,13 @@ class HexMesh(ElementMesh):
         return HexMesh(np.vstack([points, image_points]), np.vstack([self.cells, image_cells]), surfaces)
 
     def write(self, path: Path, point_data: Mapping[str, Array] | None = None) -> None:
-        """Write the mesh as .vtu, .msh or .inp, whichever `path` ends in; GeometryError at any other ending.
+        """Write the mesh as .vtu, .msh or .inp, whichever `path` ends in.
 
         point_data: name -> (n,) or (n, c) values at the points. The surfaces are written as named groups of
         quadrilaterals, physical groups in .msh and element sets in .inp, and left out of .vtu, which has no groups.
         """
         import meshio
 
-        if path.suffix not in _FORMATS:
-            raise GeometryError(f"cannot write a mesh to '{path.name}': the name must end in {', '.join(_FORMATS)}")
         named = {name: facets for name, facets in self.surfaces.items() if len(facets) and path.suffix != ".vtu"}
         blocks = [("hexahedron", self.cells), *(("quad", facets) for facets in named.values())]
         mesh = meshio.Mesh(self.points, blocks, point_data=dict(point_data or {}))
@@ -206,11 +195,9 @@ class QuadMesh(ElementMesh):
         return 0.5 * float((first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum())
 
     def write(self, path: Path) -> None:
-        """Write the mesh as .vtu with y = 0; GeometryError at any other ending."""
+        """Write the mesh as .vtu with y = 0."""
         import meshio
 
-        if path.suffix != ".vtu":
-            raise GeometryError(f"cannot write a planar mesh to '{path.name}': the name must end in .vtu")
         points = np.column_stack([self.points[:, 0], np.zeros(len(self.points)), self.points[:, 1]])
         meshio.Mesh(points, [("quad", self.cells)]).write(path, file_format="vtu")
 
@@ -246,12 +233,8 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     """The mesh with its surface nodes (k,) moved down, towards -z, by a depth (k,) and its inside smoothed.
 
     All other nodes of the boundary stay where they are, so the volume shrinks by the integral of the depth exactly. A
-    symmetric mesh stays so to the last bit under a depth that is.
-    GeometryError when the depth is negative or not finite; whether the elements are still sound, `require_quality`
-    tells.
+    symmetric mesh stays so to the last bit under a depth that is. `require_quality` tells whether elements are sound.
     """
-    if not np.all((depth_mm >= 0.0) & np.isfinite(depth_mm)):
-        raise GeometryError("the depth by which nodes are moved into a worn surface must be a number not below zero")
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm
     held = np.unique(np.concatenate([mesh.boundary_facets().ravel(), nodes]))

@@ -4,12 +4,11 @@ A planar body's patch has a single line across, which stands for a strip of unit
 areas are lengths times 1 mm, forces are per mm. Everything that depends on the dimension is here.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from geometry.errors import GeometryError
 from geometry.profiles import Profile
 
 
@@ -33,16 +32,6 @@ class ContactPatch:
     repositioned_depth_mm: Array | None = None
 
     def __post_init__(self) -> None:
-        if self.nodes.shape != (len(self.axial_mm), len(self.transverse_mm)):
-            raise GeometryError(
-                f"a patch of {len(self.axial_mm)} by {len(self.transverse_mm)} lines cannot hold nodes of shape "
-                f"{self.nodes.shape}"
-            )
-        if np.any(np.diff(self.axial_mm) <= 0) or np.any(np.diff(self.transverse_mm) <= 0):
-            raise GeometryError("the grid lines of a contact patch must increase")
-        moved = self.repositioned_depth_mm
-        if moved is not None and moved.shape != self.nodes.shape:
-            raise GeometryError(f"a depth of shape {moved.shape} does not belong to a patch of shape {self.shape}")
         self.profile.require_within(*(float(np.abs(lines).max()) for lines in self._axes))
 
     @property
@@ -67,18 +56,6 @@ class ContactPatch:
         """Plane coordinates (axial, transverse) of all nodes, shape (size, 2), in the order of `nodes.ravel()`."""
         a, t = np.meshgrid(self.axial_mm, self.transverse_mm, indexing="ij")
         return np.column_stack([a.ravel(), t.ravel()])
-
-    def scaled(self, factor: float) -> "ContactPatch":
-        """The same patch in another unit of length; the thickness of a planar one stays 1."""
-        axial, transverse = factor * self.axial_mm, factor * self.transverse_mm
-        moved = None if self.repositioned_depth_mm is None else factor * self.repositioned_depth_mm
-        return replace(
-            self,
-            axial_mm=axial,
-            transverse_mm=transverse,
-            profile=self.profile.scaled(factor),
-            repositioned_depth_mm=moved,
-        )
 
     def height(self, plane_mm: Array) -> Array:
         """Height of the surface at plane points (n, 2), shape (n,), in mm: the profile less the moved nodes' depth."""

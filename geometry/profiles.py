@@ -36,10 +36,6 @@ class Profile(Protocol):
         """GeometryError when a patch of these half-extents does not fit on the surface."""
         ...
 
-    def scaled(self, factor: float) -> Profile:
-        """The same surface in another unit of length."""
-        ...
-
 
 @dataclass(frozen=True)
 class Cylinder:
@@ -67,10 +63,6 @@ class Cylinder:
             raise GeometryError(
                 f"a contact patch {reach} mm to the side does not fit on a cylinder of radius {self.radius_mm} mm"
             )
-
-    def scaled(self, factor: float) -> Cylinder:
-        """The same cylinder in another unit of length."""
-        return Cylinder(factor * self.radius_mm, self.curved_along)
 
     def _clipped(self, plane_mm: Array) -> Array:
         t = plane_mm[:, 0 if self.curved_along else 1]
@@ -109,10 +101,6 @@ class Barrel:
                 f"of curvatures {k:g} and {across:g} per mm"
             )
 
-    def scaled(self, factor: float) -> Barrel:
-        """The same surface in another unit of length."""
-        return Barrel(self.curvature_along_per_mm / factor, self.curvature_across_per_mm / factor)
-
     def _fall(self, x: Array) -> Array:
         k = self.curvature_along_per_mm
         return np.asarray(k * x**2 / (1.0 + np.sqrt(1.0 - (k * x) ** 2)))
@@ -142,10 +130,6 @@ class Flat:
     def require_within(self, along_mm: float, across_mm: float) -> None:
         """Any patch fits."""
 
-    def scaled(self, factor: float) -> Flat:  # noqa: ARG002 - a plane has no length
-        """The same."""
-        return self
-
 
 @dataclass(frozen=True)
 class RoundedFlat:
@@ -160,11 +144,6 @@ class RoundedFlat:
     cut: bool = False
 
     def __post_init__(self) -> None:
-        if not (self.half_width_mm >= 0.0 and self.edge_radius_mm > 0.0):
-            raise GeometryError(
-                "a flat face with rounded edges needs a half-width of at least 0 and a positive edge radius, but has "
-                f"{self.half_width_mm} and {self.edge_radius_mm} mm"
-            )
         if self.cut and not self.half_width_mm < _REACH * self.edge_radius_mm:
             raise GeometryError(
                 f"a flat of half-width {self.half_width_mm} mm is no face cut off a radius of {self.edge_radius_mm} mm"
@@ -186,10 +165,6 @@ class RoundedFlat:
                 f"a contact patch {along_mm} mm to the side does not fit on a face of half-width {self.half_width_mm} "
                 f"mm with edges rounded by {self.edge_radius_mm} mm"
             )
-
-    def scaled(self, factor: float) -> RoundedFlat:
-        """The same face in another unit of length."""
-        return RoundedFlat(factor * self.half_width_mm, factor * self.edge_radius_mm, self.cut)
 
     @property
     def _edge(self) -> Cylinder:
@@ -262,10 +237,6 @@ class TabledProfile:
                 f"a body {along_mm} mm to the side reaches beyond its profile, whose points end at {self.reach_mm} mm"
             )
 
-    def scaled(self, factor: float) -> TabledProfile:
-        """The same face in another unit of length."""
-        return TabledProfile(tuple((factor * x, factor * fall) for x, fall in self.points_mm))
-
     @cached_property
     def _both_sides(self) -> tuple[Array, Array]:
         x, fall = np.array(self.points_mm, dtype=float).T
@@ -313,10 +284,6 @@ class Turned:
     def require_within(self, along_mm: float, across_mm: float) -> None:
         """Any patch fits: what has no points is low."""
 
-    def scaled(self, factor: float) -> Turned:
-        """The same face in another unit of length."""
-        return Turned(self.face.scaled(factor))
-
     def _along(self, plane_mm: Array) -> tuple[Array, Array]:
         """Places (n, 2) on the face, and how far (n,) points lie beyond its end."""
         far = np.hypot(*plane_mm.T)
@@ -349,11 +316,6 @@ class LoweredSurface:
     def require_within(self, along_mm: float, across_mm: float) -> None:
         """As of the other surface."""
         self.base.require_within(along_mm, across_mm)
-
-    def scaled(self, factor: float) -> LoweredSurface:
-        """The same surface in another unit of length."""
-        x, y, depth = (factor * values for values in (self.x_mm, self.y_mm, self.depth_mm))
-        return LoweredSurface(self.base.scaled(factor), x, y, depth, self.to_map)
 
     def _at(self, plane_mm: Array) -> Array:
         """Depth and gradient (n, 3) in the map's axes."""

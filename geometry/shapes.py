@@ -40,8 +40,6 @@ class WireGeometry(BodyGeometry):
     bore_mm: float = 0.0
 
     def __post_init__(self) -> None:
-        if not self.diameter_mm > 0.0:
-            raise GeometryError(f"a wire's diameter must be positive, but is {self.diameter_mm} mm")
         if not 0.0 <= self.bore_mm < self.diameter_mm:
             raise GeometryError(
                 f"a tube's bore must be narrower than its diameter of {self.diameter_mm} mm, but is {self.bore_mm} mm"
@@ -56,12 +54,6 @@ class WireGeometry(BodyGeometry):
                 f"the contact patch reaches {self.axial.half_extent_mm:.4g} mm to each side along a wire of length "
                 f"{self.length_mm} mm; it must leave a tenth of the length free: give a longer wire"
             )
-        if self.grip_half_length_mm is not None and not self.grip_half_length_mm > 0.0:
-            raise GeometryError(f"the grip's half-length must be positive, but is {self.grip_half_length_mm} mm")
-        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
-            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
-        if not 0.1 <= self.grip_half_angle_rad <= 2.0:
-            raise GeometryError(f"the grip's half-angle must lie in 0.1 ... 2 rad, but is {self.grip_half_angle_rad}")
 
     @property
     def radius_mm(self) -> float:
@@ -124,11 +116,6 @@ class BlockGeometry(BodyGeometry):
 
     def __post_init__(self) -> None:
         widths = self.half_width_along_mm, self.half_width_across_mm
-        if not (min(widths) > 0.0 and self.height_mm > 0.0):
-            raise GeometryError(
-                f"a block's half-widths and height must be positive, but are {widths[0]}, {widths[1]} and "
-                f"{self.height_mm} mm"
-            )
         for axis, width in zip((self.axial, self.transverse), widths, strict=True):
             if axis.half_extent_mm > 0.9 * width:
                 raise GeometryError(
@@ -198,10 +185,6 @@ class PlanarGeometry:
     grip_stiffness_N_per_mm3: float | None = None
 
     def __post_init__(self) -> None:
-        if self.grip_half_width_mm is not None and not self.grip_half_width_mm > 0.0:
-            raise GeometryError(f"the grip's half-width must be positive, but is {self.grip_half_width_mm} mm")
-        if self.grip_stiffness_N_per_mm3 is not None and not self.grip_stiffness_N_per_mm3 > 0.0:
-            raise GeometryError(f"the grip's stiffness must be positive, but is {self.grip_stiffness_N_per_mm3} N/mm³")
         if not self.half_width_mm > self.along.half_extent_mm:
             raise GeometryError(
                 f"a contact patch of half-extent {self.along.half_extent_mm} mm does not fit on a body of half-width "
@@ -210,10 +193,6 @@ class PlanarGeometry:
         if not self.height_mm > self.along.fine_mm:
             raise GeometryError(
                 f"a body {self.height_mm} mm high holds no element of {self.along.fine_mm} mm; give a finer mesh"
-            )
-        if not (self.far_mm > 0.0 and self.growth > 1.0):
-            raise GeometryError(
-                f"far elements must be larger than nothing and grow, but are {self.far_mm} mm and grow by {self.growth}"
             )
         self.profile.require_within(self.half_width_mm, 0.0)
         rim = self.profile.height(np.array([[self.half_width_mm, 0.0]]))[0]
@@ -246,16 +225,10 @@ class PlanarMesh:
     def worn(self, depth_mm: Array) -> "PlanarMesh":
         """This mesh with the nodes of its patch moved into a surface worn by a vertical depth (n,).
 
-        Those beneath follow, each column as a whole, ever less towards the held back. GeometryError when the depth has
-        another shape than the patch or is negative somewhere, or where an element becomes too distorted.
+        Those beneath follow, each column as a whole, ever less towards the held back. GeometryError where an element
+        becomes too distorted.
         """
         patch, points = self.patch, self.mesh.points.copy()
-        if depth_mm.shape != (patch.size,):
-            raise GeometryError(f"a depth of shape {depth_mm.shape} does not belong to a patch of {patch.size} nodes")
-        if not np.all((depth_mm >= 0.0) & np.isfinite(depth_mm)):
-            raise GeometryError(
-                "the depth by which nodes are moved into a worn surface must be a number not below zero"
-            )
         along = np.interp(points[:, 0], patch.axial_mm, depth_mm, 0.0, 0.0)
         face = self.geometry.profile.height(np.column_stack([points[:, 0], np.zeros(len(points))]))
         bottom = -self.geometry.height_mm

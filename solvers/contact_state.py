@@ -39,11 +39,6 @@ class Stroke:
     drive: Array
     holder_x: Array
 
-    @property
-    def mirrored(self) -> "Stroke":
-        """The stroke back of a symmetric cycle, turned round to run from +amplitude to -amplitude as well."""
-        return Stroke(-self.drive, -self.holder_x)
-
 
 @dataclass(frozen=True)
 class ContactState:
@@ -202,7 +197,7 @@ class Holder:
     play_mm: total width of the free play in series with the springs: the holder floats without force between two stops.
     approach_mm: if given, the holder is lowered by this much after first touch and held there, whatever force that
     takes; normal_load_N is then only the force to be expected, which sets scales.
-    Raises SolverError for a load, approach, compliance, stiffness or play that cannot be.
+    Raises SolverError for a load, compliance, stiffness or play that cannot be, as effects may leave it.
     """
 
     normal_load_N: float
@@ -216,17 +211,9 @@ class Holder:
     def __post_init__(self) -> None:
         if not self.normal_load_N > 0.0:
             raise SolverError(f"the normal load must be positive, but is {self.normal_load_N} N")
-        if self.approach_mm is not None and not self.approach_mm > 0.0:
-            raise SolverError(f"the approach must be positive, but is {self.approach_mm} mm")
-        springs = (
-            self.tangential_compliance_mm_per_N,
-            self.normal_stiffness_N_per_mm,
-            self.rotational_compliance_rad_per_N_mm,
-        )
-        if not self.play_mm >= 0.0:
-            raise SolverError(f"the holder's free play must not be negative, but is {self.play_mm} mm")
-        if min(springs) < 0.0:
-            raise SolverError("the holder's compliances and its loading spring's stiffness must not be negative")
+        springs = self.tangential_compliance_mm_per_N, self.normal_stiffness_N_per_mm
+        if min(*springs, self.rotational_compliance_rad_per_N_mm, self.play_mm) < 0.0:
+            raise SolverError("the holder's compliances, loading spring and free play must not be negative")
 
     @property
     def compliance_at_contact_mm_per_N(self) -> float:

@@ -35,11 +35,6 @@ class Factor:
     size: int
     fronts: tuple[condensation.Front, ...]
 
-    @property
-    def bytes(self) -> int:
-        """Memory of the factor."""
-        return sum(front.factor.nbytes + front.coupling.nbytes for front in self.fronts)
-
     def solved(self, forces: Array) -> Array:
         """Displacements (n, k) by forces (n, k); those at held unknowns are left out of account."""
         left = forces.astype(np.float64, copy=True)
@@ -92,8 +87,6 @@ class Interior:
     _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
 
     def __post_init__(self) -> None:
-        if not self.held.size and (self.bedding is None or not self.bedding.any()):
-            raise SolverError("nothing holds the body; make the grip larger")
         axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
         images = {axis: self._image(axis) for axis in axes}
         self._images = {axis: image for axis, image in images.items() if image is not None}
@@ -222,11 +215,9 @@ def move_stuck(
 
     The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both
     bodies, so that the small gap between curved faces, which the normal load closes, does not distort elements.
-    Raises SolverError if the patches' mesh lines differ, or fewer than three nodes would be joined.
+    The patches have the same mesh lines. Raises SolverError if fewer than three nodes would be joined.
     """
     x = lower.patch.axial_mm
-    if not np.array_equal(upper.patch.axial_mm, x):
-        raise SolverError("bodies can stick together only where their contact patches have the same mesh lines")
     joined = np.abs(x) <= half_width_mm * (1.0 + 1e-9)
     if joined.sum() < 3:
         raise SolverError(

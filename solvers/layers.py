@@ -59,12 +59,6 @@ class RoughLayer:
 
     retained_fraction = 0.0
 
-    def __post_init__(self) -> None:
-        if self.decay_mm < 0.0 or not self.engagement_pressure_MPa > 0.0 or self.shear_ratio < 0.0:
-            raise SolverError(
-                "a rough layer needs a decay length and a shear ratio of at least 0 and a positive engagement pressure"
-            )
-
     def worn_in(self, cycles: float, cycles_to_wear_in: float) -> "RoughLayer":
         """The layer after so many cycles, thinner by exp(-cycles / cycles_to_wear_in)."""
         return replace(self, decay_mm=self.decay_mm * exp(-cycles / cycles_to_wear_in))
@@ -100,12 +94,6 @@ class ThirdBody:
     retained_fraction: float
     modulus_MPa: float = inf
     poissons_ratio: float = 0.3
-
-    def __post_init__(self) -> None:
-        if not 0.0 <= self.retained_fraction < 1.0 or not self.modulus_MPa > 0.0:
-            raise SolverError("a third body needs a retained fraction in [0, 1) and a positive modulus")
-        if not -1.0 < self.poissons_ratio < 0.5:
-            raise SolverError(f"the debris' Poisson's ratio must lie in (-1, 0.5), but is {self.poissons_ratio}")
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
         """Linear in the pressure."""
@@ -170,16 +158,11 @@ class SurfaceLayer:
 
     wear_factor: its wear coefficient over that of the body.  friction_factor: friction of the contact where it lies on
     the surface, over that without any layer; None where it is the same.
-    Raises SolverError unless thickness and wear factor are positive, and the friction's not negative.
     """
 
     thickness_mm: float
     wear_factor: float
     friction_factor: float | None = None
-
-    def __post_init__(self) -> None:
-        if not (self.thickness_mm > 0.0 and self.wear_factor > 0.0 and (self.friction_factor or 0.0) >= 0.0):
-            raise SolverError("a layer has a positive thickness and wear factor, and a friction that is not negative")
 
 
 Layers = Sequence[SurfaceLayer]  #: Of one body, the outermost first.

@@ -24,7 +24,6 @@ import numpy as np
 
 from geometry import Elastic, HexMesh
 from geometry.arrays import Array, ComplexArray, IntArray
-from solvers.errors import SolverError
 from solvers.kept_code import compiled
 from solvers.strain import integration_points
 
@@ -182,14 +181,6 @@ class PatchCompliance:
     planes: tuple[int, ...]
     blocks: Array
     rotation: Array = field(default_factory=lambda: np.eye(3))
-
-    def __post_init__(self) -> None:
-        q = 3 * int(np.prod(_piece(self.shape, self.planes)))
-        if self.blocks.shape != (2 ** len(self.planes), q, q):
-            raise SolverError(
-                f"a patch of {self.shape} nodes with mirror planes {self.planes} has no compliance of shape "
-                f"{self.blocks.shape}"
-            )
 
     @classmethod
     def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> "PatchCompliance":

@@ -117,14 +117,6 @@ class PlacedBody:
         """The block of the compliance that was gathered last, or nothing; see `solvers.compliance`."""
         return []
 
-    def heights(self, points_mm: Array, depth_mm: Array) -> tuple[Array, BoolArray]:
-        """Height (n,) of the worn surface as `sample` gives it, and whether the points (n, 2) lie on the patch."""
-        local = points_mm @ self.world_to_patch.T
-        nodes, weights, inside = self.patch.locate(local)
-        depth = interpolated(depth_mm.ravel(), nodes, weights)
-        height = self.facing * (self.patch.profile.height(local) - depth)
-        return np.asarray(height + self.incline * points_mm[:, 0]), inside
-
     def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
         """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
         local = points_mm @ self.world_to_patch.T

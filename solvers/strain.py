@@ -34,13 +34,10 @@ _SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
 
-    The displacement of node i in direction k is unknown 3 i + k. SolverError for an incompressible material, which has
-    no stiffness in displacements alone.
+    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio is below 0.5.
     Assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), which is several times
     faster than the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
     """
-    if material.poissons_ratio == 0.5:
-        raise SolverError("Poisson's ratio must be below 0.5: incompressible bodies cannot be condensed")
     from skfem import BilinearForm
     from skfem.models.elasticity import lame_parameters
 

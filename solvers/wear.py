@@ -95,10 +95,6 @@ class WearRates:
     upper_layers: tuple[SurfaceLayer, ...] = ()
     lower_layers: tuple[SurfaceLayer, ...] = ()
 
-    def __post_init__(self) -> None:
-        if self.upper_mm3_per_mJ < 0.0 or self.lower_mm3_per_mJ < 0.0:
-            raise SolverError("wear coefficients must not be negative")
-
     def factor(self, cycle: WornCycle) -> float | Array:
         """Factor on the wear work of a cycle, one for all unknowns or one for each, (N,)."""
         factor = self.law.factor(cycle)

@@ -273,11 +273,6 @@ def test_slopes_of_a_barrel_are_those_of_its_height() -> None:
         assert barrel.slope(POINTS_mm)[:, axis] == pytest.approx(rise, abs=1e-7)
 
 
-def test_a_barrel_in_another_unit_is_the_same_surface() -> None:
-    barrel = Barrel(0.7, 1.1)
-    assert barrel.scaled(1e-3).height(1e-3 * POINTS_mm) == pytest.approx(1e-3 * barrel.height(POINTS_mm))
-
-
 def test_a_patch_that_reaches_the_flank_is_refused() -> None:
     Barrel(0.5, 0.5).require_within(1.0, 1.0)
     with pytest.raises(GeometryError, match="does not fit"):

@@ -6,7 +6,7 @@ from math import nan
 import numpy as np
 
 import solvers
-from geometry import Elastic, build_body
+from geometry import Elastic
 from geometry.arrays import Array
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
 from wirewear import reference
@@ -202,7 +202,6 @@ def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
 
 
 def _in_units(resolution: float, units: _UnitSystem) -> ContactProblem:
-    meshed = scaled(build_body(wire_geometry(resolution, long_patch=True)), units.length)
     material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
-    body = condense(meshed.mesh, meshed.patch, material)
+    body = condense(*scaled(wire_geometry(resolution, long_patch=True), units.length), material)
     return crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)

@@ -9,11 +9,12 @@ from scipy.ndimage import uniform_filter1d
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, crossings, scar_figures, scar_skew
+from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures, scar_skew
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.records import MeasuredProfile, MeasuredScar
+from wirewear.results.scar import crossings
 
 _KNOWN = constants("observe.scars")
 
