@@ -54,23 +54,14 @@ class System:
     held: BoolArray
 
 
-def schur_complement(matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int) -> Array:
-    """Schur complement onto the kept nodes, shape (d k, d k) for k kept nodes with d unknowns each.
-
-    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
-    SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
-    zero.
-    """
-    free = np.zeros((1, matrix.shape[0]), dtype=bool)
-    return schur_complements(matrix, kept, eliminated, unknowns_per_node, free)[0]
-
-
 def schur_complements(
     matrix: csr_matrix, kept: IntArray, eliminated: IntArray, unknowns_per_node: int, held: BoolArray
 ) -> list[Array]:
-    """Schur complements as `schur_complement` gives them, one for each way (v, d n) to hold further unknowns at zero.
+    """Schur complements onto k kept nodes, (d k, d k), one for each way (v, d n) to hold further unknowns at zero.
 
-    Kept unknowns that are held are uncoupled from all others and have a unit on the diagonal. What lies in
+    matrix: (d n, d n) symmetric, unknown d i + c belongs to node i; positive definite on the eliminated nodes, else
+    SolverError. kept, eliminated: node indices without common members. Nodes neither kept nor eliminated are held at
+    zero. Kept unknowns that are held are uncoupled from all others and have a unit on the diagonal. What lies in
     substructures without held unknowns is eliminated once for all.
     """
     d = unknowns_per_node

@@ -9,8 +9,8 @@ wide is.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
-from math import exp, inf
+from dataclasses import dataclass
+from math import inf
 from typing import Protocol
 
 import numpy as np
@@ -50,7 +50,6 @@ class RoughLayer:
     engagement_pressure_MPa: p_c, at which the stiffness is twice that of first touch.
     shear_ratio: tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl.
     Mech. 16 (1949) 259): 1.21 for nu = 0.3.
-    Raises SolverError for a parameter that cannot be.
     """
 
     decay_mm: float
@@ -58,10 +57,6 @@ class RoughLayer:
     shear_ratio: float = 1.21
 
     retained_fraction = 0.0
-
-    def worn_in(self, cycles: float, cycles_to_wear_in: float) -> "RoughLayer":
-        """The layer after so many cycles, thinner by exp(-cycles / cycles_to_wear_in)."""
-        return replace(self, decay_mm=self.decay_mm * exp(-cycles / cycles_to_wear_in))
 
     def closure(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
         """Closure and its derivative; straight below zero pressure, where Newton's method may look."""
@@ -88,7 +83,6 @@ class ThirdBody:
 
     retained_fraction: share of the worn depth that is filled.  modulus_MPa: M, of the laterally confined bed.
     poissons_ratio: of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
-    Raises SolverError for a parameter that cannot be.
     """
 
     retained_fraction: float

@@ -17,7 +17,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
-from solvers.condensation import schur_complement
+from solvers.condensation import schur_complements
 from solvers.strain import stiffness_matrix
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
@@ -53,7 +53,8 @@ def by_the_whole(mesh: HexMesh | QuadMesh, body: CondensedBody) -> Array:
     """The compliance of a body from the Schur complement of all of it."""
     kept = body.patch.nodes.ravel()
     inner = np.setdiff1d(np.arange(len(mesh.points)), np.union1d(kept, mesh.surface_nodes("grip")))
-    return np.asarray(np.linalg.inv(schur_complement(stiffness_matrix(mesh, STEEL), kept, inner, 3)))
+    matrix = stiffness_matrix(mesh, STEEL)
+    return np.asarray(np.linalg.inv(*schur_complements(matrix, kept, inner, 3, np.zeros((1, matrix.shape[0]), bool))))
 
 
 def assert_close(found: Array, expected: Array) -> None:
@@ -204,5 +205,5 @@ def test_nested_substructures_give_the_dense_schur_complement(seed: int, kept_sh
     nodes = rng.permutation(343).astype(np.int64)
     kept_count = max(1, int(kept_share * 343))
     kept, eliminated = nodes[:kept_count], np.sort(nodes[kept_count + int(held_share * 343) :])
-    found = schur_complement(matrix, kept, eliminated, 1)
+    found = schur_complements(matrix, kept, eliminated, 1, np.zeros((1, matrix.shape[0]), bool))[0]
     assert found == pytest.approx(dense_schur_complement(matrix, kept, eliminated), abs=1e-12)

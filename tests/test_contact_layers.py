@@ -122,7 +122,7 @@ def test_roughness_makes_the_stick_branch_soft_and_stiffens_with_the_load(smooth
     light_stiffness, heavy_stiffness = stick_stiffness(rough), stick_stiffness(heavy)
     assert light_stiffness < 0.9 * stick_stiffness(rigid)
     assert heavy_stiffness > 1.3 * light_stiffness
-    worn_in = replace(rigid, layers=(ROUGH.worn_in(2000.0, 100.0),))
+    worn_in = replace(rigid, layers=(replace(ROUGH, decay_mm=ROUGH.decay_mm * np.exp(-20.0)),))
     assert stick_stiffness(worn_in) == pytest.approx(stick_stiffness(rigid), rel=1e-4)
 
 

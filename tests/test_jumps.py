@@ -105,7 +105,7 @@ POWERS_OF_TEN = (10.0, 100.0, 1000.0)
 
 def rough(bare: solvers.ContactProblem, age: Age) -> solvers.ContactProblem:
     """The wires with a layer that wears in, which leaves the load to an ever smaller contact."""
-    return replace(bare, layers=(solvers.RoughLayer(LAYER_mm).worn_in(age.cycles, WEARS_IN_cycles),))
+    return replace(bare, layers=(solvers.RoughLayer(LAYER_mm * math.exp(-age.cycles / WEARS_IN_cycles)),))
 
 
 def course(largest_share: float, cycles: float = CYCLES, *, resumed: bool = False) -> tuple[float, float, float]:

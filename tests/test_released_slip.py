@@ -72,11 +72,10 @@ def test_behind_a_soft_rig_slip_gives_up_what_a_growing_friction_takes() -> None
 @pytest.mark.seconds
 @pytest.mark.parametrize(("rig_N_per_mm", "stroke_mm"), [(None, 6.0e-4), (20.0, 0.045)])
 def test_a_layer_that_wears_in_leaves_its_shear_to_the_slip(rig_N_per_mm: float | None, stroke_mm: float) -> None:
-    layer = solvers.RoughLayer(1e-4)
     bare = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm, wear=RATES)
 
     def problem_at(cycles: float, _energy_mJ: float) -> solvers.ContactProblem:
-        return replace(bare, layers=(layer.worn_in(cycles, 4e3),))
+        return replace(bare, layers=(solvers.RoughLayer(1e-4 * np.exp(-cycles / 4e3)),))
 
     rough = problem_at(0.0, 0.0)
     start = at_the_end(rough, stroke_mm)

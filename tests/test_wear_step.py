@@ -9,7 +9,7 @@ from threadpoolctl import threadpool_limits
 
 import solvers
 from solvers.wear_step.symmetry import mirrored
-from tests.bodies import LOAD_N, condensed_wire
+from tests.bodies import LOAD_N, RADIUS_mm, condensed_wire
 from tests.wear_jumps import (
     INCREMENTS,
     RATES,
@@ -26,6 +26,7 @@ from tests.wear_jumps import (
     wires,
     worn,
 )
+from wirewear.verification.hertz import scaled_patch
 
 pytestmark = pytest.mark.seconds
 
@@ -110,7 +111,7 @@ def test_which_body_carries_the_pressures_matters_less_the_finer_the_mesh() -> N
 
 def test_metres_and_newtons_take_the_same_iterations_as_millimetres(problem: solvers.ContactProblem) -> None:
     def in_metres(body: solvers.CondensedBody) -> solvers.CondensedBody:
-        return solvers.CondensedBody.whole(body.patch.scaled(1e-3), 1e-3 * body.compliance)
+        return solvers.CondensedBody.whole(scaled_patch(body.patch, RADIUS_mm, 1e-3), 1e-3 * body.compliance)
 
     metres = replace(
         problem,

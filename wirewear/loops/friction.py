@@ -1,18 +1,16 @@
-"""Friction from a loop: largest, geometry-independent, and resolved over the slip position."""
+"""Friction from a loop: largest and geometry-independent."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from geometry.arrays import Array
-from wirewear.loops.branches import Branch, MicroSlip, slides_visibly, upright
-from wirewear.loops.cleaning import CleanLoop, clean_loop
-from wirewear.loops.courses import Course, courses_of
-from wirewear.loops.figures import LoopError, Measured, mean_of
+from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.courses import Course
+from wirewear.loops.figures import Measured, mean_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
-from wirewear.loops.stiffness import corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 MIDDLE_SHARE = 0.4
 
@@ -130,23 +128,6 @@ class SlidingFigures:
     backward: Measured | None = None
 
 
-@dataclass(frozen=True)
-class PositionResolvedFriction:
-    """Friction and slope of the scar along the slip; arrays (n,)."""
-
-    slip_position_um: Array  #: x = δ − Q/K.
-    friction_angle_rad: Array  #: φ = (atan(Q₊/P) + atan(|Q₋|/P))/2.
-    #: θ = (atan(Q₊/P) − atan(|Q₋|/P))/2, the slope of the scar that the contact climbs towards +x.
-    slope_angle_rad: Array
-    stiffness_N_per_um: float  #: The K used (inf where the loop shows none).
-
-    @property
-    def friction(self) -> Array:
-        """Coefficient of friction tan φ (n,)."""
-        coefficient: Array = np.tan(self.friction_angle_rad)
-        return coefficient
-
-
 def peaks(loop: CleanLoop, forward: Course, backward: Course) -> tuple[Measured, Measured]:
     """Largest |Q|/P of each direction (|Q| without a normal force)."""
     return _peak(loop, *forward), _peak(loop, *backward)
@@ -208,46 +189,6 @@ def sliding_figures(
     )
 
 
-def position_resolved_friction(
-    displacement_um: ArrayLike,
-    tangential_force_N: ArrayLike,
-    normal_force_N: ArrayLike,
-    *,
-    time_s: ArrayLike | None = None,
-    system_stiffness_N_per_um: float | None = None,
-    points: int = 61,
-) -> PositionResolvedFriction:
-    """Friction angle φ(x) and scar slope θ(x) of a gross-slip loop over the slip position x = δ − Q/K.
-
-    A contact that climbs a slope θ needs Q = P tan(φ + θ) one way and P tan(φ − θ) the other (Jahangiri et al. 2012).
-    Without system_stiffness_N_per_um, K is the loop's own, corrected for the contact's softening up to sliding.
-    Arguments otherwise as for `analyse_loop`.
-    Raises LoopError if the samples cannot be used, or the loop does not slide.
-    """
-    loop = upright(clean_loop(displacement_um, tangential_force_N, normal_force_N, time_s=time_s))
-    if loop.normal_force_N is None:
-        raise LoopError("position-resolved friction needs a normal force that stays positive, but this contact opens")
-    found = courses_of(loop)
-    courses = found.both
-    if not found.slide:
-        raise LoopError("position-resolved friction needs a loop in gross slip, but this one is in partial slip")
-    if system_stiffness_N_per_um is None:
-        own = mean_stiffness(*(micro_slip_branch(loop, *course) for course in courses))
-        system_stiffness_N_per_um = sliding_stiffness(own, corner_of(*courses))
-    elif not system_stiffness_N_per_um > 0.0:
-        raise LoopError(f"system_stiffness_N_per_um must be positive, not {system_stiffness_N_per_um:g}")
-    plateaus = _plateaus(courses, system_stiffness_N_per_um)
-    low = max(float(plateau.slip_position_um.min()) for plateau in plateaus)
-    high = min(float(plateau.slip_position_um.max()) for plateau in plateaus)
-    where = np.linspace(low, high, points)
-    noisy = loop.force_noise_N > 1e-3 * float(np.max(np.abs(loop.force_N)))
-    reach = 0.15 * (high - low) if noisy else 0.0
-    angles = [np.arctan(_smooth(plateau.slip_position_um, plateau.ratio, where, reach)) for plateau in plateaus]
-    return PositionResolvedFriction(
-        where, 0.5 * (angles[0] + angles[1]), 0.5 * (angles[0] - angles[1]), system_stiffness_N_per_um
-    )
-
-
 def _plateaus(courses: tuple[Course, Course], stiffness_N_per_um: float) -> tuple[Plateau, Plateau]:
     return sliding_part(*courses[0], stiffness_N_per_um), sliding_part(*courses[1], stiffness_N_per_um)
 
@@ -306,18 +247,3 @@ def _friction_angle(angle: Array, x: Array, sign: Array, likely_shift: float) ->
         fit = fit_linear(np.vstack([design, belief]), np.append(angle, -doubt * shift))
         shift += float(fit.coefficients[-1])
     return fit
-
-
-def _smooth(position: Array, values: Array, where: Array, reach: float) -> Array:
-    """Local parabolas with tricube weights over ± reach (plain interpolation if reach is 0), at where (m,)."""
-    order = np.argsort(position)
-    position, values = position[order], values[order]
-    if reach <= 0.0:
-        return np.interp(where, position, values)
-    smooth = np.empty_like(where)
-    for i, centre in enumerate(where):
-        offset = (position - centre) / reach
-        weight = np.sqrt(np.clip(1.0 - np.abs(offset) ** 3, 0.0, None) ** 3)
-        design = np.vander(offset, 3, increasing=True) * weight[:, None]
-        smooth[i] = np.linalg.lstsq(design, values * weight, rcond=1e-8)[0][0]
-    return smooth

@@ -15,7 +15,7 @@ from solvers import (
     run_cycle,
     unloaded_state,
 )
-from solvers.condensation import compliance_of, piece_to_condense, schur_complement, schur_complements
+from solvers.condensation import compliance_of, piece_to_condense, schur_complements
 from solvers.strain import stiffness_matrix
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
@@ -30,7 +30,7 @@ __all__ = [
     "BodyMesh", "ContactProblem", "ContactState", "Cylinder", "Discretisation", "Elastic", "Flat", "GradedAxis",
     "HexMesh", "IncrementReport", "PlanarGeometry", "advance", "build_body", "build_planar", "closed_cycle",
     "compliance_of", "contact_problem", "discretise", "first_quarter", "move_stuck", "piece_to_condense", "press",
-    "run_cycle", "schur_complement", "schur_complements", "stiffness_matrix", "unloaded_state",
+    "run_cycle", "schur_complements", "stiffness_matrix", "unloaded_state",
 ]  # fmt: skip
 
 

@@ -19,17 +19,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from geometry import (
-    BodyGeometry,
-    ContactPatch,
-    Cylinder,
-    Elastic,
-    GradedAxis,
-    HexMesh,
-    Layering,
-    WireGeometry,
-    build_body,
-)
+from geometry import BodyGeometry, ContactPatch, Cylinder, Elastic, GradedAxis, Layering, WireGeometry, build_body
 from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, facing, place, press, unloaded_state
 from solvers.patch_compliance import Bricks
 from wirewear import reference
@@ -66,13 +56,10 @@ def condensed(geometry: BodyGeometry) -> CondensedBody:
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 
 
-def scaled(geometry: WireGeometry, factor: float) -> tuple[HexMesh, ContactPatch]:
-    """Mesh and patch of a wire in another unit of length."""
-    meshed = build_body(geometry)
-    mesh, patch = meshed.mesh, meshed.patch
-    axial, transverse, profile = factor * patch.axial_mm, factor * patch.transverse_mm, Cylinder(factor * RADIUS_mm)
-    patch = replace(patch, axial_mm=axial, transverse_mm=transverse, profile=profile)
-    return HexMesh(mesh.points * factor, mesh.cells, mesh.surfaces), patch
+def scaled_patch(wire: ContactPatch, radius_mm: float, factor: float) -> ContactPatch:
+    """The patch of a wire in another unit of length."""
+    axial, transverse, profile = factor * wire.axial_mm, factor * wire.transverse_mm, Cylinder(factor * radius_mm)
+    return replace(wire, axial_mm=axial, transverse_mm=transverse, profile=profile)
 
 
 def crossed(

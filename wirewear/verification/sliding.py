@@ -6,13 +6,13 @@ from math import nan
 import numpy as np
 
 import solvers
-from geometry import Elastic
+from geometry import Elastic, HexMesh, build_body
 from geometry.arrays import Array
 from solvers import ContactProblem, Holder, WearRates, advance, condense, press, unloaded_state
 from wirewear import reference
 from wirewear.loops.sensor import enclosed_area
 from wirewear.verification import hertz
-from wirewear.verification.hertz import LOAD_N, STEEL, crossed, scaled, wire_geometry
+from wirewear.verification.hertz import LOAD_N, STEEL, RADIUS_mm, crossed, scaled_patch, wire_geometry
 from wirewear.verification.rows import Level, Row, compared
 
 _TOLERANCE = 0.01
@@ -203,5 +203,7 @@ def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
 
 def _in_units(resolution: float, units: _UnitSystem) -> ContactProblem:
     material = Elastic(STEEL.youngs_modulus_MPa * units.stress, STEEL.poissons_ratio)
-    body = condense(*scaled(wire_geometry(resolution, long_patch=True), units.length), material)
+    meshed = build_body(wire_geometry(resolution, long_patch=True))
+    mesh = HexMesh(meshed.mesh.points * units.length, meshed.mesh.cells, meshed.mesh.surfaces)
+    body = condense(mesh, scaled_patch(meshed.patch, RADIUS_mm, units.length), material)
     return crossed(body, body, Holder(LOAD_N, units.length / RIG_STIFFNESS_N_per_mm), friction=FRICTION)
