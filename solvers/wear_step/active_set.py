@@ -14,6 +14,7 @@ from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
 from solvers.layers import LayersAtNodes, layers_at_nodes, open_share
+from solvers.wear_step.orbits import Opening
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
 
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
@@ -39,8 +40,8 @@ class Improved:
 class CycleEquations:
     """Conditions on N pressures of all positions and their holder heights.
 
-    gaps: (N,) along z before the stage.  opening: (N, N) sparse, gap along z opened by wear work per area, of which
-    layers fill a part.  slip: (N,) mm.  cycles: (N,) for which each unknown wears.  worn: depths of surfaces as on
+    gaps: (N,) along z before the stage.  opening: gap along z opened by wear work, of which layers
+    fill a part.  slip: (N,) mm.  cycles: (N,) for which each unknown wears.  worn: depths of surfaces as on
     which layers are.  friction: the law at the unknowns.
     """
 
@@ -48,7 +49,7 @@ class CycleEquations:
     cycle: Cycle
     facing: Facing
     gaps: Array
-    opening: csr_matrix
+    opening: Opening
     slip: Array
     cycles: Array
     worn: Depths
@@ -90,12 +91,13 @@ class CycleEquations:
         opened, wearing = open_share(self.problem.layers) * facing.upward, self.slip * cycle.wearing * self.cycles
         known = facing.upward * self.gaps + facing.by_stuck + closure - softness * about
         if work_constant.any():
-            known += opened * (self.opening @ (work_constant * wearing))
+            known += opened * self.opening.by(work_constant * wearing)
         states = [position.state for position in cycle.positions]
         loads = [holder.under(state.load_share).load_N(0.0, state.pressed_z) for state in states]
         terms = _Terms(
             *(cycle.orbits.start, cycle.nodes.rows, on, cycle.influences.store, cycle.influences.at),
-            *(self.opening.indptr, self.opening.indices, self.opening.data, opened, work_slope * wearing),
+            *(_entries(self.opening.faced), _entries(self.opening.worked), self.opening.faced.shape[1]),
+            *(opened, work_slope * wearing),
             *(softness, slope, constant, known, np.array(loads if holder.approach_mm is None else [nan] * len(loads))),
             *(holder.approach_mm or 0.0, holder.normal_stiffness_N_per_mm),
         )
@@ -118,12 +120,24 @@ class CycleEquations:
         return closure + penalty * pressure, softness + penalty
 
 
+class _Entries(NamedTuple):
+    """Those of a sparse matrix, row by row: where each row's begin, their columns and their values."""
+
+    first: IntArray
+    columns: IntArray
+    values: Array
+
+
+def _entries(matrix: csr_matrix) -> _Entries:
+    return _Entries(matrix.indptr, matrix.indices, matrix.data)
+
+
 class _Terms(NamedTuple):
     """What the equations of N unknowns are made of: arrays over the unknowns, and plain numbers.
 
     start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact.  store, at:
-    see `Influences`.  first, columns, opening: the sparse matrix of what opens; its rows count `opened` times, its
-    columns `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which
+    see `Influences`.  faced, worked: of `Opening`, over so many nodes; its rows count `opened` times, its columns
+    `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which
     gets what constant friction does.  load_N: (positions,) at height 0, NaN under a held approach.
     """
 
@@ -132,9 +146,9 @@ class _Terms(NamedTuple):
     on: IntArray
     store: Array
     at: IntArray
-    first: IntArray
-    columns: IntArray
-    opening: Array
+    faced: "_Entries"
+    worked: "_Entries"
+    nodes: int
     opened: Array
     worn: Array
     softness: Array
@@ -162,16 +176,13 @@ def _equations(terms: _Terms, facing: Facing) -> tuple[Array, Array, Array, Arra
             k += 1
         place[on[a]], position[a] = a, k
     moved = _elastic(terms, facing, position, place, transposed)
+    _open(terms, transposed)
     held = np.isnan(terms.load_N[0])
     for k in range(count):
         transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
         rhs[size + k] = -terms.approach_mm if held else terms.load_N[k] - facing.stuck_lift[k]
     for a in range(size):
         i, z = on[a], size + position[a]
-        for entry in range(terms.first[i], terms.first[i + 1]):
-            j = place[terms.columns[entry]]
-            if j >= 0:
-                transposed[j, a] += terms.opened[i] * terms.opening[entry] * terms.worn[terms.columns[entry]]
         transposed[a, a] += terms.softness[i]
         rhs[a] = -terms.known[i]
         transposed[z, a] = facing.upward[i]
@@ -182,6 +193,31 @@ def _equations(terms: _Terms, facing: Facing) -> tuple[Array, Array, Array, Arra
     for i in range(len(rhs)):
         rhs[i] *= row[i]
     return transposed, rhs, row, column, moved
+
+
+@inlined
+def _open(terms: _Terms, transposed: Array) -> None:
+    """Add what pressures in contact open at each other by wear to the matrix of `_equations`."""
+    faced, worked, on = terms.faced, terms.worked, terms.on
+    # Which of the unknowns in contact face each node, and by how much.
+    first = np.zeros(terms.nodes + 2, np.int64)
+    for i in on:
+        for entry in range(faced.first[i], faced.first[i + 1]):
+            first[faced.columns[entry] + 2] += 1
+    first = np.cumsum(first)
+    facing, weights = np.empty(first[-1], np.int64), np.empty(first[-1])
+    for a in range(len(on)):
+        i = on[a]
+        for entry in range(faced.first[i], faced.first[i + 1]):
+            place = first[faced.columns[entry] + 1]
+            facing[place], weights[place] = a, terms.opened[i] * faced.values[entry]
+            first[faced.columns[entry] + 1] += 1
+    for a in range(len(on)):
+        j = on[a]
+        for entry in range(worked.first[j], worked.first[j + 1]):
+            node, work = worked.columns[entry], terms.worn[j] * worked.values[entry]
+            for place in range(first[node], first[node + 1]):
+                transposed[a, facing[place]] += work * weights[place]
 
 
 @inlined
@@ -218,11 +254,15 @@ def _solved(terms: _Terms, upward: Array, solution: Array, moved: Array) -> tupl
     new, gap = np.zeros(len(upward)), np.empty(len(upward))
     for a in range(len(on)):
         new[on[a]] = solution[a]
+    faced, worked, work = terms.faced, terms.worked, np.zeros(terms.nodes)
+    for j in on:
+        for entry in range(worked.first[j], worked.first[j + 1]):
+            work[worked.columns[entry]] += worked.values[entry] * terms.worn[j] * new[j]
     for k in range(len(start) - 1):
         for i in range(start[k], start[k + 1]):
             worn = 0.0
-            for entry in range(terms.first[i], terms.first[i + 1]):
-                worn += terms.opening[entry] * terms.worn[terms.columns[entry]] * new[terms.columns[entry]]
+            for entry in range(faced.first[i], faced.first[i + 1]):
+                worn += faced.values[entry] * work[faced.columns[entry]]
             gap[i] = terms.known[i] + terms.softness[i] * new[i] + upward[i] * solution[len(on) + k]
             gap[i] += terms.opened[i] * worn
     k, entry = 0, 0

@@ -1,12 +1,13 @@
 """The unknowns of a cycle, one for each set of nodes that its symmetries make alike, and how they share the wear."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_matrix, csr_matrix, vstack
+from scipy.sparse import csr_matrix, hstack, vstack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
@@ -194,6 +195,22 @@ def _relative_motion(
 _ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on it, mm.
 
 
+class Opening(NamedTuple):
+    """Gap along z that opens at each of N unknowns by wear work, over the n nodes of both patches.
+
+    faced: (N, n) sparse, mean over what faces each other at an unknown, times the wear coefficients, mm³/mJ.  worked:
+    (N, n) sparse, work per area at all places alike by unit work per area at an unknown.  Their product is what one
+    unknown opens at another, of which few entries are ever needed.
+    """
+
+    faced: csr_matrix
+    worked: csr_matrix
+
+    def by(self, work: Array) -> Array:
+        """Gap (N,) in mm that opens by wear work per area (N,), mJ/mm²."""
+        return np.asarray(self.faced @ (self.worked.T @ work))
+
+
 @dataclass(frozen=True)
 class Orbits:
     """N unknown pressures: of each position's nodes on one side of the plane across which it is mirrored.
@@ -201,8 +218,8 @@ class Orbits:
     rows: for each position, which of its nodes are unknowns.  images: for each position, which of its nodes are the
     mirror images of those, the node itself where it lies on the plane.  twice: (N,) 2 where there is an image, else 1.
     start: (positions + 1,) where each position's unknowns begin.  areas: (N,), mm².
-    primary, secondary: (N, n) sparse, by how much one traction loads nodes of either patch, areas for the secondary, 1
-    for the primary.  all_primary, all_secondary: the same of all nodes, in both halves of the cycle, that are alike.
+    nodes: (N,) of the primary's patch.  secondary: (N, n) sparse, mean over the nodes of the other's patch that each
+    faces.  worked: of `Opening`, the primary's nodes first.
     """
 
     rows: tuple[IntArray, ...]
@@ -210,12 +227,9 @@ class Orbits:
     twice: Array
     start: IntArray
     areas: Array
-    primary: csr_matrix
+    nodes: IntArray
     secondary: csr_matrix
-    all_primary: csr_matrix
-    all_secondary: csr_matrix
-    secondary_areas: Array
-    _openings: dict[tuple[float, float], csr_matrix] = field(default_factory=dict, init=False, repr=False)
+    worked: csr_matrix
 
     @property
     def count(self) -> int:
@@ -228,46 +242,30 @@ class Orbits:
         return np.repeat(np.arange(len(self.rows)), np.diff(self.start))
 
     @cached_property
-    def _alike(self) -> tuple[csc_matrix, csc_matrix]:
-        """Transposes (n, N) of `all_primary` and `all_secondary`."""
-        return self.all_primary.T, self.all_secondary.T
+    def _primary(self) -> int:
+        """Number of the primary's nodes."""
+        return int(self.worked.shape[1] - self.secondary.shape[1])
 
     @cached_property
-    def _opened_by_own(self) -> csr_matrix:
-        """(N, N) depth of the primary at each unknown by unit work per area at all places alike to another."""
-        return (self.primary @ self._alike[0]).tocsr()
+    def _faced(self) -> csr_matrix:
+        """Mean (N, n) over the nodes of both patches that face each other at each unknown."""
+        own = csr_matrix((np.ones(self.count), self.nodes, np.arange(self.count + 1)), (self.count, self._primary))
+        return hstack([own, self.secondary]).tocsr()
 
-    @cached_property
-    def _opened_by_other(self) -> csr_matrix:
-        """(N, N) mean depth of the secondary facing each unknown by unit work per area alike to another."""
-        mean = _scaled_rows(self.secondary, 1.0 / self.areas)
-        return (_scaled_columns(mean, 1.0 / self.secondary_areas) @ self._alike[1]).tocsr()
-
-    def opening_by(self, rates: tuple[Rate, Rate]) -> csr_matrix:
-        """(N, N) gap along z that opens at each unknown by unit work per area at all places alike to another, mm.
-
-        rates: wear coefficients of the primary and the secondary.
-        """
-        own, other = rates
-        if not isinstance(own, float) or not isinstance(other, float):
-            mean = _scaled_rows(self.secondary, 1.0 / self.areas)
-            by_own = _scaled_columns(self.primary, np.ravel(own) * np.ones(self.primary.shape[1]))
-            by_other = _scaled_columns(mean, np.ravel(other) / self.secondary_areas)
-            return (by_own @ self._alike[0] + by_other @ self._alike[1]).tocsr()
-        if (own, other) not in self._openings:
-            self._openings[own, other] = (own * self._opened_by_own + other * self._opened_by_other).tocsr()
-        return self._openings[own, other]
+    def opening_by(self, rates: tuple[Rate, Rate]) -> Opening:
+        """What opens by wear coefficients of the primary and the secondary, one for all or of each node."""
+        coefficients = np.empty(self.worked.shape[1])
+        coefficients[: self._primary], coefficients[self._primary :] = map(np.ravel, rates)
+        return Opening(_scaled_columns(self._faced, coefficients), self.worked)
 
     def deposited(self, work: Array) -> tuple[Array, Array]:
         """Work per area (n,) on the nodes of the primary and the secondary by work per area at the unknowns (N,)."""
-        primary, secondary = self._alike
-        return primary @ work, (secondary @ work) / self.secondary_areas
+        both = self.worked.T @ work
+        return both[: self._primary], both[self._primary :]
 
     def opening(self, primary_depth: Array, secondary_depth: Array) -> Array:
         """By how much depths of both bodies, each of its patch's shape, open the gap along z at the unknowns, (N,)."""
-        return np.asarray(
-            self.primary @ primary_depth.ravel() + (self.secondary @ secondary_depth.ravel()) / self.areas
-        )
+        return np.asarray(primary_depth.ravel()[self.nodes] + self.secondary @ secondary_depth.ravel())
 
 
 def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: Symmetry) -> Orbits:
@@ -286,29 +284,28 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         rows.append(chosen)
         images.append(place[across.primary[nodes[chosen]]] if across else chosen)
         twice.append(np.where(side[nodes[chosen]] > _ON_THE_PLANE, 2.0, 1.0) if across else np.ones(len(chosen)))
-        count = len(chosen)
-        own.append(csr_matrix((np.ones(count), nodes[chosen], np.arange(count + 1)), shape=(count, n)))
+        own.append(nodes[chosen])
         faced = position.pairing.depths.sparse[chosen]
         other.append(faced)
         worn.append(_among(faced, kept))
-    factor = np.concatenate(twice)
-    primary, secondary = vstack(own).tocsr(), vstack(other).tocsr()
-    all_primary, all_secondary = primary, vstack(worn).tocsr()
+    factor, areas = np.concatenate(twice), problem.secondary.patch.node_areas()
+    every = np.concatenate(own)
+    primary = csr_matrix((np.ones(len(every)), every, np.arange(len(every) + 1)), shape=(len(every), n))
+    secondary = vstack(worn).tocsr()
     for mirror, image in ((across, factor - 1.0), (later, np.ones(len(factor)))):
         if mirror:
-            all_primary = _with_images(all_primary, mirror.primary, image)
-            all_secondary = _with_images(all_secondary, mirror.secondary, image)
+            primary = _with_images(primary, mirror.primary, image)
+            secondary = _with_images(secondary, mirror.secondary, image)
+    own_areas = np.concatenate([p.pairing.areas[chosen] for p, chosen in zip(positions, rows, strict=True)])
     return Orbits(
         rows=tuple(rows),
         images=tuple(images),
         twice=factor,
         start=np.concatenate([[0], np.cumsum([len(chosen) for chosen in rows])]),
-        areas=np.concatenate([p.pairing.areas[chosen] for p, chosen in zip(positions, rows, strict=True)]),
-        primary=primary,
-        secondary=secondary,
-        all_primary=all_primary,
-        all_secondary=all_secondary,
-        secondary_areas=problem.secondary.patch.node_areas(),
+        areas=own_areas,
+        nodes=every,
+        secondary=_scaled_rows(vstack(other).tocsr(), 1.0 / own_areas),
+        worked=hstack([primary, _scaled_columns(secondary, 1.0 / areas)]).tocsr(),
     )
 
 

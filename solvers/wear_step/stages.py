@@ -234,10 +234,11 @@ def jump_cycles(
     for _ in range(_MOST_SEARCHES):
         kept, cycle = _cycle(problem, start, states, nodes, symmetry, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
-        missing = [_missing(stages, cycle, index) for index in range(len(cycle.positions))]
+        worn = [state_at(stages, cycle, index) for index in range(len(cycle.positions))]
+        missing = [_missing(stages.problem, of.nodes, state) for of, state in zip(cycle.positions, worn, strict=True)]
         if not any(len(found) for found in missing):
             _require_inside(stages.problem, cycle, stages.last)
-            return _outcome(stages, cycle, kept, trace, symmetry)
+            return _outcome(stages, cycle, dict(zip(kept, worn, strict=True)), trace, symmetry)
         for k, more in zip(kept, missing, strict=True):
             if len(more):
                 nodes[k] = _with_images(np.union1d(nodes[k], more), across)
@@ -318,15 +319,13 @@ class _TracedCycle:
         return float(np.mean([self.problem.surface.areas[nodes].sum() for nodes in self._pressed]))
 
 
-def _missing(stages: Stages, cycle: Cycle, index: int) -> IntArray:
+def _missing(problem: ContactProblem, nodes: IntArray, state: ContactState) -> IntArray:
     """Where nodes beside those of a position touch on the worn surfaces: all that overlap there, and some that nearly
     do. Most of those that overlap while the bodies are undeformed do not touch under load.
     """
-    problem, position = stages.problem, cycle.positions[index]
-    state = state_at(stages, cycle, index)
     gap = vertical_gaps(problem, state, state.drive, state.holder_x) + state.holder_z
     beside = np.ones(len(gap), dtype=bool)
-    beside[position.nodes] = False
+    beside[nodes] = False
     overlapping = np.flatnonzero(beside & (gap < 0.0))
     if not len(overlapping) or not _touch(problem, state, overlapping):
         return np.zeros(0, dtype=np.int64)
@@ -355,12 +354,12 @@ def _require_inside(problem: ContactProblem, cycle: Cycle, stage: StageSolution)
         require_inside_patches(problem, position.pairing, pressed, position.state.drive)
 
 
-def _outcome(stages: Stages, cycle: Cycle, kept: list[int], trace: CycleTrace, symmetry: Symmetry) -> CycleJump:
+def _outcome(
+    stages: Stages, cycle: Cycle, worn: dict[int, ContactState], trace: CycleTrace, symmetry: Symmetry
+) -> CycleJump:
     orbits, first, last = cycle.orbits, stages.first.pressure, stages.last.pressure
     weights = orbits.areas * orbits.twice
-    states = [replace(state, wear=stages.wear) for state in trace.states]
-    for index, k in enumerate(kept):
-        states[k] = state_at(stages, cycle, index)
+    states = [worn.get(k) or replace(state, wear=stages.wear) for k, state in enumerate(trace.states)]
     # What pressures change by, and friction that remembers, tell alike how far apart the stages are.
     pressures = float(weights @ np.abs(last - first)) / float(weights @ (last + first))
     friction = stages.last.friction.change_since(stages.first.friction, weights * (last + first))

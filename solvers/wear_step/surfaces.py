@@ -251,8 +251,8 @@ class Cycle:
 
         local = LocalState(
             wear,
-            lambda field: orbits.primary @ field,
-            lambda field: orbits.secondary @ field / orbits.areas,
+            lambda field: field[orbits.nodes],
+            lambda field: orbits.secondary @ field,
             sliding,
             problem.primary_is_upper,
         )
