@@ -67,8 +67,16 @@ def positions_of(
     nodes: of the primary that may touch at each position.
     """
     last = states[0] if half_cycle is None else mirrored(states[0], half_cycle)
-    passed = zip((start, *states[:-1]), states, (*states[1:], last), nodes, strict=True)
-    met = [_met(problem, old, new, following, of) for old, new, following, of in passed]
+    pairings = [
+        faced(problem, state, of, state.drive, state.holder_x, state.holder_tilt)
+        for state, of in zip(states, nodes, strict=True)
+    ]
+    passed = (start, *states, last)
+    strains = _strains(problem, passed, pairings)
+    met = [
+        _met(problem, pairing, passed[k : k + 3], [of_body[k : k + 2] for of_body in strains])
+        for k, pairing in enumerate(pairings)
+    ]
     sticks = met[0].sticks if half_cycle is None else half_cycle.image(met[0].sticks, half_cycle.primary)
     following = (*(row.sticks for row in met[1:]), sticks)
     return tuple(_position(row, state, after) for row, state, after in zip(met, states, following, strict=True))
@@ -99,14 +107,13 @@ class _Met:
     driven: float
 
 
-def _met(
-    problem: ContactProblem, old: ContactState, new: ContactState, following: ContactState, nodes: IntArray
-) -> _Met:
-    pairing = faced(problem, new, nodes, new.drive, new.holder_x, new.holder_tilt)
+def _met(problem: ContactProblem, pairing: Pairing, states: tuple[ContactState, ...], strains: Sequence[Array]) -> _Met:
+    """Strains: motions of both bodies' nodes from state to state, (2, n, 3) each."""
+    (old, new, following), nodes = states, pairing.nodes
     lever = levers(problem, new.drive, new.holder_x)[nodes]
     # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
     # then that of the mean traction, also where points move into and out of a strained contact.
-    slip, later = _slips(problem, pairing, lever, (old, new, following))
+    slip, later = _slips(problem, pairing, lever, states, strains)
     size = np.linalg.norm(slip, axis=1)
     traction = new.traction[nodes]
     pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
@@ -149,21 +156,26 @@ def _position(met: _Met, state: ContactState, sticks: BoolArray) -> Position:
     )
 
 
-def _slips(problem: ContactProblem, pairing: Pairing, lever: Array, states: Sequence[ContactState]) -> list[Array]:
+def _strains(
+    problem: ContactProblem, states: Sequence[ContactState], pairings: Sequence[Pairing]
+) -> tuple[Array, Array]:
+    """Displacements (steps, n, 3) of the primary and the secondary from each state to the next, where paired."""
+    forces = [np.array([of.primary_force for of in states]), np.array([of.secondary_force for of in states])]
+    reached = [pairing.nodes for pairing in pairings], [pairing.opposite.columns for pairing in pairings]
+    own, other = (
+        displaced(body, np.unique(np.concatenate(nodes)), np.diff(force, axis=0))
+        for body, nodes, force in zip((problem.primary, problem.secondary), reached, forces, strict=True)
+    )
+    return own, other
+
+
+def _slips(
+    problem: ContactProblem, pairing: Pairing, lever: Array, states: Sequence[ContactState], strains: Sequence[Array]
+) -> list[Array]:
     """Slips (k, 2) in the local tangents of what faces each other in a pairing, from each state to the next, mm."""
-    steps = list(pairwise(states))
-    own = displaced(
-        problem.primary, pairing.nodes, np.array([new.primary_force - old.primary_force for old, new in steps])
-    )
-    faced = np.unique(pairing.opposite.columns)
-    other = displaced(
-        problem.secondary, faced, np.array([new.secondary_force - old.secondary_force for old, new in steps])
-    )
     slips = []
-    for (old, new), mine, its in zip(steps, own, other, strict=True):
-        moved = np.zeros((pairing.opposite.size, 3))
-        moved[faced] = its
-        elastic = mine + pairing.opposite.averaged(moved) / pairing.areas[:, None]
+    for (old, new), own, other in zip(pairwise(states), *strains, strict=True):
+        elastic = own[pairing.nodes] + pairing.opposite.averaged(other) / pairing.areas[:, None]
         motion = _relative_motion(problem, pairing, lever, old, new, elastic)
         slips.append(np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :])))
     return slips

@@ -34,7 +34,9 @@ _UNKNOWNS_A_PRODUCT = 40  # New factors cost as much as one product for every so
 
 @dataclass(frozen=True)
 class _Factors:
-    """Of a matrix whose rows and columns, those of some unknowns, were scaled: `row * matrix * column`."""
+    """Of a matrix whose rows and columns, those of some unknowns, were scaled: `row * matrix * column`; in single
+    precision, for they only begin what products of the matrix finish.
+    """
 
     unknowns: IntArray
     row: Array
@@ -62,7 +64,7 @@ class SimilarEquations:
         lu, pivots, info = lapack.dgetrf(matrix, overwrite_a=1)
         if info != 0:
             return None
-        self._factors = _Factors(unknowns, row, column, lu, pivots)
+        self._factors = _Factors(unknowns, row, column, lu.astype(np.float32), pivots)
         solution, _ = lapack.dgetrs(lu, pivots, rhs)
         return np.asarray(solution)
 
@@ -84,10 +86,10 @@ class SimilarEquations:
 
         def approximate(residual: Array) -> Array:
             """What solves the equations up to what has changed."""
-            load = np.zeros(len(known.unknowns))
+            load = np.zeros(len(known.unknowns), dtype=np.float32)
             load[there] = to_known[0] * residual[here]
             answer = np.empty(size)
-            answer[here] = to_known[1] * lapack.dgetrs(known.lu, known.pivots, load)[0][there]
+            answer[here] = to_known[1] * lapack.sgetrs(known.lu, known.pivots, load)[0][there]
             answer[beside] = residual[beside] / diagonal
             return answer
 
