@@ -234,13 +234,19 @@ class PatchCompliance:
             np.add.outer(*(each * step for each, step in zip(lines, (self.shape[1], 1), strict=True)))
         ).ravel()
 
-    def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None) -> Array:
-        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given."""
+    def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
+        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given.
+
+        add: (3,) factors of the forces' components, with which the displacements are added to what `out` holds.
+        """
         result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
-        if self._signs is None:
-            _gather(self.blocks, *self._places, self._reflections, moved, loaded, result)
+        if self._signs is not None:
+            forces = self._signs if add is None else self._signs * add
+            _gather_mirrored(self.blocks, *self._places, self._signs, forces, moved, loaded, result, add is not None)
+        elif add is not None:
+            result += self.between(moved, loaded) * np.tile(add, len(loaded))
         else:
-            _gather_mirrored(self.blocks, *self._places, self._signs, moved, loaded, result)
+            _gather(self.blocks, *self._places, self._reflections, moved, loaded, result)
         return result
 
     @cached_property
@@ -332,9 +338,17 @@ def _add_near(blocks: Array, piece: IntArray, flips: IntArray, near: Array, kind
 
 @compiled
 def _gather_mirrored(
-    blocks: Array, side: IntArray, place: IntArray, signs: Array, moved: IntArray, loaded: IntArray, result: Array
+    blocks: Array,
+    side: IntArray,
+    place: IntArray,
+    signs: Array,
+    forces: Array,
+    moved: IntArray,
+    loaded: IntArray,
+    result: Array,
+    add: bool,
 ) -> None:
-    """Blocks of nodes whose images differ by signs (2^p, 3) of their vectors' components."""
+    """Blocks of nodes whose images differ by signs (2^p, 3) of their displacements' and their forces' components."""
     # Unsigned and known beforehand: this is a run's innermost loop.
     count = len(loaded)
     block, column = np.empty((len(blocks), count), dtype=np.uint64), np.empty(count, dtype=np.uint64)
@@ -345,7 +359,7 @@ def _gather_mirrored(
             block[own, j] = own ^ other
         column[j] = 3 * place[loaded[j]]
         for c in range(3):
-            factors[j, c] = signs[other, c]
+            factors[j, c] = forces[other, c]
     for i in range(len(moved)):
         own, row = side[moved[i]], 3 * place[moved[i]]
         chosen = block[own]
@@ -353,9 +367,12 @@ def _gather_mirrored(
             sign, target = signs[own, a], result[3 * i + a]
             for j in range(count):
                 source = blocks[chosen[j], row + a]
-                target[3 * j] = sign * factors[j, 0] * source[column[j]]
-                target[3 * j + 1] = sign * factors[j, 1] * source[column[j] + _ONE]
-                target[3 * j + 2] = sign * factors[j, 2] * source[column[j] + _TWO]
+                x = sign * factors[j, 0] * source[column[j]]
+                y = sign * factors[j, 1] * source[column[j] + _ONE]
+                z = sign * factors[j, 2] * source[column[j] + _TWO]
+                if add:
+                    x, y, z = x + target[3 * j], y + target[3 * j + 1], z + target[3 * j + 2]
+                target[3 * j], target[3 * j + 1], target[3 * j + 2] = x, y, z
 
 
 @compiled

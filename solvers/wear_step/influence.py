@@ -8,9 +8,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
-
-_ACROSS = np.array([1.0, -1.0, 1.0])  # What a mirror across the motion leaves of a vector's components in world axes.
-
+from solvers.wear_step.symmetry import Mirror
 
 _AT_ONCE = 64  # Loaded nodes whose compliances are gathered together: those of some hundred nodes fit into a cache.
 
@@ -38,15 +36,16 @@ class Influences:
         self,
         bodies: tuple[PlacedBody, PlacedBody],
         pairings: Sequence[Pairing],
-        nodes: Sequence[tuple[IntArray, IntArray]],
+        rows: Sequence[IntArray],
+        across: Mirror | None,
     ) -> None:
         """Nothing is known yet.
 
-        bodies: primary and secondary.  nodes: for each position, (u,) its unknowns among the pairing's nodes, and their
-        mirror images across the motion, which carry mirrored tractions; a node that is its own image has none besides.
+        bodies: primary and secondary.  rows: for each position, (u,) its unknowns among the pairing's nodes.  across:
+        the mirror whose images of them carry mirrored tractions; a node that is its own image has none besides.
         """
-        self._bodies, self._pairings, self._nodes = bodies, pairings, nodes
-        self._start = np.concatenate([[0], np.cumsum([len(rows) for rows, _ in nodes])])
+        self._bodies, self._pairings, self._rows, self._across = bodies, pairings, rows, across
+        self._start = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
         self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
 
     def know(self, loaded: BoolArray) -> None:
@@ -66,25 +65,34 @@ class Influences:
         return matrix
 
     def _add(self, k: int, missing: IntArray) -> None:
-        pairing, (rows, images) = self._pairings[k], self._nodes[k]
-        transfer, (primary, secondary) = pairing.opposite, self._bodies
+        pairing, rows = self._pairings[k], self._rows[k]
+        transfer, own, loaded, shares = pairing.opposite, pairing.nodes, rows[missing], np.ones(len(missing))
         begin, size = self._used, 9 * len(rows)
         self._used += len(missing) * size
         if self._used > len(self.store):
             self.store = np.concatenate([self.store[:begin], np.empty(max(self._used - begin, begin))])
         self.at[self._start[k] + missing] = begin + size * np.arange(len(missing))
-        # The mirror images are loaded, but what they do is asked for at the rows alone.
-        loaded = np.stack([rows[missing], images[missing]], axis=1)
-        needed, column = _numbered(loaded.ravel(), len(pairing.nodes))
+        if self._across:
+            # What lies on the plane is loaded as often as what lies beside it and its images are together.
+            shares[self._across.primary[own[loaded]] == own[loaded]] = 0.5
         asked, asked_place = _numbered(transfer.faced_by(rows), transfer.size)
-        faced, place = _numbered(transfer.faced_by(needed), transfer.size)
+        faced, place = _numbered(transfer.faced_by(loaded), transfer.size)
         _influence(
             self.store[begin : self._used].reshape(len(missing), len(rows), 3, 3),
-            primary.folded.between(pairing.nodes[rows], pairing.nodes[needed]),
-            secondary.folded.between(asked, faced),
-            *(pairing.areas, rows, loaded, column, _ACROSS, transfer.first),
+            self._moved(0, own[rows], own[loaded]),
+            self._moved(1, asked, faced),
+            *(pairing.areas, rows, loaded, shares, transfer.first),
             *(asked_place[transfer.columns], place[transfer.columns], transfer.weights),
         )
+
+    def _moved(self, body: int, nodes: IntArray, loaded: IntArray) -> Array:
+        """Displacements of a body's nodes (3 r, 3 c) by unit forces on others and mirrored ones on their images."""
+        between = self._bodies[body].folded.between
+        moved = between(nodes, loaded)
+        if self._across:
+            images = (self._across.primary, self._across.secondary)[body]
+            between(nodes, images[loaded], out=moved, add=self._across.signs)
+        return moved
 
 
 def _numbered(nodes: IntArray, size: int) -> tuple[IntArray, IntArray]:
@@ -102,16 +110,15 @@ def _influence(
     areas: Array,
     rows: IntArray,
     loaded: IntArray,
-    column: IntArray,
-    signs: Array,
+    shares: Array,
     first: IntArray,
     asked: IntArray,
     columns: IntArray,
     weights: Array,
 ) -> None:
-    """own: (3 r, 3 c) of the primary's rows; column: of each of its nodes among the c.  other: (3 e, 3 f) of the
-    secondary's nodes that the rows face, to which `asked` refers, and of all that are faced, to which columns refer.
-    blocks: (m, r, 3, 3) to be written.  loaded: (m, 2) the loaded nodes and their images.
+    """own: (3 r, 3 m) of the primary's rows by the loaded nodes.  other: (3 e, 3 f) of the secondary's nodes that the
+    rows face, to which `asked` refers, by those that are faced by what is loaded, to which columns refer.
+    blocks: (m, r, 3, 3) to be written.  loaded: (m,) nodes.  shares: (m,) of what they do that counts.
     """
     moved = np.empty(other.shape[1])
     for i in range(len(rows)):
@@ -125,20 +132,12 @@ def _influence(
                     moved[c] += weight * source[c]
             direct = own[3 * i + a]
             for j in range(len(loaded)):
-                target = blocks[j, i, a]
-                for side in range(1 if loaded[j, 1] == loaded[j, 0] else 2):
-                    node = loaded[j, side]
-                    k = 3 * column[node]
-                    # Three sums at once, which stay in registers: this is a run's innermost loop.
-                    x, y, z = direct[k] * areas[node], direct[k + 1] * areas[node], direct[k + 2] * areas[node]
-                    for entry in range(first[node], first[node + 1]):
-                        weight, k = weights[entry], 3 * columns[entry]
-                        x += weight * moved[k]
-                        y += weight * moved[k + 1]
-                        z += weight * moved[k + 2]
-                    if side == 0:
-                        target[0], target[1], target[2] = x, y, z
-                    else:
-                        target[0] += signs[0] * x
-                        target[1] += signs[1] * y
-                        target[2] += signs[2] * z
+                node, target = loaded[j], blocks[j, i, a]
+                # Three sums at once, which stay in registers: this is a run's innermost loop.
+                x, y, z = direct[3 * j] * areas[node], direct[3 * j + 1] * areas[node], direct[3 * j + 2] * areas[node]
+                for entry in range(first[node], first[node + 1]):
+                    weight, k = weights[entry], 3 * columns[entry]
+                    x += weight * moved[k]
+                    y += weight * moved[k + 1]
+                    z += weight * moved[k + 2]
+                target[0], target[1], target[2] = shares[j] * x, shares[j] * y, shares[j] * z

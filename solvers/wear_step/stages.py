@@ -262,9 +262,7 @@ def _cycle(
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
     influences = Influences(
-        (problem.primary, problem.secondary),
-        [position.pairing for position in positions],
-        list(zip(orbits.rows, orbits.images, strict=True)),
+        (problem.primary, problem.secondary), [position.pairing for position in positions], orbits.rows, symmetry.across
     )
     wearing = problem.wear.factor(_TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes))
     return kept, Cycle(positions, orbits, influences, start.wear, symmetry.half_cycle, wearing, problem.layers)
