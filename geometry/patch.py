@@ -83,19 +83,7 @@ class ContactPatch:
         Returns nodes and weights, both (n, 4), or (n, 2) on a planar patch, and whether a point lies on the patch,
         (n,). Weights of points beside the patch are zero.
         """
-        i, u = _cell(self.axial_mm, plane_mm[:, 0])
-        if len(self.transverse_mm) == 1:
-            nodes, weights = np.column_stack([i, i + 1]), np.column_stack([1 - u, u])
-            inside = (u >= -1e-9) & (u <= 1 + 1e-9)
-        else:
-            j, v = _cell(self.transverse_mm, plane_mm[:, 1])
-            n_t = len(self.transverse_mm)
-            corner = i * n_t + j
-            nodes = np.column_stack([corner, corner + 1, corner + n_t, corner + n_t + 1])
-            weights = np.column_stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
-            inside = (u >= -1e-9) & (u <= 1 + 1e-9) & (v >= -1e-9) & (v <= 1 + 1e-9)
-        weights[~inside] = 0.0
-        return nodes, weights, inside
+        return located(self.axial_mm, self.transverse_mm, plane_mm)
 
     def gradient(self, field: Array) -> Array:
         """Gradient (along, across) at the nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
@@ -110,6 +98,23 @@ class ContactPatch:
         (a, wide), (t, deep) = (_gauss_on_lines(lines, points) for lines in self._axes)
         along, across = np.meshgrid(a, t, indexing="ij")
         return np.column_stack([along.ravel(), across.ravel()]), np.outer(wide, deep).ravel()
+
+
+def located(axial: Array, transverse: Array, places: Array) -> tuple[IntArray, Array, BoolArray]:
+    """How to interpolate a field on the grid of lines (n_a,) and (n_t,) at places (n, 2); see `ContactPatch.locate`."""
+    i, u = _cell(axial, places[:, 0])
+    if len(transverse) == 1:
+        nodes, weights = np.column_stack([i, i + 1]), np.column_stack([1 - u, u])
+        inside = (u >= -1e-9) & (u <= 1 + 1e-9)
+    else:
+        j, v = _cell(transverse, places[:, 1])
+        n_t = len(transverse)
+        corner = i * n_t + j
+        nodes = np.column_stack([corner, corner + 1, corner + n_t, corner + n_t + 1])
+        weights = np.column_stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
+        inside = (u >= -1e-9) & (u <= 1 + 1e-9) & (v >= -1e-9) & (v <= 1 + 1e-9)
+    weights[~inside] = 0.0
+    return nodes, weights, inside
 
 
 def _line_weights(lines: Array) -> Array:

@@ -18,7 +18,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.sparse import bmat, coo_matrix, csr_matrix, dia_matrix, diags
-from scipy.spatial import cKDTree
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -202,6 +201,8 @@ def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
 
 def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
     """The matrix (p, n) that takes nodal fields to places (p, d) in a mesh, or no more than a cell beside it."""
+    from scipy.spatial import cKDTree
+
     corners = _CORNERS[mesh.cells.shape[1]].astype(np.float64)
     count, d = corners.shape
     at = mesh.points[mesh.cells]

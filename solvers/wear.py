@@ -16,7 +16,6 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from geometry.arrays import Array, BoolArray
 from solvers.contact_state import LocalState, WearState
@@ -53,6 +52,8 @@ class OxygenSupply:
 
 def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
     """Distance (n,) in mm of every node (n, 2) to the nearest that bears no load; 0 where it bears none itself."""
+    from scipy.spatial import KDTree
+
     distance = np.zeros(len(plane_mm))
     if pressed.all():
         return np.full(len(plane_mm), np.inf)

@@ -23,7 +23,7 @@ from wirewear.records.values import believed_study
 from wirewear.results import read_result
 from wirewear.results.hdf5 import write_result
 from wirewear.simulation import simulate
-from wirewear.simulation.line_model import bodies, line_problem, plan
+from wirewear.simulation.line_model import bodies, line_plan, line_problem
 from wirewear.study import LineStudy, study_from_tables
 from wirewear.verification import QUICK
 from wirewear.verification.line_contact import bulk_rows
@@ -81,7 +81,7 @@ def stuck(before: solvers.ContactState, after: solvers.ContactState, x: Array) -
 def test_a_bulk_stress_shifts_the_stick_zone_as_nowell_and_hills_say(body: str, key: str, sign: float) -> None:
     """By a σ / 4 µ p0 against the motion of the body that is pulled at its end (Int. J. Mech. Sci. 29 (1987) 355)."""
     study = stretched(body, {key: STRESS_MPa})
-    planned, friction = plan(study, "quick"), study.contact.friction
+    planned, friction = line_plan(study, "quick"), study.contact.friction
     problem = line_problem(study, *bodies(study, planned))
     fresh = replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk)
     state, trace = solvers.run_cycle(
@@ -180,7 +180,7 @@ def test_a_bulk_stress_that_cannot_be_is_told_with_its_place(text: str, told: st
 
 def test_a_state_on_another_mesh_is_as_stretched_as_before() -> None:
     study = stretched("specimen", {"axial_stress_MPa": STRESS_MPa})
-    problem = line_problem(study, *bodies(study, plan(study, "quick")))
+    problem = line_problem(study, *bodies(study, line_plan(study, "quick")))
     state = solvers.press(problem, replace(solvers.unloaded_state(problem), bulk=study.drive.mean_bulk))[0]
     assert state.bulk.any()
     np.testing.assert_array_equal(solvers.remeshed(problem, state, problem)[0].bulk, state.bulk)

@@ -23,7 +23,7 @@ from wirewear.reference import Elastic, contact_modulus, hertz_line
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.simulation.convergence import LINES, converge, convergence_table
-from wirewear.simulation.line_model import farthest_contact, plan
+from wirewear.simulation.line_model import farthest_contact, line_plan
 from wirewear.verification.line_contact import (
     MATERIAL,
     LOAD_N_per_mm,
@@ -130,7 +130,7 @@ def test_a_flat_wears_on_a_rig_that_translates_and_rotates(worn_flat: RunResult)
 
 
 def test_a_flat_is_meshed_finely_at_its_edges_and_holds_its_tilt() -> None:
-    meshes = plan(line_study(kind="line-contact", pad=FLAT, holder=RIG), "quick")
+    meshes = line_plan(line_study(kind="line-contact", pad=FLAT, holder=RIG), "quick")
     lines = meshes.pad.along.half_lines()
     at_edge = np.diff(lines)[lines[:-1] > 0.55].max()
     assert np.diff(lines).max() > 1.5 * at_edge

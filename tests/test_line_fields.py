@@ -15,7 +15,7 @@ from wirewear.interior.lines import INSIDE_LINES, state_grid
 from wirewear.interior.strength import StrengthAsked, strength_of, yield_sentence
 from wirewear.results import read_result
 from wirewear.simulation import run_study
-from wirewear.simulation.line_model import placed_body, plan
+from wirewear.simulation.line_model import line_plan, placed_body
 
 pytestmark = pytest.mark.slow
 
@@ -84,7 +84,7 @@ def test_first_yield_lies_where_mcewen_has_it_and_cracks_begin_at_the_surface(fo
 
 def test_a_stated_grip_lets_the_pad_give_way() -> None:
     softest = line_study(pad={"grip_width_mm": 2.0, "grip_stiffness_N_per_mm3": 1e3})
-    geometry = plan(softest, "quick").pad
+    geometry = line_plan(softest, "quick").pad
     assert (geometry.grip_half_width_mm, geometry.grip_stiffness_N_per_mm3) == (1.0, 1e3)
     with pytest.raises(StudyError, match="grip_stiffness_N_per_mm3"):
         line_study(pad={"grip_stiffness_N_per_mm3": -1.0})

@@ -12,7 +12,7 @@ from wirewear.base.errors import ResultError, StudyError, counted
 from wirewear.base.writing import usable_folder
 from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output, paper
 from wirewear.faces.interior import BODY, asked_bodies
-from wirewear.study import FIDELITIES, study_from_tables
+from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -39,6 +39,7 @@ def lives(
     from wirewear.interior.life import WEAR_STATES, life_of
     from wirewear.interior.strength import StrengthAsked, assessable
     from wirewear.kinds import kind_of
+    from wirewear.study import study_from_tables
     from wirewear.study.life import LifeTable, material_of_body
     from wirewear.study.messages import validated
 

@@ -20,7 +20,7 @@ from wirewear.faces.group import (
     most_memory,
     paper,
 )
-from wirewear.study import FIDELITIES, load_study
+from wirewear.study import FIDELITIES
 
 
 def _known_encoding(_context: click.Context, _parameter: click.Parameter, name: str | None) -> str | None:
@@ -119,6 +119,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         parse_near,
     )
     from wirewear.records import read_record, write_record
+    from wirewear.study import load_study
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")

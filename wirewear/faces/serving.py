@@ -9,12 +9,9 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-import click
-
 from wirewear.base.errors import WirewearError
 from wirewear.base.frame import embedded, rendered, script
 from wirewear.faces.desk import Desk
-from wirewear.faces.group import Given, OutputFolder, cli
 
 LOOPBACK = "127.0.0.1"
 _MOST_BYTES = 500_000_000  #: Of one file that is dropped: what an import reads at most.
@@ -101,28 +98,3 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header(name, value)
         self.end_headers()
         self.wfile.write(content)
-
-
-@cli.command(name="open")
-@click.argument("paths", metavar="[RECORD|RESULT|FILES]...", nargs=-1, type=Given())
-@click.option("--output", metavar="DIR", type=OutputFolder(), default="runs/open", show_default=True,
-              help="Where files and answers are kept; the same folder goes on.")  # fmt: skip
-@click.option("--port", type=click.IntRange(0, 65535), default=0, help="[default: any that is free]")
-@click.option("--no-browser", is_flag=True, help="Print the address alone.")
-def open_command(paths: tuple[Path, ...], output: Path, port: int, no_browser: bool) -> None:
-    """Work in a browser: drop a logger's files, import, check, fit and diagnose them. Nobody else can see the pages."""
-    import webbrowser
-
-    from wirewear.base.locks import occupied
-
-    desk = Desk(output)
-    for path in paths:
-        desk.take(path)
-    with occupied(desk.folder, "open"), DeskServer(desk, port) as server:
-        click.echo(f"Open this address in a browser: {server.url}\nKeep this running; Ctrl-C ends it.")
-        if not no_browser:
-            webbrowser.open(server.url)
-        try:
-            server.serve_forever()
-        finally:
-            desk.stop()

@@ -12,7 +12,7 @@ import click
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text, usable_folder
 from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
-from wirewear.study import FIDELITIES, load_study
+from wirewear.study import FIDELITIES
 
 if TYPE_CHECKING:
     from wirewear.study import AnyStudy
@@ -94,6 +94,7 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
     """Run a study without and with an effect, and draw its signature."""
     from wirewear.effects import effect_named
     from wirewear.simulation import ProgressBar
+    from wirewear.study import load_study
     from wirewear.sweeps.signature import draw_signature, signature_of, signature_study
 
     study = signature_study() if study_path is None else load_study(study_path)

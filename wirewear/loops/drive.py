@@ -79,11 +79,12 @@ def drift_of(time: Array, values: Array) -> Drift:
     extent = float(np.ptp(values))
     if len(values) < 8 * (HIGHEST_HARMONIC - 1):
         return Drift()
-    even, period = even_period(time), _period(time, values)
+    even = even_period(time)
     whole = fit_linear(series(time, even, 2), values)
     opening = 2.0 * float(whole.coefficients[1])
     if not LEAST_DRIFT * extent < abs(opening) < MOST_DRIFT * extent:
         return Drift()
+    period = _period(time, values)
     columns = series(time, period, 2)
     free = fit_linear(columns, values)
     # What another period would change: the two are told apart only as far as this column is none of the others.

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import solve_triangular
-from scipy.optimize import brentq
 
 from geometry.arrays import Array, BoolArray
 from wirewear.loops.robust import median_deviation
@@ -122,6 +121,8 @@ def correlation_of(stretch: float) -> float:
 
 def correlation_of_neighbours(factor: float, most: float) -> float:
     """The correlation, `most` at most, of which `noise_of_neighbours` is that factor; 0 for one of at most 1."""
+    from scipy.optimize import brentq
+
     within = float(np.clip(factor, noise_of_neighbours(0.0), noise_of_neighbours(most)))
     return float(brentq(lambda correlation: noise_of_neighbours(correlation) - within, 0.0, most))
 

@@ -1,7 +1,7 @@
 """Scars and loops on finer grids, so that pictures show surfaces and fields, not the elements they were computed on.
 
-Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
-along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
+Between grid points a field follows monotone cubics, along one axis after the other: smooth, through every computed
+value, and nowhere beyond its neighbours. The area where
 it is not zero ends somewhere between two grid points; there a depth is carried on as a thin plate bends, other fields
 as they came.
 """
@@ -11,10 +11,9 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.interpolate import PchipInterpolator
-from scipy.ndimage import binary_dilation, gaussian_filter, uniform_filter
 from scipy.sparse.linalg import spsolve
 
 from geometry.arrays import Array, BoolArray
@@ -72,15 +71,42 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
     at = np.concatenate([[0.0], np.cumsum(lengths)])
     around = np.concatenate([at[-4:-1] - at[-1], at, at[-1] + at[1:4]])
     fine = np.unique(np.concatenate([np.linspace(0.0, at[-1], points), at]))
-    curves = (PchipInterpolator(around, np.concatenate([v[-4:-1], v, v[1:4]]))(fine) for v in (x, q))
+    curves = (monotone_cubic(around, np.concatenate([v[-4:-1], v, v[1:4]]), fine) for v in (x, q))
     one, other = curves
     one[-1], other[-1] = one[0], other[0]
     return one, other
 
 
+def monotone_cubic(lines: Array, values: Array, at: Array) -> Array:
+    """Monotone cubics through values (n, ...) at lines (n,), n ≥ 3, evaluated at places (m,) between them: (m, ...).
+
+    Slopes at the lines are harmonic means of those beside them (F. N. Fritsch & J. Butland, SIAM J. Sci. Stat. Comput.
+    5 (1984) 300), at the ends those of parabolas, held to the chord's sign and three times its size.
+    """
+    step = np.diff(lines).reshape(-1, *[1] * (values.ndim - 1))
+    chord = np.diff(values, axis=0) / step
+    slope = np.zeros_like(values)
+    alike = chord[:-1] * chord[1:] > 0.0
+    before, after = step[:-1] + 2.0 * step[1:], 2.0 * step[:-1] + step[1:]
+    np.divide(
+        (before + after) * chord[:-1] * chord[1:], before * chord[1:] + after * chord[:-1], slope[1:-1], where=alike
+    )
+    for end, beside in ((0, 1), (-1, -2)):
+        first, second = chord[end], chord[beside]
+        parabola = first + (first - second) * step[end] / (step[end] + step[beside])
+        most = np.where(first * second > 0.0, np.inf, 3.0 * np.abs(first))
+        slope[end] = np.where(parabola * first > 0.0, np.clip(parabola, -most, most), 0.0)
+    cell = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
+    wide, rise = step[cell], chord[cell]
+    part = (at - lines[cell]).reshape(wide.shape) / wide
+    start, end_slope = slope[cell] - rise, slope[cell + 1] - rise
+    bow = start * (1.0 - part) - end_slope * part
+    return np.asarray(values[cell] + wide * part * (rise + (1.0 - part) * bow))
+
+
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
     """The values (n_1, n_2) with those of RINGS rings of points around `inside` replaced; first, second: grid lines."""
-    band = binary_dilation(inside, np.ones((3, 3), dtype=bool), iterations=RINGS) & ~inside
+    band = sliding_window_view(np.pad(inside, RINGS), (2 * RINGS + 1,) * 2).any(axis=(2, 3)) & ~inside
     if not inside.any() or not band.any():
         return values
     rows = sparse.vstack([_bending(first, second, inside | band, axis) for axis in (0, 1)]
@@ -146,6 +172,8 @@ def smooth_field(scar: Scar, field: str, over_um: float = 0.0) -> tuple[Array, A
     Unlike a depth, a pressure or a slip need not vanish at the edge: the area has an outline of its own. The field is
     averaged over that length along the motion.
     """
+    from scipy.ndimage import gaussian_filter, uniform_filter
+
     values: Array = getattr(scar, field)
     inside, near, beyond = _carried_on(scar, values, _LEAST_SHARE * float(values.max()))
     extended = np.where(inside, values, np.clip(beyond, 0.0, near))
@@ -183,8 +211,8 @@ def _finer(line: Array) -> Array:
 
 
 def _interpolated(scar: Scar, values: Array, axial: Array, transverse: Array) -> Array:
-    along = PchipInterpolator(scar.axial_um, values, axis=0)(axial)
-    return np.asarray(PchipInterpolator(scar.transverse_um, along, axis=1)(transverse))
+    along = monotone_cubic(scar.axial_um, values, axial)
+    return monotone_cubic(scar.transverse_um, along.T, transverse).T
 
 
 def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Array, Array]:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from geometry import Barrel
-from geometry.arrays import Array, BoolArray
+from geometry.arrays import Array, BoolArray, IntArray
+from geometry.patch import located
 from wirewear.base.errors import ResultError
 
 
@@ -262,16 +263,9 @@ class Scar:
 
         A single line across stands for all of them.
         """
-        from scipy.interpolate import RegularGridInterpolator
-
-        axial, transverse = self.wire_coordinates(x_um, y_um)
-        if self.transverse_um.size == 1:
-            along = np.interp(axial, self.axial_um, self.depth_um[:, 0], left=0.0, right=0.0)
-            return along + 0.0 * transverse
-        interpolate = RegularGridInterpolator((self.axial_um, self.transverse_um), self.depth_um)
-        points = (_clipped(axial, self.axial_um), _clipped(transverse, self.transverse_um))
-        depth: Array = np.where(self._covers(axial, transverse), interpolate(points), 0.0)
-        return depth
+        shape = np.broadcast_shapes(np.shape(x_um), np.shape(y_um))
+        nodes, weights, _ = self._located(x_um, y_um)
+        return np.asarray(np.einsum("ij,ij->i", weights, self.depth_um.ravel()[nodes])).reshape(shape)
 
     def sampled(self, x_um: ArrayLike, y_um: ArrayLike) -> Array:
         """Depth [µm] on the grid of lines `x_um` (n_x,) and `y_um` (n_y,) in the sliding frame, shape (n_x, n_y)."""
@@ -289,7 +283,7 @@ class Scar:
             crossings.append(-self.transverse_um / sine)
         # Neighbouring lines that round-off alone keeps apart are one.
         x: Array = np.unique(np.round(np.concatenate(crossings), 9))
-        x = x[self._covers(*self.wire_coordinates(x, 0.0))]
+        x = x[self._located(x, 0.0)[2]]
         return x, self.depth_at(x, 0.0)
 
     def unworn_height_um(self, axial_um: ArrayLike, transverse_um: ArrayLike) -> Array:
@@ -298,8 +292,10 @@ class Scar:
         barrel = Barrel(2e-3 / self.diameter_along_mm, 2e-3 / self.diameter_mm)
         return barrel.height(np.column_stack([along.ravel(), across.ravel()])).reshape(along.shape)
 
-    def _covers(self, axial: Array, transverse: Array) -> BoolArray:
-        return _within(axial, self.axial_um) & _within(transverse, self.transverse_um)
+    def _located(self, x_um: ArrayLike, y_um: ArrayLike) -> tuple[IntArray, Array, BoolArray]:
+        """How to interpolate at points of the sliding frame, see `ContactPatch.locate`."""
+        places = [coordinate.ravel() for coordinate in self.wire_coordinates(x_um, y_um)]
+        return located(self.axial_um, self.transverse_um, np.column_stack(places))
 
 
 def _cosine_sine(angle_deg: float) -> tuple[float, float]:
@@ -309,13 +305,3 @@ def _cosine_sine(angle_deg: float) -> tuple[float, float]:
     for _ in range(int(quarter) % 4):
         cosine, sine = -sine, cosine
     return cosine, sine
-
-
-def _within(values: Array, lines: Array) -> BoolArray:
-    slack = 1e-9 * (lines[-1] - lines[0])
-    within: BoolArray = (values >= lines[0] - slack) & (values <= lines[-1] + slack)
-    return within
-
-
-def _clipped(values: Array, lines: Array) -> Array:
-    return np.clip(values, lines[0], lines[-1])

@@ -5,24 +5,28 @@ A run is a `plan` (meshes, steps, milestones) that `cycling` goes through in jum
 its own stands in `line_model` and `line_runs`.
 """
 
-from wirewear.simulation.contact_forces import mean_pressures
-from wirewear.simulation.convergence import (
-    LINES,
-    POINTS,
-    Converged,
-    converge,
-    convergence_table,
-    last_of,
-    write_convergence,
-)
-from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
-from wirewear.simulation.line_model import plan as line_plan
-from wirewear.simulation.observers import Moment, Observer, ProgressBar
-from wirewear.simulation.plan import require_affordable_wires
-from wirewear.simulation.problem import contact_problem
-from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
-from wirewear.simulation.workbench import write_line_meshes, write_meshes
+from typing import TYPE_CHECKING
+
+from geometry.late import loaded_late
+
+if TYPE_CHECKING:
+    from wirewear.simulation.contact_forces import mean_pressures
+    from wirewear.simulation.convergence import (
+        LINES,
+        POINTS,
+        Converged,
+        converge,
+        convergence_table,
+        last_of,
+        write_convergence,
+    )
+    from wirewear.simulation.discretisation import discretise
+    from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2, line_plan
+    from wirewear.simulation.observers import Moment, Observer, ProgressBar
+    from wirewear.simulation.plan import require_affordable_wires
+    from wirewear.simulation.problem import contact_problem
+    from wirewear.simulation.runs import ObserverOf, needed_memory, run_study, simulate
+    from wirewear.simulation.workbench import write_line_meshes, write_meshes
 
 __all__ = [
     "LINES", "POINTS", "Converged", "Moment", "Observer", "ObserverOf", "ProgressBar",
@@ -30,3 +34,5 @@ __all__ = [
     "line_plan", "mean_pressures", "needed_memory", "require_affordable_wires", "run_study", "simulate",
     "write_convergence", "write_line_meshes", "write_meshes",
 ]  # fmt: skip
+
+__getattr__ = loaded_late(__name__)

@@ -20,7 +20,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_csv, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import discretise
-from wirewear.simulation.line_model import plan as line_plan
+from wirewear.simulation.line_model import line_plan
 from wirewear.simulation.runs import run_study
 from wirewear.simulation.together import ObserverFor
 from wirewear.study import AnyStudy, LineStudy, Study

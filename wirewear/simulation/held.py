@@ -6,7 +6,6 @@ from functools import partial
 from typing import Any, cast
 
 import numpy as np
-from scipy.optimize import brentq
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactState, CycleTrace, SolverError
@@ -87,6 +86,8 @@ def probed_slip_mm(trace: CycleTrace, probe: Probe) -> float:
 
     From each end of the stroke an increment is sought that meets the mean force.
     """
+    from scipy.optimize import brentq
+
     force, drive = trace.tangential_force, trace.drive
     strokes = [(trace.start, slice(None), -force[-1])]
     mean, met = _mean_force(trace), 0.0

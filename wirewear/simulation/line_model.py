@@ -123,7 +123,7 @@ class LinePlan:
         }
 
 
-def plan(study: LineStudy, fidelity: str) -> LinePlan:
+def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     """Meshes and steps of a line contact.
 
     The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
@@ -203,7 +203,7 @@ def bodies_stiffness_N_per_mm2(study: LineStudy) -> float:
     Both are sheared evenly over the width of the fresh contact.
     Raises StudyError if the patch does not fit on a body.
     """
-    meshes = plan(study, "quick")
+    meshes = line_plan(study, "quick")
     compliance = 0.0
     for body in bodies(study, meshes):
         share = body.node_areas * (np.abs(body.node_positions[:, 0]) <= meshes.hertz.half_width_mm)

@@ -13,7 +13,14 @@ from wirewear.results import ContactForces, Loop, Scar
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.folder import MeshHistory, OneMesh
-from wirewear.simulation.line_model import LinePlan, bodies, line_problem, needed_memory, plan, require_affordable_lines
+from wirewear.simulation.line_model import (
+    LinePlan,
+    bodies,
+    line_plan,
+    line_problem,
+    needed_memory,
+    require_affordable_lines,
+)
 from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.recorded import Recorded, worn_bodies
 from wirewear.study import LineStudy
@@ -85,7 +92,7 @@ class LineRun(PlannedRun):
     @classmethod
     def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
         """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
-        return cls(study, fidelity, plan(study.driven.envelope, fidelity))
+        return cls(study, fidelity, line_plan(study.driven.envelope, fidelity))
 
     @property
     def identity(self) -> Identity:

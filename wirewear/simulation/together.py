@@ -6,7 +6,6 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import AbstractContextManager, ExitStack, nullcontext
 from dataclasses import dataclass, replace
 from functools import partial
-from multiprocessing.managers import SyncManager
 from pathlib import Path
 from queue import Empty, Queue
 from threading import Event
@@ -69,6 +68,8 @@ def run_side_by_side(
     """
     if not isinstance(engine, LocalProcesses):
         return results_of(engine, [partial(task, Observer()) for task in tasks])
+    from multiprocessing.managers import SyncManager
+
     manager = SyncManager(ctx=multiprocessing.get_context("spawn"))
     manager.start(end_with_parent)
     with manager, ThreadPoolExecutor(1) as waiting:

@@ -21,7 +21,7 @@ from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import Discretisation, discretise
-from wirewear.simulation.line_model import plan, require_affordable_lines
+from wirewear.simulation.line_model import line_plan, require_affordable_lines
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import contact_problem
 from wirewear.study import LineStudy, Study
@@ -72,7 +72,7 @@ def write_line_meshes(study: LineStudy, fidelity: str, folder: Path) -> list[Pat
     from wirewear.pictures import save
     from wirewear.pictures.lines import line_supports
 
-    meshes = plan(study, fidelity)
+    meshes = line_plan(study, fidelity)
     require_affordable_lines(study.name, meshes)
     bodies = {"pad": build_planar(meshes.pad), "specimen": build_planar(meshes.specimen)}
     with writing(ResultError, f"cannot write meshes to {folder}"):

@@ -137,11 +137,11 @@ def edge_tension(contact: FreshContact) -> Array:
                     stick_radius_mm=float(centre),
                     peak_pressure_MPa=1.0,
                     friction=contact.friction,
-                    poissons_ratio=body.poissons_ratio,
+                    poissons_ratio=ratio,
                 )[..., 0]
                 for centre in stick
             ]
-            for body in contact.bodies
+            for ratio in {body.poissons_ratio for body in contact.bodies}
         ],
         axis=0,
     )

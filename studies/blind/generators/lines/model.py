@@ -61,7 +61,7 @@ def run_of(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> RunResult:
 
 
 def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
-    from wirewear.simulation.line_model import plan
+    from wirewear.simulation.line_model import line_plan
 
     tables = line_record_tables(nominal, "blind", {})
     tables = tables.model_copy(update={"conditions": tables.conditions.model_copy(update={"cycles": _length(nominal)})})
@@ -69,7 +69,7 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
     logged |= {round(share * nominal.cycles) for share in LATE}
     study: LineStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
     study = study.changed({"effects": per_mm(effects, nominal.length_mm)})
-    quick = plan(study, "quick").pad.along
+    quick = line_plan(study, "quick").pad.along
     mesh = {
         "contact_mesh_um": 1e3 * quick.fine_mm / REFINED,
         "scar_half_width_um": 1e3 * WIDER * quick.half_extent_mm,
