@@ -1,47 +1,42 @@
 """Compliance of two bodies as their paired contact nodes see it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
-
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.kept_code import compiled
+from solvers.kept_code import compiled, inlined
 from solvers.nodal_transfer import NodalTransfer, loaded_nodes
 from solvers.pairing import Pairing
 from solvers.placement import PlacedBody
 
 
 class Block:
-    """The part of a body's compliance that an increment needs: between w nodes of its patch and those that carry load.
+    """The part of a body's compliance that an increment needs: what unit forces on u nodes that carry load do to w.
 
-    nodes: (w,).  places: (n,) of the patch's nodes among them.
+    nodes: (w,), increasing.  place, row: (n,) which of the w each node of the patch is, and which of the u, or -1.
+    rows: (3 u, 3 w) and room for more, mm/N.
     """
 
     def __init__(self, body: PlacedBody, nodes: IntArray) -> None:
-        """Of nodes (w,), increasing; those that carry load are gathered as they become known."""
-        self.nodes = nodes
-        self.places = np.full(body.patch.size, -1)
-        self.places[nodes] = np.arange(len(nodes))
-        self._folded = body.folded
-        self._row = np.full(body.patch.size, -1)
-        self._rows = np.empty((0, 3 * len(nodes)))
-        self._known = 0
+        """Nothing is known yet; what loads do is gathered as they become known."""
+        self._folded, self.nodes, self._known = body.folded, nodes, 0
+        self.row, self.place = np.full((2, body.patch.size), -1)
+        self.place[nodes] = np.arange(len(nodes))
+        self.rows = np.empty((0, 3 * len(nodes)))
         self._displaced: list[tuple[Array, Array]] = []
 
-    def rows(self, loaded: IntArray) -> tuple[Array, IntArray]:
-        """Displacement of the nodes by unit forces on others, (3 u, 3 w), and which rows are those of `loaded` (l,)."""
-        missing = loaded[self._row[loaded] < 0]
-        if len(missing):
-            missing = np.unique(missing)
-            self._row[missing] = self._known + np.arange(len(missing))
-            begin, self._known = 3 * self._known, self._known + len(missing)
-            if 3 * self._known > len(self._rows):
-                grown = np.empty((max(3 * self._known, 2 * len(self._rows)), 3 * len(self.nodes)))
-                grown[:begin] = self._rows[:begin]
-                self._rows = grown
-            self._folded.between(missing, self.nodes, out=self._rows[begin : 3 * self._known])
-        return self._rows[: 3 * self._known], self._row[loaded]
+    def know(self, loaded: IntArray) -> None:
+        """Make sure that it is known what forces on nodes do."""
+        missing = loaded[self.row[loaded] < 0]
+        if not len(missing):
+            return
+        missing = np.unique(missing)
+        self.row[missing] = self._known + np.arange(len(missing))
+        begin, self._known = 3 * self._known, self._known + len(missing)
+        if 3 * self._known > len(self.rows):
+            grown = np.empty((max(3 * self._known, 2 * len(self.rows)), 3 * len(self.nodes)))
+            grown[:begin] = self.rows[:begin]
+            self.rows = grown
+        self._folded.between(missing, self.nodes, out=self.rows[begin : 3 * self._known])
 
     def displaced(self, force: Array) -> Array:
         """Displacement (w, 3) under forces (n, 3) in N on the patch's nodes; kept, for an increment ends with the
@@ -50,114 +45,78 @@ class Block:
         for known, moved in self._displaced:
             if known is force:
                 return moved
-        loaded = loaded_nodes(force)
-        rows, place = self.rows(loaded)
-        all_forces = np.zeros((len(rows) // 3, 3))
-        all_forces[place] = force[loaded]
-        moved = np.asarray((all_forces.ravel() @ rows).reshape(-1, 3))
+        forces, complete = on_known(force, self.row, self._known)
+        if not complete:
+            self.know(loaded_nodes(force))
+            forces, _ = on_known(force, self.row, self._known)
+        moved = np.asarray((forces @ self.rows[: len(forces)]).reshape(-1, 3))
         self._displaced = [*self._displaced[-1:], (force, moved)]
         return moved
 
 
-def _block_between(body: PlacedBody, nodes: IntArray) -> Block:
-    """A block that holds these nodes (w,): the body's latest, if it does, for an increment mostly needs what the one
-    before did.
+def _block_between(body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> Block:
+    """A block that holds the nodes which transfers reach: the body's latest, if it does, for an increment mostly needs
+    what the one before did.
     """
     latest = body.latest_block
-    if not latest or (latest[0].places[nodes] < 0).any():
-        latest[:] = [Block(body, nodes)]
+    reached, held = _reached(latest[0].place if latest else np.full(body.patch.size, -1), now.columns, before.columns)
+    if not held:
+        latest[:] = [Block(body, reached)]
     block: Block = latest[0]
     return block
 
 
-@dataclass(frozen=True)
-class Share:
-    """One body's part in a pairing: its block, and the transfers of the k nodes of now and the l loaded ones of before
-    from the block's nodes.
-    """
-
-    block: Block
-    now: NodalTransfer
-    before: NodalTransfer
-
-    @classmethod
-    def of(cls, body: PlacedBody, now: NodalTransfer, before: NodalTransfer) -> "Share":
-        """That of a body with transfers from its whole patch."""
-        reached = np.zeros(body.patch.size, dtype=bool)
-        reached[now.columns] = True
-        reached[before.columns] = True
-        block = _block_between(body, np.flatnonzero(reached))
-        return cls(block, now.among(block.nodes, block.places), before.among(block.nodes, block.places))
-
-    def add_responses(self, matrix: Array, first_column: int, loaded: IntArray, areas: Array) -> None:
-        """Add displacements of the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k)."""
-        entries = self.now.faced_by(loaded)
-        rows, place = self.block.rows(self.block.nodes[entries])
-        row_of = np.full(len(self.block.nodes), -1)
-        row_of[entries] = place
-        _add_responses(
-            matrix, first_column, rows, row_of, loaded, areas, self.now.first, self.now.columns, self.now.weights
-        )
-
-
-class Responses:
-    """Displacement of the upper against the lower body at k nodes by unit tractions on those that have carried any.
-
-    matrix: (3 k, 3 k), filled in its first 3 m columns for m nodes.  place: (k,) where a node's columns stand, or -1.
-    """
-
-    def __init__(self, shares: tuple[Share, Share], areas: Array) -> None:
-        """Nothing is known yet."""
-        self._shares, self._areas = shares, areas
-        self.place = np.full(len(areas), -1)
-        self.known = 0
-        self._asked: IntArray | None = None
-        self.matrix = np.empty((3 * len(areas), 3 * len(areas)))
-
-    def know(self, loaded: IntArray) -> None:
-        """Make sure that the responses to tractions on nodes (l,) are known."""
-        if loaded is self._asked:
-            return
-        self._asked = loaded
-        missing = loaded[self.place[loaded] < 0]
-        if not len(missing):
-            return
-        self.place[missing] = self.known + np.arange(len(missing))
-        self.matrix[:, 3 * self.known : 3 * (self.known + len(missing))] = 0.0
-        for share in self._shares:
-            share.add_responses(self.matrix, 3 * self.known, missing, self._areas)
-        self.known += len(missing)
-
-
-@dataclass(frozen=True)
 class PairedCompliance:
     """Mean displacement of the upper against the lower body at k paired nodes under tractions there; world axes.
 
-    Responses to tractions are put together for nodes that come to carry any.
+    matrix: (3 k, 3 k) in mm per MPa, filled in its first 3 m columns for the m nodes that have carried tractions.
+    place: (k,) where a node's columns stand, or -1.
     old: (k, 3) displacement by the forces before the increment where the nodes are now; old_before: (l, 3) the same
     where the nodes loaded before were then.  layer: compliance of an elastic layer between the bodies, the same in all
     directions, mm per MPa.
     """
 
-    pairing: Pairing
-    before: Pairing
-    shares: tuple[Share, Share]
-    old: Array
-    old_before: Array
-    layer: float = 0.0
-    responses: Responses = field(init=False, repr=False)
+    def __init__(
+        self,
+        pairing: Pairing,
+        before: Pairing,
+        bodies: tuple[PlacedBody, PlacedBody],
+        old_forces: tuple[Array, Array],
+        layer: float = 0.0,
+    ) -> None:
+        """Of the primary and the secondary.
 
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "responses", Responses(self.shares, self.pairing.areas))
+        before: pairing of the l nodes that were loaded before the increment, as the bodies stood then.
+        old_forces: (n, 3) nodal forces on each body's patch before it, with the sign of the force on the upper body;
+        they do not act through the layer.
+        """
+        self._pairing, self._before, self.layer = pairing, before, layer
+        primary, secondary = bodies
+        self._own = _block_between(primary, pairing.own, before.own)
+        self._other = _block_between(secondary, pairing.opposite, before.opposite)
+        self.old, self.old_before = self._mean(pairing, old_forces), self._mean(before, old_forces)
+        self.place, self.known = np.full(len(pairing.nodes), -1), 0
+        self.matrix = np.empty((3 * len(pairing.nodes), 3 * len(pairing.nodes)))
+
+    def know(self, loaded: IntArray) -> None:
+        """Make sure that the responses to tractions on nodes (l,) are known."""
+        missing, pairing = loaded[self.place[loaded] < 0], self._pairing
+        if not len(missing):
+            return
+        begin, self.known = 3 * self.known, self.known + len(missing)
+        self.place[missing] = begin // 3 + np.arange(len(missing))
+        self.matrix[:, begin : 3 * self.known] = 0.0
+        for block, transfer in ((self._own, pairing.own), (self._other, pairing.opposite)):
+            block.know(transfer.faced_by(missing))
+            _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
     def displacement(self, traction: Array) -> Array:
         """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        responses = self.responses
-        force, known = _on_known(traction, responses.place, responses.known)
-        if not known:
-            responses.know(loaded_nodes(traction))
-            force, _ = _on_known(traction, responses.place, responses.known)
-        moved = (responses.matrix[:, : len(force)] @ force).reshape(-1, 3)
+        force, complete = on_known(traction, self.place, self.known)
+        if not complete:
+            self.know(loaded_nodes(traction))
+            force, _ = on_known(traction, self.place, self.known)
+        moved = (self.matrix[:, : len(force)] @ force).reshape(-1, 3)
         return moved + self.layer * traction if self.layer else np.asarray(moved)
 
     def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:
@@ -168,64 +127,79 @@ class PairedCompliance:
         forces: (n, 3) the tractions as nodal forces on each patch.
         """
         end = self.displacement(traction) - self.layer * traction - self.old
-        fields = [share.block.displaced(force) for share, force in zip(self.shares, forces, strict=True)]
-        return end, _mean([share.before for share in self.shares], fields, self.before.areas) - self.old_before
+        return end, self._mean(self._before, forces) - self.old_before
 
-
-def paired_compliance(
-    pairing: Pairing,
-    before: Pairing,
-    old_opposite: NodalTransfer,
-    primary: PlacedBody,
-    secondary: PlacedBody,
-    old_forces: tuple[Array, Array],
-    layer: float = 0.0,
-) -> tuple[PairedCompliance, Array]:
-    """Compliance of both bodies at k paired nodes, and the displacement (k, 3) in mm that old forces cause there.
-
-    before: pairing of the l nodes that were loaded before the increment, as the bodies stood then.
-    old_opposite: (k, n) transfer that averages the secondary's displacement under the old forces, from nodes that the
-    pairing or the one before reaches.
-    old_forces: (n, 3) nodal forces on each body's patch, with the sign of the force on the upper body; they do not
-    act through the layer.
-    """
-    own = Share.of(primary, pairing.own, before.own)
-    other = Share.of(secondary, pairing.opposite, before.opposite)
-    shares = (own, other)
-    fields = [share.block.displaced(force) for share, force in zip(shares, old_forces, strict=True)]
-    now = _mean([share.now for share in shares], fields, pairing.areas)
-    then = _mean([own.now, old_opposite.among(other.block.nodes, other.block.places)], fields, pairing.areas)
-    old_before = _mean([share.before for share in shares], fields, before.areas)
-    return PairedCompliance(pairing, before, shares, now, old_before, layer), then
+    def _mean(self, pairing: Pairing, forces: tuple[Array, Array]) -> Array:
+        """Mean displacement (k, 3) of the upper against the lower body at a pairing's nodes, by forces on each patch."""
+        own, other = self._own, self._other
+        return _mean(
+            *(pairing.opposite, other.place, other.displaced(forces[1])),
+            *(pairing.own, own.place, own.displaced(forces[0]), pairing.areas),
+        )
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
     """Displacement (k, 3) in mm of the upper against the lower body at a pairing's nodes, by nodal forces (n, 3) on
     each patch with the sign of the force on the upper body.
     """
-    nowhere = NodalTransfer.single(pairing.nodes[:0], pairing.areas[:0], pairing.own.size)
-    own = Share.of(primary, pairing.own, nowhere)
-    other = Share.of(secondary, pairing.opposite, nowhere)
-    fields = [share.block.displaced(force) for share, force in zip((own, other), forces, strict=True)]
-    return _mean([own.now, other.now], fields, pairing.areas)
-
-
-def _mean(transfers: Sequence[NodalTransfer], fields: Sequence[Array], areas: Array) -> Array:
-    """Mean displacement (k, 3) of the upper against the lower body, of fields (w, 3) on the nodes of either."""
-    first, second = (transfer.averaged(field) for transfer, field in zip(transfers, fields, strict=True))
-    return np.asarray((first + second) / areas[:, None])
+    return PairedCompliance(pairing, pairing, (primary, secondary), forces).old
 
 
 @compiled
-def _on_known(traction: Array, place: IntArray, known: int) -> tuple[Array, bool]:
-    """Tractions (k, 3) in the order in which nodes became known, (3 known,), and whether all loaded ones are known."""
-    force, complete = np.zeros(3 * known), True
-    for k in range(len(traction)):
+def _reached(place: IntArray, now: IntArray, before: IntArray) -> tuple[IntArray, bool]:
+    """Nodes (w,), increasing, that are among those of now or before, and whether all have a place."""
+    reached, found = np.zeros(len(place), np.bool_), np.empty(len(place), np.int64)
+    for node in now:
+        reached[node] = True
+    for node in before:
+        reached[node] = True
+    held, used = True, 0
+    for node in range(len(place)):
+        if reached[node]:
+            held &= place[node] >= 0
+            found[used] = node
+            used += 1
+    return found[:used].copy(), held
+
+
+@compiled
+def _mean(
+    other: NodalTransfer,
+    other_place: IntArray,
+    other_field: Array,
+    own: NodalTransfer,
+    own_place: IntArray,
+    own_field: Array,
+    areas: Array,
+) -> Array:
+    """Sum over the areas of two transfers' averages of fields (w, 3), each on nodes at their places."""
+    result = np.zeros((len(areas), 3))
+    _add_averaged(result, other, other_place, other_field)
+    _add_averaged(result, own, own_place, own_field)
+    for k in range(len(areas)):
         for c in range(3):
-            if traction[k, c] != 0.0:
+            result[k, c] /= areas[k]
+    return result
+
+
+@inlined
+def _add_averaged(result: Array, transfer: NodalTransfer, place: IntArray, field: Array) -> None:
+    for k in range(len(result)):
+        for entry in range(transfer.first[k], transfer.first[k + 1]):
+            for c in range(3):
+                result[k, c] += transfer.weights[entry] * field[place[transfer.columns[entry]], c]
+
+
+@compiled
+def on_known(field: Array, place: IntArray, known: int) -> tuple[Array, bool]:
+    """A field (k, 3) in the order in which nodes became known, (3 known,), and whether all loaded ones are known."""
+    force, complete = np.zeros(3 * known), True
+    for k in range(len(field)):
+        for c in range(3):
+            if field[k, c] != 0.0:
                 complete &= place[k] >= 0
                 if place[k] >= 0:
-                    force[3 * place[k] + c] = traction[k, c]
+                    force[3 * place[k] + c] = field[k, c]
     return force, complete
 
 
@@ -235,17 +209,21 @@ def _add_responses(
     first_column: int,
     rows: Array,
     row_of: IntArray,
+    place: IntArray,
     loaded: IntArray,
     areas: Array,
-    first: IntArray,
-    columns: IntArray,
-    weights: Array,
+    transfer: NodalTransfer,
 ) -> None:
-    moved, row = np.zeros((3 * len(loaded), rows.shape[1])), 3 * row_of[columns]
+    """Add a body's displacements at the k nodes by unit tractions on nodes (l,) to columns of a matrix (3 k, 3 k).
+
+    rows, row_of, place: of a block.  transfer: from the patch to the k nodes.
+    """
+    first, weights = transfer.first, transfer.weights
+    moved, row = np.zeros((3 * len(loaded), rows.shape[1])), 3 * row_of[transfer.columns]
     for j in range(len(loaded)):
         for b in range(3):
             _add_weighted(moved[3 * j + b], rows, row, b, weights, 1.0, first[loaded[j]], first[loaded[j] + 1])
-    by_row, row = np.ascontiguousarray(moved.T), 3 * columns
+    by_row, row = np.ascontiguousarray(moved.T), 3 * place[transfer.columns]
     last_column = first_column + by_row.shape[1]
     for i in range(len(first) - 1):
         for a in range(3):

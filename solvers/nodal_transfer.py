@@ -7,7 +7,6 @@ other apart: a row of the transfer is the outer product of a row along each.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import prod
 from typing import NamedTuple
 
@@ -19,8 +18,7 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled
 
 
-@dataclass(frozen=True)
-class NodalTransfer:
+class NodalTransfer(NamedTuple):
     """Weights of a patch's nodes at each of k contact nodes, row after row.
 
     first: (k + 1,) where each row's entries begin and the last ends.  columns, weights: (e,) patch nodes and weights.
@@ -54,23 +52,11 @@ class NodalTransfer:
         """The patch nodes (e,) of the entries of some contact nodes (m,), row after row."""
         return _entries(self.first, self.columns, rows)
 
-    def among(self, nodes: IntArray, places: IntArray) -> NodalTransfer:
-        """The same transfer from some of the patch's nodes (w,), which it must not leave; places: (n,) among them."""
-        return NodalTransfer(self.first, places[self.columns], self.weights, len(nodes))
-
     def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
         """This transfer with the whole weight of some rows (m,) at that of their nodes which weighs most."""
-        nodes, sums = _heaviest(self.first, self.columns, self.weights, chosen)
-        return self.with_rows(chosen, NodalTransfer.single(nodes, sums, self.size), np.arange(len(chosen)))
+        return NodalTransfer(*_at_heaviest(self.first, self.columns, self.weights, chosen), self.size)
 
-    def with_rows(self, chosen: IntArray, other: NodalTransfer, rows: IntArray) -> NodalTransfer:
-        """This transfer with some rows (m,) replaced by rows (m,) of another onto the same patch."""
-        first, columns, weights = _with_rows(
-            self.first, self.columns, self.weights, chosen, other.first, other.columns, other.weights, rows
-        )
-        return NodalTransfer(first, columns, weights, self.size)
-
-    @cached_property
+    @property
     def sparse(self) -> csr_matrix:
         """The same as a (k, n) matrix."""
         return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
@@ -124,49 +110,27 @@ def _spread(first: IntArray, columns: IntArray, weights: Array, values: Array, s
 
 
 @compiled
-def _heaviest(first: IntArray, columns: IntArray, weights: Array, chosen: IntArray) -> tuple[IntArray, Array]:
-    nodes, sums = np.empty(len(chosen), dtype=np.int64), np.zeros(len(chosen))
-    for m in range(len(chosen)):
-        heaviest = first[chosen[m]]
-        for entry in range(first[chosen[m]], first[chosen[m] + 1]):
-            sums[m] += weights[entry]
+def _at_heaviest(
+    first: IntArray, columns: IntArray, weights: Array, chosen: IntArray
+) -> tuple[IntArray, IntArray, Array]:
+    whole = np.zeros(len(first) - 1, np.bool_)
+    for row in chosen:
+        whole[row] = True
+    starts, used = np.zeros_like(first), 0
+    new_columns, new_weights = np.empty_like(columns), np.empty_like(weights)
+    for row in range(len(whole)):
+        heaviest = first[row]
+        for entry in range(first[row], first[row + 1]):
+            if not whole[row] or entry == first[row]:
+                new_columns[used], new_weights[used] = columns[entry], weights[entry]
+                used += 1
+                continue
+            new_weights[used - 1] += weights[entry]
             if weights[entry] > weights[heaviest]:
                 heaviest = entry
-        nodes[m] = columns[heaviest]
-    return nodes, sums
-
-
-@compiled
-def _with_rows(
-    first: IntArray,
-    columns: IntArray,
-    weights: Array,
-    chosen: IntArray,
-    other_first: IntArray,
-    other_columns: IntArray,
-    other_weights: Array,
-    rows: IntArray,
-) -> tuple[IntArray, IntArray, Array]:
-    replacement = np.full(len(first) - 1, -1)
-    for m in range(len(chosen)):
-        replacement[chosen[m]] = rows[m]
-    starts = np.zeros(len(first), dtype=np.int64)
-    for row in range(len(first) - 1):
-        other = replacement[row]
-        count = first[row + 1] - first[row] if other < 0 else other_first[other + 1] - other_first[other]
-        starts[row + 1] = starts[row] + count
-    new_columns = np.empty(starts[-1], dtype=np.int64)
-    new_weights = np.empty(starts[-1])
-    for row in range(len(first) - 1):
-        other = replacement[row]
-        for entry in range(starts[row + 1] - starts[row]):
-            if other < 0:
-                new_columns[starts[row] + entry] = columns[first[row] + entry]
-                new_weights[starts[row] + entry] = weights[first[row] + entry]
-            else:
-                new_columns[starts[row] + entry] = other_columns[other_first[other] + entry]
-                new_weights[starts[row] + entry] = other_weights[other_first[other] + entry]
-    return starts, new_columns, new_weights
+                new_columns[used - 1] = columns[entry]
+        starts[row + 1] = used
+    return starts, new_columns[:used].copy(), new_weights[:used].copy()
 
 
 ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as on it.

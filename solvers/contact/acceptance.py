@@ -17,7 +17,7 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers
+from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
 from solvers.friction_law import Friction
@@ -53,9 +53,9 @@ def slid(
     still, sticks = np.zeros(size, dtype=bool), np.zeros(size, dtype=bool)
     still[end.nodes[pressed]] = True
     sticks[end.nodes[pressed & ~outcome.sliding]] = True
-    pressure, along = _along(outcome.traction, end.frames), _along(moved_end, end.frames)
+    pressure, along = normal_of(outcome.traction, end.frames), normal_of(moved_end, end.frames)
     if system.layers is not None:
-        old = _along(state.traction[end.nodes], end.frames)
+        old = normal_of(state.traction[end.nodes], end.frames)
         along += system.layers.closure(pressure)[0] - system.layers.closure(old)[0]
     last = _sliding(
         problem,
@@ -88,7 +88,7 @@ def _first_half(
 ) -> Sliding:
     """Sliding at the nodes loaded at the increment's start, which move by `moved` (l, 3)."""
     start = system.before
-    traction, lifted, slip = state.traction[start.nodes], _along(moved, start.frames), moved
+    traction, lifted, slip = state.traction[start.nodes], normal_of(moved, start.frames), moved
     if problem.layers or problem.layer_mm_per_MPa != 0.0:
         everywhere = np.zeros_like(state.traction)
         everywhere[system.pairing.nodes] = outcome.traction
@@ -97,13 +97,13 @@ def _first_half(
         if problem.layers:
             layers, before = (layers_between(problem, state, start, loads) for loads in (after, traction))
             slip += layers.old_displacement - before.old_displacement
-            closed, closed_before = (layers.closure(_along(loads, start.frames))[0] for loads in (after, traction))
+            closed, closed_before = (layers.closure(normal_of(loads, start.frames))[0] for loads in (after, traction))
             lifted += closed - closed_before
     if state.bulk_step.any():
         offset = facing_offset(problem, state, state.drive, state.holder_x)
         slip = slip + problem.stretched(state.bulk_step, start.nodes, offset)
     length = np.where(sticks, 0.0, 0.5 * _tangential_size(slip, start.frames))
-    pressure = np.maximum(_along(traction, start.frames), 0.0)
+    pressure = np.maximum(normal_of(traction, start.frames), 0.0)
     friction = law_at(problem, state, start, state.slip_share, state.drive)
     return _sliding(problem, friction, start, pressure, length, np.where(still_loaded & ~sticks, 0.5 * lifted, 0.0))
 
@@ -114,16 +114,6 @@ def _add_holder(moved: Array, lever: Array, x: float, z: float, tilt: float) -> 
     for k in range(len(moved)):
         moved[k, 0] += x
         moved[k, 2] += z + lever[k] * tilt
-
-
-@compiled
-def _along(vectors: Array, frames: Array) -> Array:
-    """Normal components (k,) of vectors (k, 3)."""
-    result = np.empty(len(vectors))
-    for k in range(len(vectors)):
-        normal = frames[k, 0]
-        result[k] = vectors[k, 0] * normal[0] + vectors[k, 1] * normal[1] + vectors[k, 2] * normal[2]
-    return result
 
 
 @compiled

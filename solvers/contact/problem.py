@@ -8,13 +8,13 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.compliance import paired_compliance
+from solvers.compliance import PairedCompliance
 from solvers.contact_state import ContactState, DriveTiming, Holder, LocalState, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
+from solvers.kept_code import compiled
 from solvers.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.newton import Linearisation
-from solvers.nodal_transfer import NodalTransfer
 from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
@@ -247,16 +247,14 @@ def linearised(
     holder = problem.holder.under(state.load_share)
     if prescribed_height is None and holder.approach_mm is not None:
         prescribed_height = -holder.approach_mm
-    compliance, old_displacement = paired_compliance(
-        pairing,
-        before,
-        _old_transfer(problem, state, before, pairing),
-        problem.primary,
-        problem.secondary,
-        (state.primary_force, state.secondary_force),
-        problem.layer_mm_per_MPa,
+    bodies, forces = (problem.primary, problem.secondary), (state.primary_force, state.secondary_force)
+    compliance = PairedCompliance(pairing, before, bodies, forces, problem.layer_mm_per_MPa)
+    traction = state.traction[pairing.nodes]
+    limit = law_at(problem, state, pairing, state.slip_share, state.drive).limit(normal_of(traction, pairing.frames))
+    old_displacement = _old_displacement(
+        *(compliance.old, compliance.old_before, problem.layer_mm_per_MPa, traction, limit),
+        *(pairing.nodes, before.nodes, pairing.frames),
     )
-    old_displacement = old_displacement + problem.layer_mm_per_MPa * state.traction[pairing.nodes]
     if state.bulk_step.any():
         offset = facing_offset(problem, state, drive, holder_x)
         old_displacement -= problem.stretched(state.bulk_step, pairing.nodes, offset)
@@ -278,7 +276,7 @@ def linearised(
         old_place_in_play=holder.place_in_play_mm(
             state.holder_x, state.holder_tilt, float(state.primary_force[:, 0].sum())
         ),
-        layers=layers_between(problem, state, pairing, state.traction[pairing.nodes]) if problem.layers else None,
+        layers=layers_between(problem, state, pairing, traction) if problem.layers else None,
     )
 
 
@@ -302,21 +300,45 @@ def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairin
     return layers_at_nodes(problem.layers, own + other, traction, pairing.frames[:, 0, :])
 
 
-def _old_transfer(problem: ContactProblem, state: ContactState, before: Pairing, pairing: Pairing) -> NodalTransfer:
-    """Where the secondary's displacement before the increment is taken, as a transfer (k, n).
+@compiled
+def _old_displacement(
+    old: Array,
+    old_before: Array,
+    layer: float,
+    traction: Array,
+    limit: Array,
+    nodes: IntArray,
+    nodes_before: IntArray,
+    frames: Array,
+) -> Array:
+    """What tractions (k, 3) of before moved the surfaces and the layer by at nodes (k,), under limits of friction (k,).
 
+    old: (k, 3) of the surfaces where the nodes are now, old_before: (l, 3) where the nodes loaded before were then.
     Material velocities make the slip, so it is taken where a node will be, except at nodes that stuck: the place they
     face does not change, but the rigid offset of the undeformed bodies does, and the strain along it would make them
     creep a little in every cycle.
     """
-    traction = state.traction[pairing.nodes]
-    normal = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
-    tangential = np.linalg.norm(traction - normal[:, None] * pairing.frames[:, 0, :], axis=1)
-    row_before = np.full(problem.primary.patch.size, -1)
-    row_before[before.nodes] = np.arange(len(before.nodes))
-    place = row_before[pairing.nodes]
-    limit = law_at(problem, state, pairing, state.slip_share, state.drive).limit(normal)
-    stuck = np.flatnonzero((place >= 0) & (tangential < (1.0 - _STICK_MARGIN) * limit))
-    if not len(stuck):
-        return pairing.opposite
-    return pairing.opposite.with_rows(stuck, before.opposite, place[stuck])
+    result, b = np.empty((len(nodes), 3)), 0
+    for k in range(len(nodes)):
+        while b < len(nodes_before) and nodes_before[b] < nodes[k]:
+            b += 1
+        normal, tangential = 0.0, 0.0
+        for c in range(3):
+            normal += traction[k, c] * frames[k, 0, c]
+        for c in range(3):
+            tangential += (traction[k, c] - normal * frames[k, 0, c]) ** 2
+        stuck = np.sqrt(tangential) < (1.0 - _STICK_MARGIN) * limit[k]
+        stays = b < len(nodes_before) and nodes_before[b] == nodes[k] and stuck
+        for c in range(3):
+            result[k, c] = (old_before[b, c] if stays else old[k, c]) + layer * traction[k, c]
+    return result
+
+
+@compiled
+def normal_of(vectors: Array, frames: Array) -> Array:
+    """Normal components (k,) of vectors (k, 3)."""
+    result = np.empty(len(vectors))
+    for k in range(len(vectors)):
+        normal = frames[k, 0]
+        result[k] = vectors[k, 0] * normal[0] + vectors[k, 1] * normal[1] + vectors[k, 2] * normal[2]
+    return result

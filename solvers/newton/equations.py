@@ -28,7 +28,7 @@ from solvers.newton.terms import (
 
 
 class Loaded(NamedTuple):
-    """What tractions on nodes do, see `Responses`: columns of `matrix` at a node's `place`; the layer's compliance.
+    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`; the layer's compliance.
 
     known: nodes that have columns.  follow: (f,) nodes whose friction follows a known direction.
     """
@@ -104,7 +104,7 @@ def slip_rows(
 
 @inlined
 def _moved_along(matrix: Array, frames: Array, node: int, axis: int, moved: Array) -> None:
-    """Write the displacement of a node along an axis of its frame by unit tractions on all nodes of the responses."""
+    """Write the displacement of a node along an axis of its frame by unit tractions on all nodes that have columns."""
     x, y, z = frames[node, axis, 0], frames[node, axis, 1], frames[node, axis, 2]
     row = 3 * node
     for c in range(len(moved)):
@@ -244,12 +244,12 @@ def newton_step(
         slip=state.slip,
     )
     on, tan = active.nonzero()[0], friction.near_stick.nonzero()[0]
-    responses = system.compliance.responses
-    responses.know(on)
+    compliance = system.compliance
+    compliance.know(on)
     follow = terms.follows.nonzero()[0]
     if stop not in conditions.holders:
         conditions.holders[stop] = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
-    loaded = Loaded(responses.matrix, responses.known, responses.place, system.compliance.layer, follow)
+    loaded = Loaded(compliance.matrix, compliance.known, compliance.place, compliance.layer, follow)
     layers, holder = layer_terms(system, about), conditions.holders[stop]
     transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
