@@ -45,10 +45,10 @@ class Block:
         for known, moved in self._displaced:
             if known is force:
                 return moved
-        forces, complete = on_known(force, self.row, self._known)
+        forces, complete = _on_known(force, self.row, self._known)
         if not complete:
             self.know(loaded_nodes(force))
-            forces, _ = on_known(force, self.row, self._known)
+            forces, _ = _on_known(force, self.row, self._known)
         moved = np.asarray((forces @ self.rows[: len(forces)]).reshape(-1, 3))
         self._displaced = [*self._displaced[-1:], (force, moved)]
         return moved
@@ -92,8 +92,10 @@ class PairedCompliance:
         """
         self._pairing, self._before, self.layer = pairing, before, layer
         primary, secondary = bodies
-        self._own = _block_between(primary, pairing.own, before.own)
-        self._other = _block_between(secondary, pairing.opposite, before.opposite)
+        self._blocks = (
+            _block_between(primary, pairing.own, before.own),
+            _block_between(secondary, pairing.opposite, before.opposite),
+        )
         self.old, self.old_before = self._mean(pairing, old_forces), self._mean(before, old_forces)
         self.place, self.known = np.full(len(pairing.nodes), -1), 0
         self.matrix = np.empty((3 * len(pairing.nodes), 3 * len(pairing.nodes)))
@@ -106,36 +108,40 @@ class PairedCompliance:
         begin, self.known = 3 * self.known, self.known + len(missing)
         self.place[missing] = begin // 3 + np.arange(len(missing))
         self.matrix[:, begin : 3 * self.known] = 0.0
-        for block, transfer in ((self._own, pairing.own), (self._other, pairing.opposite)):
+        for block, transfer in zip(self._blocks, (pairing.own, pairing.opposite), strict=True):
             block.know(transfer.faced_by(missing))
             _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
     def displacement(self, traction: Array) -> Array:
-        """Displacement in mm under tractions (k, 3) in MPa, shape (k, 3)."""
-        force, complete = on_known(traction, self.place, self.known)
+        """Displacement of the surfaces in mm under tractions (k, 3) in MPa, shape (k, 3)."""
+        return self.displaced(self.in_order(traction))
+
+    def in_order(self, traction: Array) -> Array:
+        """Tractions (k, 3) as `displaced` takes them, whose responses are then known."""
+        force, complete = _on_known(traction, self.place, self.known)
         if not complete:
             self.know(loaded_nodes(traction))
-            force, _ = on_known(traction, self.place, self.known)
-        moved = (self.matrix[:, : len(force)] @ force).reshape(-1, 3)
-        return moved + self.layer * traction if self.layer else np.asarray(moved)
+            force, _ = _on_known(traction, self.place, self.known)
+        return force
+
+    def displaced(self, force: Array) -> Array:
+        """The same under tractions (3 m,) on the m nodes that are known, in the order in which they became so."""
+        return np.asarray((self.matrix[:, : len(force)] @ force).reshape(-1, 3))
 
     def moved(self, traction: Array, forces: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Motion of the upper against the lower body's material points over the increment by tractions (k, 3), the
-        layer apart: of those that face each other at its end at the k nodes, and at its start at the l nodes then
-        loaded, (k, 3) and (l, 3) in mm.
+        """Motion of the upper against the lower body's material points over the increment by tractions (k, 3): of those
+        that face each other at its end at the k nodes, and at its start at the l nodes then loaded, (k, 3) and (l, 3)
+        in mm.
 
         forces: (n, 3) the tractions as nodal forces on each patch.
         """
-        end = self.displacement(traction) - self.layer * traction - self.old
-        return end, self._mean(self._before, forces) - self.old_before
+        return self.displacement(traction) - self.old, self._mean(self._before, forces) - self.old_before
 
     def _mean(self, pairing: Pairing, forces: tuple[Array, Array]) -> Array:
-        """Mean displacement (k, 3) of the upper against the lower body at a pairing's nodes, by forces on each patch."""
-        own, other = self._own, self._other
-        return _mean(
-            *(pairing.opposite, other.place, other.displaced(forces[1])),
-            *(pairing.own, own.place, own.displaced(forces[0]), pairing.areas),
-        )
+        """Mean displacement (k, 3) of the upper against the lower body at a pairing's nodes, by forces on both."""
+        (own, other), (own_place, other_place) = self._blocks, (block.place for block in self._blocks)
+        fields = own.displaced(forces[0]), other.displaced(forces[1])
+        return _mean(pairing.opposite, other_place, fields[1], pairing.own, own_place, fields[0], pairing.areas)
 
 
 def displacement_at(pairing: Pairing, primary: PlacedBody, secondary: PlacedBody, forces: tuple[Array, Array]) -> Array:
@@ -191,7 +197,7 @@ def _add_averaged(result: Array, transfer: NodalTransfer, place: IntArray, field
 
 
 @compiled
-def on_known(field: Array, place: IntArray, known: int) -> tuple[Array, bool]:
+def _on_known(field: Array, place: IntArray, known: int) -> tuple[Array, bool]:
     """A field (k, 3) in the order in which nodes became known, (3 known,), and whether all loaded ones are known."""
     force, complete = np.zeros(3 * known), True
     for k in range(len(field)):

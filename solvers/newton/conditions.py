@@ -11,59 +11,26 @@ Free play of the holder is one more alternative beside those of the nodes: it fl
 stop.
 """
 
-from dataclasses import dataclass
-from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
-from solvers.newton.terms import Carried, HolderTerms, Linearisation, Nodes, nodes_of
+from solvers.newton.terms import Carried, HolderTerms, Iterate, Linearisation, Nodes, nodes_of
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction mostly converges fast.
-_NEAR_STICK = 2.0
+NEAR_STICK = 2.0
 _ROUND_OFF = 1e-12  # Of the largest friction: what is so near to its limit may stick or slip.
-
-
-class Iterate(NamedTuple):
-    """Tractions (k,) and (k, 2) in local frames, the holder's position, and what follows from them.
-
-    gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
-    """
-
-    normal: Array
-    tangential: Array
-    height: float
-    holder_x: float
-    tilt: float
-    gap: Array
-    slip: Array
-    elastic: float
-
-
-class FrictionStatus(NamedTuple):
-    """Nodes that stick (k,), those near enough to it to keep tangential unknowns (k,), direction of friction (k, 2).
-
-    verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.  follows: (k,) nodes in contact
-    far from stick.  augmentation: (k,) MPa per mm of slip.  limit: (k,) of friction, MPa.
-    """
-
-    stick: BoolArray
-    verge: BoolArray
-    near_stick: BoolArray
-    follows: BoolArray
-    direction: Array
-    augmentation: Array
-    limit: Array
 
 
 class Scales(NamedTuple):
     """What the augmentation and the equations are measured by.
 
     collective, local, rig: displacement by unit traction on all nodes, on one of them, and by what that moves the rig,
-    mm per MPa.  series_compliance: of contact and rig, mm per N.  pressure: mean one, MPa.
+    mm per MPa.  series_compliance: of contact and rig, mm per N.  pressure: mean one, MPa.  reach: displacement by a
+    tilt of 1, mm: that at the pivot's height or at the contact's edge, whichever is more.
     """
 
     collective: float
@@ -71,135 +38,121 @@ class Scales(NamedTuple):
     rig: float
     series_compliance: float
     pressure: float
+    reach: float
 
 
-@dataclass(frozen=True)
+class Solution(NamedTuple):
+    """Tractions (k,) and (k, 2) in local frames, and the holder's height, position and tilt.
+
+    force: the same tractions as `PairedCompliance.displaced` takes them.
+    """
+
+    force: Array
+    normal: Array
+    tangential: Array
+    height: float
+    holder_x: float
+    tilt: float
+
+
 class ContactConditions:
     """The conditions on the k nodes of a pairing.
 
-    going_round: what is left to iterate does not settle, so that Newton's method finds the directions of all nodes.
+    holders: the holder as equations take it, by the stop on which it rests; so far as they were asked for.
     """
 
-    system: Linearisation
-    scales: Scales
-    going_round: bool = False
-
-    @classmethod
-    def of(cls, system: Linearisation, loaded: BoolArray) -> "ContactConditions":
-        """The conditions, scaled as for a contact of the loaded nodes (k,)."""
-        return cls(system, _scales(system, loaded))
-
-    @cached_property
-    def count(self) -> int:
-        return len(self.system.pairing.nodes)
-
-    @cached_property
-    def normals(self) -> Array:
-        """Unit normals, (k, 3)."""
-        return self.system.pairing.frames[:, 0, :]
-
-    @cached_property
-    def tangents(self) -> Array:
-        """Both unit tangents of each node, (k, 2, 3)."""
-        return self.system.pairing.frames[:, 1:, :]
-
-    @cached_property
-    def nodes(self) -> Nodes:
-        """The nodes as compiled functions take them."""
-        return nodes_of(self.system)
-
-    @property
-    def areas(self) -> Array:
-        """Plane areas of the nodes, mm², (k,)."""
-        return self.system.pairing.areas
+    def __init__(self, system: Linearisation, loaded: BoolArray) -> None:
+        """Scaled as for a contact of the loaded nodes (k,)."""
+        self.system, self.scales, self.nodes = system, _scales(system, loaded), nodes_of(system)
+        self.holders: dict[int, HolderTerms] = {}
+        self._no_layer, self._nowhere = np.zeros(len(loaded)), np.zeros(len(loaded), dtype=bool)
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes."""
-        return _world(normal, tangential, self.system.pairing.frames)
+        frames = self.nodes.frames
+        sideways = tangential[:, :1] * frames[:, 1] + tangential[:, 1:] * frames[:, 2]
+        return np.asarray(normal[:, None] * frames[:, 0] + sideways)
 
-    @cached_property
-    def holders(self) -> dict[int, HolderTerms]:
-        """The holder as equations take it, by the stop on which it rests; so far as they were asked for."""
-        return {}
+    def first(self, traction: Array, height: float, holder_x: float, active: BoolArray) -> Iterate:
+        """The state under guessed tractions (k, 3) in world axes, with active nodes (k,), and the holder there."""
+        compliance, frames = self.system.compliance, self.nodes.frames
+        normal = np.maximum(np.einsum("ij,ij->i", traction, frames[:, 0]), 0.0)
+        tangential = np.einsum("ij,ikj->ik", traction, frames[:, 1:])
+        force = compliance.in_order(self.world(normal, tangential))
+        solution = Solution(force, normal, tangential, height, holder_x, self.system.old_tilt)
+        return self.judged(solution, NEAR_STICK, active)
 
-    def judged(
-        self,
-        normal: Array,
-        tangential: Array,
-        height: float,
-        holder_x: float,
-        tilt: float,
-        active: BoolArray | None = None,
-    ) -> tuple[Iterate, BoolArray, FrictionStatus]:
-        """Gaps and slips under these tractions at this position of the holder, the nodes (k,) that are pressed or
-        overlap, and which of them, or of `active` ones (k,), stick, and where friction points.
+    def judged(self, solution: Solution, near_stick: float, active: BoolArray | None = None) -> Iterate:
+        """The state that a solution makes: gaps and slips, which nodes are pressed or overlap, and which of them, or of
+        `active` ones (k,), stick, and where friction points.
+
+        near_stick: see `NEAR_STICK`.
         """
-        layers, friction = self.system.layers, self.system.friction
+        layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
             closure = softness = shear = self._no_layer
         else:
             (closure, softness), (shear, _) = layers.closure(normal), layers.shear_compliance(normal)
-        elastic, limit = self.system.compliance.displacement(self.world(normal, tangential)), friction.limit(normal)
-        gap, slip, largest, (touch, stick, verge, near, follows), direction, augmentation = _judged(
-            *(elastic, self.nodes, self.scales, normal, tangential, height, holder_x, tilt),
-            *(closure, softness, shear, limit, np.inf if self.going_round else _NEAR_STICK, friction.none),
-            *(self._nowhere if active is None else active, active is not None),
+        compliance = self.system.compliance
+        return _judged(
+            compliance.displaced(solution.force),
+            compliance.layer,
+            self.nodes,
+            self.scales,
+            solution,
+            (closure, softness, shear, friction.limit(normal)),
+            near_stick,
+            friction.none,
+            self._nowhere if active is None else active,
+            active is not None,
         )
-        state = Iterate(normal, tangential, height, holder_x, tilt, gap, slip, largest)
-        return state, touch, FrictionStatus(stick, verge, near, follows, direction, augmentation, limit)
-
-    @cached_property
-    def _no_layer(self) -> Array:
-        return np.zeros(self.count)
-
-    @cached_property
-    def _nowhere(self) -> BoolArray:
-        return np.zeros(self.count, dtype=bool)
 
 
-@compiled
-def _world(normal: Array, tangential: Array, frames: Array) -> Array:
-    result = np.empty((len(normal), 3))
+@inlined
+def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, known: int) -> Array:
+    """Tractions in world axes (3 known,), in the order in which nodes became known."""
+    force = np.zeros(3 * known)
     for k in range(len(normal)):
-        for c in range(3):
-            sideways = tangential[k, 0] * frames[k, 1, c] + tangential[k, 1] * frames[k, 2, c]
-            result[k, c] = normal[k] * frames[k, 0, c] + sideways
-    return result
+        if place[k] >= 0:
+            for c in range(3):
+                sideways = tangential[k, 0] * frames[k, 1, c] + tangential[k, 1] * frames[k, 2, c]
+                force[3 * place[k] + c] = normal[k] * frames[k, 0, c] + sideways
+    return force
 
 
 @compiled
 def _judged(
     elastic: Array,
+    layer: float,
     nodes: Nodes,
     scales: Scales,
-    normal: Array,
-    tangential: Array,
-    height: float,
-    holder_x: float,
-    tilt: float,
-    closure: Array,
-    softness: Array,
-    shear: Array,
-    limit: Array,
+    solution: Solution,
+    laws: tuple[Array, Array, Array, Array],
     near_stick: float,
     frictionless: bool,
     chosen: BoolArray,
     given: bool,
-) -> tuple[Array, Array, float, BoolArray, Array, Array]:
-    """Gaps (k,) and slips (k, 2) under displacements (k, 3), and the largest component of these; nodes in contact, that
-    stick, on the verge, near stick and that follow (5, k); direction of friction (k, 2), its augmentation (k,).
+) -> Iterate:
+    """The state under displacements of the surfaces (k, 3) and an elastic layer between them.
 
-    closure, softness, shear: (k,) of layers.  chosen: (k,) nodes in contact, if they are given.
+    laws: closure, softness and shear of layers, limit of friction, (k,) each.  chosen: (k,) nodes in contact, if they
+    are given.
     """
+    closure, softness, shear, limit = laws
+    normal, tangential, holder_x = solution.normal, solution.tangential, solution.holder_x
+    height, tilt = solution.height, solution.tilt
     frames, old, count = nodes.frames, nodes.old_displacement, len(nodes.gap)
     gap, slip, largest = np.empty(count), np.empty((count, 2)), 0.0
-    status, direction, augmentation = np.zeros((5, count), np.bool_), np.zeros((count, 2)), np.empty(count)
-    along, most = holder_x - nodes.old_holder_x - nodes.drive_step, 0.0
+    touch, stick, near, follows, verge = np.zeros((5, count), np.bool_)
+    direction, augmentation = np.zeros((count, 2)), np.empty(count)
+    along, most, touching = holder_x - nodes.old_holder_x - nodes.drive_step, 0.0, 0
     for k in range(count):
         lever = nodes.lever[k]
         moved = nodes.gap_rate[k] * (holder_x - nodes.paired_holder_x)
         gap[k] = frames[k, 0, 2] * (nodes.gap[k] + height + lever * tilt + moved)
         for c in range(3):
+            sideways = tangential[k, 0] * frames[k, 1, c] + tangential[k, 1] * frames[k, 2, c]
+            elastic[k, c] += layer * (normal[k] * frames[k, 0, c] + sideways)
             gap[k] += elastic[k, c] * frames[k, 0, c]
             largest = max(largest, abs(elastic[k, c]))
         gap[k] += closure[k]
@@ -210,37 +163,56 @@ def _judged(
             slip[k, t] += shear[k] * tangential[k, t]
             for c in range(3):
                 slip[k, t] -= nodes.old_sheared[k, c] * frames[k, 1 + t, c]
-        status[0, k] = chosen[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
+        touch[k] = chosen[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
+        touching += touch[k]
         most = max(most, limit[k])
     for k in range(count):
         compliance = scales.collective + shear[k]
         augmentation[k] = 1.0 / (compliance + scales.rig)
         if frictionless:
-            status[4, k] = status[0, k]
+            follows[k] = touch[k]
             continue
-        s0, s1, active = slip[k, 0], slip[k, 1], status[0, k]
+        s0, s1, active = slip[k, 0], slip[k, 1], touch[k]
         soft = compliance + scales.rig
         t0, t1 = tangential[k, 0] - s0 / soft, tangential[k, 1] - s1 / soft
         length, size = np.sqrt(s0 * s0 + s1 * s1), np.sqrt(t0 * t0 + t1 * t1)
-        stick = active and size <= limit[k]
-        near = active and (stick or length < near_stick * limit[k] * compliance)
-        status[1, k], status[2, k] = stick, abs(size - limit[k]) <= _ROUND_OFF * most
-        status[3, k], status[4, k] = near, active and not near
-        if active and not near and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
+        stick[k], verge[k] = active and size <= limit[k], abs(size - limit[k]) <= _ROUND_OFF * most
+        near[k] = active and (stick[k] or length < near_stick * limit[k] * compliance)
+        follows[k] = active and not near[k]
+        if follows[k] and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
             # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
             direction[k, 0], direction[k, 1] = -s0 / length, -s1 / length
         elif size > 0.0:
             direction[k, 0], direction[k, 1] = t0 / size, t1 / size
         elif nodes.drive_step != 0.0:
             direction[k, 0] = 1.0 if nodes.drive_step > 0.0 else -1.0
-    return gap, slip, largest, status, direction, augmentation
+    return Iterate(
+        normal,
+        tangential,
+        height,
+        holder_x,
+        tilt,
+        gap,
+        slip,
+        largest,
+        touch,
+        touching,
+        stick,
+        near,
+        follows,
+        verge,
+        direction,
+        augmentation,
+        limit,
+    )
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
     normals, areas = system.pairing.frames[:, 0, :], system.pairing.areas
     nodes = loaded if loaded.any() else np.ones(len(areas), dtype=bool)
     uniform = np.where(nodes[:, None], normals, 0.0)
-    lift = np.einsum("ij,ij->i", system.compliance.displacement(uniform), normals)
+    elastic = system.compliance.displacement(uniform) + system.compliance.layer * uniform
+    lift = np.einsum("ij,ij->i", elastic, normals)
     collective = float(lift[nodes].max())
     area = float(areas[nodes].sum())
     rig = system.holder.compliance_at_contact_mm_per_N * area
@@ -250,6 +222,7 @@ def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
         rig=rig,
         series_compliance=(collective + rig) / area,
         pressure=system.holder.normal_load_N / area,
+        reach=max(system.holder.pivot_height_mm, float(areas.sum()) ** 0.5),
     )
 
 
@@ -258,7 +231,7 @@ def stop_in_play(conditions: ContactConditions, state: Iterate) -> int:
     holder = conditions.system.holder
     if holder.play_mm == 0.0:
         return 0
-    force = float(conditions.areas @ conditions.world(state.normal, state.tangential)[:, 0])
+    force = float(conditions.nodes.areas @ conditions.world(state.normal, state.tangential)[:, 0])
     place = holder.place_in_play_mm(state.holder_x, state.tilt, force)
     # On a stop the place is the stop's, floating the force is zero: the compliance between them only has to be
     # positive.
@@ -324,7 +297,7 @@ def fill_holder_rows(
 
 def unbalanced_force(conditions: ContactConditions, state: Iterate, traction: Array) -> float:
     """Largest unbalanced force on the holder by tractions (k, 3) over the normal force."""
-    system, areas, holder = conditions.system, conditions.areas, conditions.system.holder
+    system, areas, holder = conditions.system, conditions.nodes.areas, conditions.system.holder
     force = areas @ traction
     expected = holder.load_N(state.height, system.pressed_height) if system.prescribed_height is None else force[2]
     errors = [abs(force[2] - expected)]

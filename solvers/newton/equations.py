@@ -14,35 +14,25 @@ from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
-from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate, fill_holder_rows, held_place
-from solvers.newton.terms import (
-    Carried,
-    FrictionTerms,
-    HolderTerms,
-    LayerTerms,
-    Nodes,
-    carried_by,
-    holder_terms,
-    layer_terms,
-)
+from solvers.newton.conditions import ContactConditions, Scales, fill_holder_rows, forces_on, held_place, stop_in_play
+from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, carried_by, holder_terms, linear_laws
 
 
 class Loaded(NamedTuple):
-    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`; the layer's compliance.
+    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`, where it is known.
 
-    known: nodes that have columns.  follow: (f,) nodes whose friction follows a known direction.
+    layer: its compliance.
     """
 
     matrix: Array
     known: int
     place: IntArray
     layer: float
-    follow: IntArray
 
 
 @inlined
 def gap_rows(
-    loaded: Loaded, nodes: Nodes, carried: Carried, layers: LayerTerms, on: IntArray, tan: IntArray
+    loaded: Loaded, follow: IntArray, nodes: Nodes, carried: Carried, laws: LinearLaws, on: IntArray, tan: IntArray
 ) -> tuple[Array, Array]:
     """The transposed matrix (size, size) and right-hand side (size,) of all unknowns, with rows of no gap filled."""
     size = len(on) + 2 * len(tan) + 3
@@ -59,16 +49,23 @@ def gap_rows(
         transposed[size - 3, i] = upward
         transposed[size - 2, i] = upward * rate
         transposed[size - 1, i] = upward * nodes.lever[node]
-        transposed[i, i] += layers.softness[node]
-        rhs[i] = -upward * (nodes.gap[node] - rate * nodes.paired_holder_x) - layers.closure[node]
+        transposed[i, i] += laws.softness[node]
+        rhs[i] = -upward * (nodes.gap[node] - rate * nodes.paired_holder_x) - laws.closure[node]
         if carried.shifted:
-            rhs[i] -= _by_constant(loaded, nodes.frames, carried.constant, moved, node, 0)
+            rhs[i] -= _by_constant(loaded, follow, nodes.frames, carried.constant, moved, node, 0)
     return transposed, rhs
 
 
 @inlined
 def slip_rows(
-    loaded: Loaded, nodes: Nodes, carried: Carried, layers: LayerTerms, tangential: Array, on: IntArray, tan: IntArray
+    loaded: Loaded,
+    follow: IntArray,
+    nodes: Nodes,
+    carried: Carried,
+    laws: LinearLaws,
+    tangential: Array,
+    on: IntArray,
+    tan: IntArray,
 ) -> tuple[Array, Array]:
     """Slip of the m nodes with tangential unknowns along both tangents: rows (2 m, size), constant part (2 m,).
 
@@ -91,11 +88,11 @@ def slip_rows(
         constant = tangent[0] * (-nodes.old_holder_x - nodes.drive_step - old[0]) - tangent[1] * old[1]
         constant += tangent[2] * (-nodes.old_height - lever * nodes.old_tilt - old[2])
         if carried.shifted:
-            constant += _by_constant(loaded, nodes.frames, carried.constant, moved, node, axis)
-        change = layers.change[node] * tangential[node, axis - 1]
-        row[a + number] += layers.shear[node]
+            constant += _by_constant(loaded, follow, nodes.frames, carried.constant, moved, node, axis)
+        change = laws.change[node] * tangential[node, axis - 1]
+        row[a + number] += laws.shear[node]
         row[place[node]] += change
-        constant -= change * layers.pressure[node]
+        constant -= change * laws.pressure[node]
         for c in range(3):
             constant -= tangent[c] * nodes.old_sheared[node, c]
         offset[number] = constant
@@ -151,10 +148,12 @@ def _add_layer(
 
 
 @inlined
-def _by_constant(loaded: Loaded, frames: Array, constant: Array, moved: Array, node: int, axis: int) -> float:
+def _by_constant(
+    loaded: Loaded, follow: IntArray, frames: Array, constant: Array, moved: Array, node: int, axis: int
+) -> float:
     """Displacement of a node by the constant tractions (k, 3) of those whose friction follows a known direction."""
     total = 0.0
-    for other in loaded.follow:
+    for other in follow:
         p = 3 * loaded.place[other]
         for c in range(3):
             total += constant[other, c] * moved[p + c]
@@ -163,13 +162,16 @@ def _by_constant(loaded: Loaded, frames: Array, constant: Array, moved: Array, n
     return total
 
 
-#: Tractions (k,) and (k, 2) in local frames, then the holder's height, position and tilt.
-Solution = tuple[Array, Array, float, float, float]
-
-
 @inlined
 def fill_friction_rows(
-    transposed: Array, rhs: Array, slips: Array, offsets: Array, friction: FrictionTerms, on: IntArray, tan: IntArray
+    transposed: Array,
+    rhs: Array,
+    slips: Array,
+    offsets: Array,
+    state: Iterate,
+    laws: LinearLaws,
+    on: IntArray,
+    tan: IntArray,
 ) -> None:
     """Write the rows of the nodes near stick: zero slip, or the linearised projection onto the friction cone.
 
@@ -177,26 +179,26 @@ def fill_friction_rows(
     q - tau(p) d - weight (1 - d d^T)(q - augmentation s) = 0, here times the slip per traction.
     """
     a, m = len(on), len(tan)
-    column = np.full(len(friction.limit), -1)
+    column = np.full(len(state.limit), -1)
     for i in range(a):
         column[on[i]] = i
     for i in range(m):
         node = tan[i]
-        augmentation, direction = friction.augmentation[node], friction.direction[node]
-        trial_0 = friction.tangential[node, 0] - augmentation * friction.slip[node, 0]
-        trial_1 = friction.tangential[node, 1] - augmentation * friction.slip[node, 1]
+        augmentation, direction = state.augmentation[node], state.direction[node]
+        trial_0 = state.tangential[node, 0] - augmentation * state.slip[node, 0]
+        trial_1 = state.tangential[node, 1] - augmentation * state.slip[node, 1]
         size = max(np.sqrt(trial_0**2 + trial_1**2), 1e-300)
-        weight = min(friction.limit[node] / size, 1.0)
+        weight = min(state.limit[node] / size, 1.0)
         for c in range(2):
             row = a + c * m + i
-            if friction.stick[node]:
+            if state.stick[node]:
                 for j in range(len(transposed)):
                     transposed[j, row] = slips[c * m + i, j]
                 rhs[row] = -offsets[c * m + i]
                 continue
             transposed[row, row] = 1.0 / augmentation
-            transposed[column[node], row] = -friction.slope[node] * direction[c] / augmentation
-            rhs[row] = friction.offset[node] * direction[c] / augmentation
+            transposed[column[node], row] = -laws.slope[node] * direction[c] / augmentation
+            rhs[row] = laws.offset[node] * direction[c] / augmentation
             for e in range(2):
                 factor = weight * ((1.0 if c == e else 0.0) - direction[c] * direction[e])
                 transposed[a + e * m + i, row] -= factor / augmentation
@@ -205,126 +207,91 @@ def fill_friction_rows(
                 rhs[row] -= factor * offsets[e * m + i]
 
 
-class Sizes(NamedTuple):
-    """By what unknowns and rows are scaled: traction, displacement, the displacement by a tilt of 1, and the load.
-
-    In MPa, mm, mm and N; load_N: NaN where the holder's height is prescribed.
-    """
-
-    pressure: float
-    length: float
-    reach: float
-    load_N: float
-
-
-def newton_step(
-    conditions: ContactConditions,
-    state: Iterate,
-    active: BoolArray,
-    friction: FrictionStatus,
-    stop: int,
-    *,
-    about: Array,
-) -> Solution | None:
-    """The next tractions and holder position, of nodes of this status; None where the equations are singular.
+def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> Solution | None:
+    """The next tractions and holder position, of nodes that stand as they do; None where the equations are singular.
 
     about: pressures (k,) about which friction and layers are linearised.
     """
     system, scales, nodes = conditions.system, conditions.scales, conditions.nodes
-    slope, offset = system.friction.tangent(about)
-    terms = FrictionTerms(
-        stick=friction.stick,
-        follows=friction.follows,
-        direction=friction.direction,
-        limit=friction.limit,
-        slope=slope,
-        offset=offset,
-        augmentation=friction.augmentation,
-        tangential=state.tangential,
-        slip=state.slip,
-    )
-    on, tan = active.nonzero()[0], friction.near_stick.nonzero()[0]
-    compliance = system.compliance
-    compliance.know(on)
-    follow = terms.follows.nonzero()[0]
+    compliance, stop = system.compliance, stop_in_play(conditions, state)
     if stop not in conditions.holders:
         conditions.holders[stop] = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
-    loaded = Loaded(compliance.matrix, compliance.known, compliance.place, compliance.layer, follow)
-    layers, holder = layer_terms(system, about), conditions.holders[stop]
-    transposed, rhs, column = _equations(loaded, nodes, terms, layers, holder, _sizes(conditions), on, tan)
+    compliance.know(state.active.nonzero()[0])
+    loaded = Loaded(compliance.matrix, compliance.known, compliance.place, compliance.layer)
+    laws, holder = linear_laws(system, about), conditions.holders[stop]
+    transposed, rhs = _equations(loaded, nodes, state, laws, holder, scales)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
     if info != 0:
         return None
-    finite, normal, tangential, height, holder_x, tilt = _tractions(solution, column, terms, on, tan)
-    return (normal, tangential, height, holder_x, tilt) if finite else None
-
-
-def _sizes(conditions: ContactConditions) -> Sizes:
-    system, scales = conditions.system, conditions.scales
-    # Tilts are measured by what they move at the pivot's height or at the contact's edge, whichever is more.
-    reach = max(system.holder.pivot_height_mm, float(conditions.areas.sum()) ** 0.5)
-    load = system.holder.normal_load_N if system.prescribed_height is None else np.nan
-    return Sizes(scales.pressure, scales.pressure * scales.collective, reach, load)
+    finite, found = _tractions(solution, loaded, nodes, state, laws, scales)
+    return found if finite else None
 
 
 @inlined
-def _scaled(transposed: Array, rhs: Array, sizes: Sizes) -> Array:
-    """Scale equations in place to be of order one; what the unknowns are measured by, (size,)."""
-    size = len(rhs)
-    row, column = np.full(size, 1.0 / sizes.length), np.full(size, sizes.pressure)
-    column[size - 3] = column[size - 2] = sizes.length
-    column[size - 1], row[size - 1] = sizes.length / sizes.reach, sizes.reach / sizes.length
-    row[size - 3] = 1.0 / (sizes.length if np.isnan(sizes.load_N) else sizes.load_N)
+def _scaled(transposed: Array, rhs: Array, scales: Scales, holder: HolderTerms) -> None:
+    """Scale equations in place to be of order one, and with them the unknowns, which `_tractions` scales back."""
+    size, length = len(rhs), scales.pressure * scales.collective
+    row, column = np.full(size, 1.0 / length), np.full(size, scales.pressure)
+    column[size - 3] = column[size - 2] = length
+    column[size - 1], row[size - 1] = length / scales.reach, scales.reach / length
+    row[size - 3] = 1.0 / (holder.normal_load_N if np.isnan(holder.height_mm) else length)
     for j in range(size):
         for i in range(size):
             transposed[j, i] = transposed[j, i] * row[i] * column[j]
     for i in range(size):
         rhs[i] *= row[i]
-    return column
+
+
+@inlined
+def _numbers(flags: BoolArray) -> IntArray:
+    """Where flags (k,) are raised."""
+    found, used = np.empty(len(flags), np.int64), 0
+    for k in range(len(flags)):
+        if flags[k]:
+            found[used] = k
+            used += 1
+    return found[:used]
 
 
 @compiled
 def _equations(
-    loaded: Loaded,
-    nodes: Nodes,
-    friction: FrictionTerms,
-    layers: LayerTerms,
-    holder: HolderTerms,
-    sizes: Sizes,
-    on: IntArray,
-    tan: IntArray,
-) -> tuple[Array, Array, Array]:
-    """The transposed matrix (size, size) and right-hand side (size,), scaled, and what unknowns are measured by.
+    loaded: Loaded, nodes: Nodes, state: Iterate, laws: LinearLaws, holder: HolderTerms, scales: Scales
+) -> tuple[Array, Array]:
+    """The transposed matrix (size, size) and right-hand side (size,), scaled.
 
     In one piece, for handing small arrays over between Python and compiled functions costs as much as filling them.
     """
-    carried = carried_by(nodes, friction)
-    transposed, rhs = gap_rows(loaded, nodes, carried, layers, on, tan)
+    on, tan, carried = _numbers(state.active), _numbers(state.near_stick), carried_by(nodes, state, laws)
+    follow = _numbers(state.follows)
+    transposed, rhs = gap_rows(loaded, follow, nodes, carried, laws, on, tan)
     if len(tan) > 0:
-        slips, offsets = slip_rows(loaded, nodes, carried, layers, friction.tangential, on, tan)
-        fill_friction_rows(transposed, rhs, slips, offsets, friction, on, tan)
+        slips, offsets = slip_rows(loaded, follow, nodes, carried, laws, state.tangential, on, tan)
+        fill_friction_rows(transposed, rhs, slips, offsets, state, laws, on, tan)
     fill_holder_rows(transposed, rhs, nodes, carried, holder, on, tan)
-    return transposed, rhs, _scaled(transposed, rhs, sizes)
+    _scaled(transposed, rhs, scales, holder)
+    return transposed, rhs
 
 
 @compiled
 def _tractions(
-    solution: Array, column: Array, friction: FrictionTerms, on: IntArray, tan: IntArray
-) -> tuple[bool, Array, Array, float, float, float]:
-    """Whether a scaled solution is finite, tractions (k,) and (k, 2), and the holder's height, position and tilt."""
-    count, a, m = len(friction.limit), len(on), len(tan)
+    solution: Array, loaded: Loaded, nodes: Nodes, state: Iterate, laws: LinearLaws, scales: Scales
+) -> tuple[bool, Solution]:
+    """Whether a scaled solution is finite, and what it says."""
+    count, on, tan = len(nodes.areas), _numbers(state.active), _numbers(state.near_stick)
+    a, m, length = len(on), len(tan), scales.pressure * scales.collective
     normal, tangential = np.zeros(count), np.zeros((count, 2))
     finite = True
     for i in range(len(solution)):
         finite &= np.isfinite(solution[i])
     for i in range(a):
-        normal[on[i]] = solution[i] * column[i]
+        normal[on[i]] = solution[i] * scales.pressure
     for k in range(count):
-        if friction.follows[k]:
-            limit = friction.slope[k] * normal[k] + friction.offset[k]
-            tangential[k, 0], tangential[k, 1] = limit * friction.direction[k, 0], limit * friction.direction[k, 1]
+        if state.follows[k]:
+            limit = laws.slope[k] * normal[k] + laws.offset[k]
+            tangential[k, 0], tangential[k, 1] = limit * state.direction[k, 0], limit * state.direction[k, 1]
     for i in range(m):
         for c in range(2):
-            tangential[tan[i], c] = solution[a + c * m + i] * column[a + c * m + i]
-    height, holder_x, tilt = solution[-3] * column[-3], solution[-2] * column[-2], solution[-1] * column[-1]
-    return finite, normal, tangential, height, holder_x, tilt
+            tangential[tan[i], c] = solution[a + c * m + i] * scales.pressure
+    force = forces_on(normal, tangential, nodes.frames, loaded.place, loaded.known)
+    height, holder_x, tilt = solution[-3] * length, solution[-2] * length, solution[-1] * (length / scales.reach)
+    return finite, Solution(force, normal, tangential, height, holder_x, tilt)

@@ -3,16 +3,16 @@
 Its outcome is tractions, the holder's position, and how well the conditions are met.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.kept_code import compiled
-from solvers.newton.conditions import ContactConditions, FrictionStatus, Iterate, stop_in_play, unbalanced_force
-from solvers.newton.equations import Solution, newton_step
-from solvers.newton.terms import Linearisation
+from solvers.newton.conditions import NEAR_STICK, ContactConditions, stop_in_play, unbalanced_force
+from solvers.newton.equations import newton_step
+from solvers.newton.terms import Iterate, Linearisation
 
 _ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
 
@@ -44,18 +44,13 @@ class NewtonOutcome:
     elastic_slip: float
 
 
-def converged_outcome(
-    conditions: ContactConditions, state: Iterate, active: BoolArray, friction: FrictionStatus, iterations: int
-) -> NewtonOutcome:
-    """The answer of a converged state, with its energies and residuals."""
+def converged_outcome(conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int) -> NewtonOutcome:
+    """The answer of a converged state, in which nodes stand as they did before, with its residuals."""
     system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
     # Without friction slip has no direction to differ from.
     least = np.inf if system.friction.none else _ROUND_OFF * scale
-    normal, tangential, sliding, slip_length, largest = _residuals(
-        active, friction.stick, friction.direction, state.normal, state.tangential, state.gap, state.slip, layer, least
-    )
-    traction = conditions.world(normal, tangential)
+    traction, sliding, slip_length, largest = _residuals(before, state, conditions.nodes.frames, layer, least)
     return NewtonOutcome(
         converged=True,
         message=f"converged in {iterations} iterations",
@@ -110,40 +105,35 @@ class _Largest(NamedTuple):
 
 @compiled
 def _residuals(
-    active: BoolArray,
-    stick: BoolArray,
-    direction: Array,
-    pressure: Array,
-    friction: Array,
-    gap: Array,
-    slip: Array,
-    layer: float,
-    least: float,
-) -> tuple[Array, Array, BoolArray, Array, _Largest]:
-    """Tractions (k,) and (k, 2) of nodes in contact, which of them slide, how far, and the worst of all.
+    before: Iterate, state: Iterate, frames: Array, layer: float, least: float
+) -> tuple[Array, BoolArray, Array, _Largest]:
+    """Tractions (k, 3) in world axes of nodes in contact, which of them slide, how far, and the worst of all.
 
     least: slip of a direction, mm.
     """
-    count = len(active)
-    normal, tangential = np.zeros(count), np.zeros((count, 2))
-    sliding, length = np.zeros(count, np.bool_), np.zeros(count)
+    count, slip, direction, friction = len(frames), state.slip, before.direction, state.tangential
+    traction, sliding, length = np.zeros((count, 3)), np.zeros(count, np.bool_), np.zeros(count)
     sticking, deepest, widest, turned, largest = 0, 0.0, 0.0, 0.0, 0.0
     for k in range(count):
+        pressure = 0.0
         # Round-off may leave nodes on the verge of opening with a vanishing negative pressure.
-        if active[k] and pressure[k] > 0.0:
-            normal[k], tangential[k, 0], tangential[k, 1] = pressure[k], friction[k, 0], friction[k, 1]
-            widest = max(widest, abs(gap[k]))
+        if before.active[k] and state.normal[k] > 0.0:
+            pressure = state.normal[k]
+            for c in range(3):
+                sideways = friction[k, 0] * frames[k, 1, c] + friction[k, 1] * frames[k, 2, c]
+                traction[k, c] = pressure * frames[k, 0, c] + sideways
+            widest = max(widest, abs(state.gap[k]))
             largest = max(largest, np.sqrt(friction[k, 0] * friction[k, 0] + friction[k, 1] * friction[k, 1]))
-            sticking += stick[k]
+            sticking += before.stick[k]
             size = np.sqrt(slip[k, 0] * slip[k, 0] + slip[k, 1] * slip[k, 1])
-            if not stick[k] and size > 0.0:
+            if not before.stick[k] and size > 0.0:
                 sliding[k], length[k] = True, size
                 if size > least:
                     s0, s1 = slip[k, 0] / size, slip[k, 1] / size
                     sine = abs(direction[k, 0] * s1 - direction[k, 1] * s0)
                     turned = max(turned, np.arctan2(sine, -(direction[k, 0] * s0 + direction[k, 1] * s1)))
-        deepest = max(deepest, layer * normal[k] - gap[k])
-    return normal, tangential, sliding, length, _Largest(sticking, deepest, widest, turned, largest)
+        deepest = max(deepest, layer * pressure - state.gap[k])
+    return traction, sliding, length, _Largest(sticking, deepest, widest, turned, largest)
 
 
 def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> NewtonOutcome:
@@ -156,8 +146,8 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
         holder_x=state.holder_x,
         height=state.height,
         tilt=state.tilt,
-        sliding=np.zeros(conditions.count, dtype=bool),
-        slip_length=np.zeros(conditions.count),
+        sliding=np.zeros(len(state.gap), dtype=bool),
+        slip_length=np.zeros(len(state.gap)),
         sticking=0,
         force_error=np.inf,
         penetration=np.inf,
@@ -188,29 +178,26 @@ def solve_contact(
     """Solve the contact conditions from a guess of tractions (k, 3), nodes in contact (k,) and holder position."""
     if system.prescribed_height is not None:
         height = system.prescribed_height
-    conditions = ContactConditions.of(system, active)
-    going_round = replace(conditions, going_round=True)
-    normal = np.maximum(np.einsum("ij,ij->i", traction, conditions.normals), 0.0)
-    tangential = np.einsum("ij,ikj->ik", traction, conditions.tangents)
-    linear = normal
-    state, status = _met(conditions, (normal, tangential, height, holder_x, system.old_tilt), active)
-    best, best_at, once_more = np.inf, 0, True
+    conditions = ContactConditions(system, active)
+    before = state = conditions.first(traction, height, holder_x, active)
+    best, best_at, once_more, linear = np.inf, 0, True, state.normal
     for iteration in range(1, _MOST_ITERATIONS + 1):
-        if not status.active.any():
+        if not before.touching:
             return failed_outcome(conditions, state, iteration, LOST_CONTACT)
-        now = conditions
+        near_stick = NEAR_STICK
         if iteration - best_at > _ROUND:
-            # Friction that moves a rig may part nodes that it closes, but only while they are little pressed.
-            now, linear = going_round, np.where(linear > 0.0, linear, conditions.scales.pressure)
-        solution = newton_step(now, state, status.active, status.friction, status.stop, about=linear)
+            # What is left to iterate does not settle: directions of all nodes are found by Newton's method. Friction
+            # that moves a rig may part nodes that it closes, but only while they are little pressed.
+            near_stick, linear = np.inf, np.where(linear > 0.0, linear, conditions.scales.pressure)
+        solution = newton_step(conditions, before, linear)
         if solution is None:
-            singular = f"the contact's equations became singular with {int(status.active.sum())} nodes in contact"
+            singular = f"the contact's equations became singular with {before.touching} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        state, after = _met(now, solution)
-        change = _Change.between(conditions, status, after, linear, state)
+        state = conditions.judged(solution, near_stick)
+        change = _Change.between(conditions, before, state, linear)
         linear = np.maximum(state.normal, _LARGEST_FALL * linear)
         if change.converged:
-            outcome = converged_outcome(conditions, state, status.active, status.friction, iteration)
+            outcome = converged_outcome(conditions, before, state, iteration)
             # Where nodes barely slip, a slip turns much more than the friction that has settled.
             if outcome.slip_direction_error <= _SLANTED or not once_more:
                 return outcome
@@ -219,33 +206,22 @@ def solve_contact(
             best, best_at = change.error, iteration
         elif iteration - best_at > _PATIENCE:
             break
-        status = change.after
-    return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {change.likeliest_cause}")
+        before = state
+    cause = change.likeliest_cause(conditions, state)
+    return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {cause}")
 
 
-class _Status(NamedTuple):
-    """Nodes in contact (k,), their friction, and the stop on which the holder rests."""
-
-    active: BoolArray
-    friction: FrictionStatus
-    stop: int
-
-
-def _met(conditions: ContactConditions, solution: Solution, active: BoolArray | None = None) -> tuple[Iterate, _Status]:
-    """The state of a solution, and the status of its nodes, of which the active ones (k,) may be given."""
-    state, touch, friction = conditions.judged(*solution, active)
-    return state, _Status(touch, friction, stop_in_play(conditions, state))
-
-
-def _bend(conditions: ContactConditions, about: Array, pressure: Array, slipping: BoolArray) -> float:
-    """Largest difference of friction at pressures (k,) of slipping nodes from the law's tangent at others, over the
-    largest friction.
+def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about: Array) -> float:
+    """Largest difference of friction at slipping nodes from the law's tangent at pressures (k,), over the largest
+    friction.
     """
     friction = conditions.system.friction
+    if friction.law.proportional:
+        return 0.0
+    slipping = before.active & ~before.stick & (state.normal > 0.0)
     slope, offset = friction.tangent(about)
-    limit = friction.limit(pressure)
-    largest = float(limit[slipping].max(initial=0.0))
-    bent = np.abs(limit - offset - slope * pressure)
+    largest = float(state.limit[slipping].max(initial=0.0))
+    bent = np.abs(state.limit - offset - slope * state.normal)
     return float(bent[slipping].max()) / largest if largest > 0.0 else 0.0
 
 
@@ -256,10 +232,8 @@ class _Change(NamedTuple):
     gap_error: relative.
     bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
-    snaps: whether friction may fall along a stroke on a rig that gives way: under a held approach, or with the area.
     """
 
-    after: _Status
     opening: int
     sticking: int
     changing: int
@@ -267,38 +241,18 @@ class _Change(NamedTuple):
     turned: float
     bend: float
     settled: bool
-    snaps: bool
 
     @classmethod
-    def between(
-        cls, conditions: ContactConditions, before: _Status, after: _Status, about: Array, state: Iterate
-    ) -> "_Change":
-        opening, sticking, changing, gap, turned = _changed(
-            before.active,
-            after.active,
-            before.friction.stick,
-            after.friction.stick,
-            after.friction.verge,
-            before.friction.direction,
-            after.friction.direction,
-            state.normal,
-            state.gap,
-        )
-        bend = 0.0
-        if not conditions.system.friction.law.proportional:
-            slipping = before.active & ~before.friction.stick & (state.normal > 0.0)
-            bend = _bend(conditions, about, state.normal, slipping)
+    def between(cls, conditions: ContactConditions, before: Iterate, after: Iterate, about: Array) -> "_Change":
+        opening, sticking, changing, gap, turned = _changed(before, after)
         return cls(
-            after=after,
             opening=opening,
             sticking=sticking,
             changing=changing,
-            gap_error=gap / max(state.elastic, 1e-300),
+            gap_error=gap / max(after.elastic, 1e-300),
             turned=turned,
-            bend=bend,
-            settled=changing == 0 and after.stop == before.stop,
-            snaps=conditions.scales.rig > 0.0
-            and (conditions.system.prescribed_height is not None or not conditions.system.friction.law.proportional),
+            bend=_bend(conditions, before, after, about),
+            settled=changing == 0 and stop_in_play(conditions, before) == stop_in_play(conditions, after),
         )
 
     @property
@@ -319,13 +273,15 @@ class _Change(NamedTuple):
             f"{self.gap_error:.1e} and the slip direction turns by {self.turned:.1e} rad"
         )
 
-    @property
-    def likeliest_cause(self) -> str:
+    def likeliest_cause(self, conditions: ContactConditions, state: Iterate) -> str:
         """What most probably keeps an increment from converging, as part of a sentence."""
-        if self.after.active.sum() < _FEW_NODES:
+        system = conditions.system
+        if state.touching < _FEW_NODES:
             return _MESH_TOO_COARSE
         if self.sticking > self.opening:
-            if self.snaps:
+            # Friction may fall along a stroke on a rig that gives way: under a held approach, or with the area.
+            falls = system.prescribed_height is not None or not system.friction.law.proportional
+            if conditions.scales.rig > 0.0 and falls:
                 return (
                     "most likely friction falls along the stroke faster than the rig's spring follows, so that the rig "
                     "would snap: take a stiffer rig or, if the approach is held, a load in its place"
@@ -343,27 +299,18 @@ class _Change(NamedTuple):
 
 
 @compiled
-def _changed(
-    active: BoolArray,
-    new_active: BoolArray,
-    stick: BoolArray,
-    new_stick: BoolArray,
-    verge: BoolArray,
-    direction: Array,
-    new_direction: Array,
-    normal: Array,
-    gap: Array,
-) -> tuple[int, int, int, float, float]:
+def _changed(before: Iterate, after: Iterate) -> tuple[int, int, int, float, float]:
     """How many nodes open or close, how many change between stick and slip but for those on the verge, how many do
     either; the largest gap of those that were active, mm, and the largest turn of friction where they slip, rad.
     """
+    active, stick, direction, new_direction = before.active, before.stick, before.direction, after.direction
     opening, sticking, changing, largest, turned = 0, 0, 0, 0.0, 0.0
     for k in range(len(active)):
-        opens, sticks = active[k] != new_active[k], stick[k] != new_stick[k] and not verge[k]
+        opens, sticks = active[k] != after.active[k], stick[k] != after.stick[k] and not after.verge[k]
         opening, sticking, changing = opening + opens, sticking + sticks, changing + (opens or sticks)
         if active[k]:
-            largest = max(largest, abs(gap[k]))
-            if not stick[k] and normal[k] > 0.0:
+            largest = max(largest, abs(after.gap[k]))
+            if not stick[k] and after.normal[k] > 0.0:
                 x, y = new_direction[k, 0] - direction[k, 0], new_direction[k, 1] - direction[k, 1]
                 turned = max(turned, np.sqrt(x * x + y * y))
     return opening, sticking, changing, largest, turned

@@ -58,18 +58,18 @@ class Carried(NamedTuple):
 
 
 @inlined
-def carried_by(nodes: "Nodes", friction: "FrictionTerms") -> Carried:
+def carried_by(nodes: "Nodes", state: "Iterate", laws: "LinearLaws") -> Carried:
     """What nodes carry whose friction follows its direction, by the law's tangent; others their normal traction."""
-    frames, direction = nodes.frames, friction.direction
+    frames, direction = nodes.frames, state.direction
     per_normal, constant = np.empty((len(frames), 3)), np.zeros((len(frames), 3))
     shifted = False
     for k in range(len(frames)):
         for c in range(3):
             per_normal[k, c] = frames[k, 0, c]
-            if friction.follows[k]:
+            if state.follows[k]:
                 along = direction[k, 0] * frames[k, 1, c] + direction[k, 1] * frames[k, 2, c]
-                per_normal[k, c] += friction.slope[k] * along
-                constant[k, c] = friction.offset[k] * along
+                per_normal[k, c] += laws.slope[k] * along
+                constant[k, c] = laws.offset[k] * along
                 shifted |= constant[k, c] != 0.0
     return Carried(per_normal, constant, shifted)
 
@@ -91,31 +91,46 @@ class Nodes(NamedTuple):
     paired_holder_x: float
 
 
-class FrictionTerms(NamedTuple):
-    """Friction at k nodes, about the tractions from which an iteration starts.
+class Iterate(NamedTuple):
+    """Tractions (k,) and (k, 2) in local frames, the holder's position, what follows from them, and how nodes stand.
 
-    stick, follows: which nodes stick, and whose friction follows a known direction.  direction: (k, 2).
-    limit: (k,) the law's, and its tangent's slope and value at no pressure.  augmentation: (k,) MPa per mm of slip.
-    tangential, slip: (k, 2).
+    gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
+    active: (k,) nodes in contact, and touching: their number.  stick, near_stick, follows: (k,) which of them stick,
+    keep tangential unknowns as they are near enough to it, and are far from it.  verge: (k,) nodes at their limit but
+    for round-off, which may stick or slip as well.  direction: (k, 2) of friction.  augmentation: (k,) MPa per mm of
+    slip.  limit: (k,) of friction, MPa.
     """
 
-    stick: BoolArray
-    follows: BoolArray
-    direction: Array
-    limit: Array
-    slope: Array
-    offset: Array
-    augmentation: Array
+    normal: Array
     tangential: Array
+    height: float
+    holder_x: float
+    tilt: float
+    gap: Array
     slip: Array
+    elastic: float
+    active: BoolArray
+    touching: int
+    stick: BoolArray
+    near_stick: BoolArray
+    follows: BoolArray
+    verge: BoolArray
+    direction: Array
+    augmentation: Array
+    limit: Array
 
 
-class LayerTerms(NamedTuple):
-    """Layers at k nodes, linearised about pressures (k,): closure at no pressure and its slope, mm and mm per MPa;
-    tangential displacement per traction and its derivative by the pressure.  All are zero where there is no layer.
+class LinearLaws(NamedTuple):
+    """Friction and layers at k nodes, linearised about pressures (k,).
+
+    slope, offset: of friction's limit, its value at no pressure.  closure, softness: the same of layers, mm and mm per
+    MPa.  shear, change: tangential displacement per traction and its derivative by the pressure. Those of layers are
+    zero where there is none.
     """
 
     pressure: Array
+    slope: Array
+    offset: Array
     closure: Array
     softness: Array
     shear: Array
@@ -160,13 +175,15 @@ def nodes_of(system: Linearisation) -> Nodes:
     )
 
 
-def layer_terms(system: Linearisation, pressure: Array) -> LayerTerms:
-    """The layers of a linearisation about pressures (k,)."""
+def linear_laws(system: Linearisation, pressure: Array) -> LinearLaws:
+    """Friction and layers of a linearisation about pressures (k,)."""
+    tangent = system.friction.tangent(pressure)
     if system.layers is None:
         none = np.zeros_like(pressure)
-        return LayerTerms(pressure, none, none, none, none)
+        return LinearLaws(pressure, *tangent, none, none, none, none)
     closure, softness = system.layers.closure(pressure)
-    return LayerTerms(pressure, closure - softness * pressure, softness, *system.layers.shear_compliance(pressure))
+    shear = system.layers.shear_compliance(pressure)
+    return LinearLaws(pressure, *tangent, closure - softness * pressure, softness, *shear)
 
 
 def holder_terms(system: Linearisation, series_mm_per_N: float, held_mm: float | None) -> HolderTerms:
