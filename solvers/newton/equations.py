@@ -14,7 +14,15 @@ from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
-from solvers.newton.conditions import ContactConditions, Scales, fill_holder_rows, forces_on, held_place, stop_in_play
+from solvers.newton.conditions import (
+    ContactConditions,
+    Scales,
+    Solution,
+    fill_holder_rows,
+    forces_on,
+    held_place,
+    stop_in_play,
+)
 from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, carried_by, holder_terms, linear_laws
 
 
