@@ -20,6 +20,7 @@ from solvers.contact.problem import faced
 from solvers.contact_state import FirstGuess
 from solvers.fretting import anew
 from solvers.newton import iteration
+from solvers.newton.terms import Iterate
 from solvers.pairing import Pairing, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from tests.bodies import LOAD_N, RADIUS_mm, condensed_wire, crossed_wires, driven, pressed, rigid
@@ -252,23 +253,28 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
     """One node under pressure whose friction lies 0.1 rad off the slip; the bodies close by a micrometre."""
     monkeypatch.setattr(iteration, "unbalanced_force", lambda *_: 0.0)
     system = SimpleNamespace(friction=SimpleNamespace(none=False), compliance=SimpleNamespace(layer=0.0))
-    conditions = SimpleNamespace(
-        system=system, count=1, world=lambda normal, tangential: np.column_stack([tangential, normal])
-    )
-    state = SimpleNamespace(
+    conditions = SimpleNamespace(system=system, nodes=SimpleNamespace(frames=np.eye(3)[None, [2, 0, 1]]))
+    no, yes, zero = np.array([False]), np.array([True]), np.zeros(1)
+    state = Iterate(
         normal=np.array([1000.0]),
         tangential=np.array([[600.0, 0.0]]),
-        slip=slip_mm * np.array([[np.cos(0.1), np.sin(0.1)]]),
-        gap=np.zeros(1),
-        elastic=1e-3,
-        holder_x=0.0,
         height=0.0,
+        holder_x=0.0,
         tilt=0.0,
+        gap=zero,
+        slip=slip_mm * np.array([[np.cos(0.1), np.sin(0.1)]]),
+        elastic=1e-3,
+        active=yes,
+        touching=1,
+        stick=no,
+        near_stick=no,
+        follows=yes,
+        verge=no,
+        direction=np.array([[-1.0, 0.0]]),
+        augmentation=zero,
+        limit=zero,
     )
-    friction = SimpleNamespace(stick=np.array([False]), direction=np.array([[-1.0, 0.0]]))
-    found = iteration.converged_outcome(
-        cast("Any", conditions), cast("Any", state), np.array([True]), cast("Any", friction), 3
-    )
+    found = iteration.converged_outcome(cast("Any", conditions), state, state, 3)
     assert found.slip_direction_error == pytest.approx(told, abs=1e-9)
     assert found.slip_length[0] == pytest.approx(slip_mm)
 
