@@ -32,6 +32,7 @@ class OxygenSupply:
 
     supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen gets from the edge.
     starved_factor: wear coefficient without oxygen over that with it.
+    Raises SolverError for a number that cannot be.
     """
 
     supply_W: float

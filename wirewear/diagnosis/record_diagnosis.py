@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -29,12 +29,9 @@ from wirewear.fitting import completed
 from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
+from wirewear.study import AnyStudy, Study
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, estimates, forms
 from wirewear.views.diagnosis_wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
-
-if TYPE_CHECKING:
-    from wirewear.diagnosis.model.setup import Setup
-    from wirewear.study import AnyStudy, Study
 
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -18,6 +18,8 @@ from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
+from wirewear.records.of_test import Source
+from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
 from wirewear.views.run_maps import (
     FreshContact,
@@ -26,12 +28,6 @@ from wirewear.views.run_maps import (
     line_through_origin,
     line_with_threshold,
 )
-
-if TYPE_CHECKING:
-    from wirewear.loops import LoopFigures
-    from wirewear.records.of_test import Source
-    from wirewear.records.values import MeasuredLoop
-    from wirewear.views.run_maps import FreshContact
 
 Regime = Literal["partial slip", "mixed", "gross slip"]
 

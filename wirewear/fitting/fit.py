@@ -6,14 +6,14 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from scipy.stats import t as students_t
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.nominal import require_foreseen
+from wirewear.diagnosis.model.nominal import ObserverOf, require_foreseen
 from wirewear.fitting import wear
 from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
@@ -24,13 +24,9 @@ from wirewear.records import AnyRecord
 from wirewear.records.checking import remarks_told
 from wirewear.records.exporting import true_loop
 from wirewear.records.values import believed_tables, stated_friction
-from wirewear.results import read_loops
+from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
 from wirewear.study import study_from_tables
-
-if TYPE_CHECKING:
-    from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.results import RunResult
 
 
 @dataclass(frozen=True, eq=False)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,10 +11,8 @@ from scipy.stats import t as students_t
 
 from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.frame import notebook_table
-
-if TYPE_CHECKING:
-    from wirewear.records import AnyRecord
-    from wirewear.study import AnyStudy
+from wirewear.records import AnyRecord
+from wirewear.study import AnyStudy
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
 _OPEN = float(students_t.ppf(0.975, 1))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -25,11 +25,9 @@ from wirewear.interior.criteria import (
 from wirewear.interior.damage import FLOOR, Begun, Damage, ENDLESS_cycles, Rates, Span
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import stresses_of
+from wirewear.results import RunResult
 from wirewear.results.scar import called
 from wirewear.study.life import CURVE_KEYS, LifeTable
-
-if TYPE_CHECKING:
-    from wirewear.results import RunResult
 
 #: The states of a body over a recorded cycle.
 StatesAt = Callable[[int], Sequence[InnerState[Any]]]

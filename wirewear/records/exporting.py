@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, cast
+from typing import Any, cast
 
 import numpy as np
 
@@ -21,14 +21,11 @@ from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
-from wirewear.results import BODIES, Loop, RunResult, age_at, sensor_of
+from wirewear.results import BODIES, Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import Table
 from wirewear.study.messages import validated
 from wirewear.study.surfaces import surfaces_in
-
-if TYPE_CHECKING:
-    from wirewear.results import RunResult, Scar
 
 #: The map reaches this many times as far as the scar, so that most of it is unworn; of a body's radius at most a share,
 #: beyond which no instrument sees its flanks.

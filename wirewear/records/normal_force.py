@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import FIELD_UNITS, RecordError
-
-if TYPE_CHECKING:
-    from wirewear.records.values import MeasuredLoop
+from wirewear.records.values import MeasuredLoop
 
 OTHER_UNIT = 4.0  #: A load off by this factor is in another unit: the nearest one, the pound, is 4.45 N.
 SAME_UNIT = 0.2  #: By what share a load may have been set otherwise, or have changed, and its unit still be recognised.

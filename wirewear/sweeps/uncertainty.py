@@ -9,7 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -29,9 +28,6 @@ from wirewear.sweeps.page import SLIP, depth_among, label_of
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.signature import LATIN_HYPERCUBE
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
-
-if TYPE_CHECKING:
-    from rich.table import Table
 
 HERE = Path(__file__).parent
 TABLE, PAGE = "uncertain.csv", "uncertain.html"

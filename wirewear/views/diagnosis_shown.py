@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,10 +20,7 @@ from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground, read_p
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
 from wirewear.results.scar import called
-from wirewear.views.diagnosis_wording import plain
-
-if TYPE_CHECKING:
-    from wirewear.views.diagnosis_wording import Diagnosed
+from wirewear.views.diagnosis_wording import Diagnosed, plain
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
 PLACES, WITHIN = 60, 1.96

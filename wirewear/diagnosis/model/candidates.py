@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from itertools import product
 from math import atan, log
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 
@@ -15,10 +15,8 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
+from wirewear.study import LineStudy, Study
 from wirewear.study.bodies import Gap
-
-if TYPE_CHECKING:
-    from wirewear.study import LineStudy, Study
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.

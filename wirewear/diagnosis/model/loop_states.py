@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
+from wirewear.results import Loop, RunResult
 from wirewear.results.scar import crossings
-
-if TYPE_CHECKING:
-    from wirewear.results import Loop, RunResult
 
 _OF_SCAR_FIGURES = constants("model.scar_figures")
 

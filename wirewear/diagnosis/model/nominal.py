@@ -8,25 +8,22 @@ from dataclasses import dataclass, replace
 from functools import partial
 from math import log
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import Any, TypeVar
 
 from solvers import Archard, EnergyLaw, SolverError
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
 from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
+from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.records.values import believed_study
-from wirewear.results import RESULT_FILE_NAME, read_result
+from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.results.scar import called
 from wirewear.simulation import Observer, run_study
+from wirewear.study import AnyStudy, LineStudy, Study
 from wirewear.study.bodies import Gap
 from wirewear.study.programme import held_by, held_keys
 from wirewear.study.tables import Wear
-
-if TYPE_CHECKING:
-    from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
-    from wirewear.results import RunResult
-    from wirewear.study import AnyStudy, LineStudy, Study
 
 Result = TypeVar("Result")
 

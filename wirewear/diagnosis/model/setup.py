@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import inf
-from typing import TYPE_CHECKING, Any, Literal, Protocol
+from typing import Any, Literal, Protocol
 
 import numpy as np
 
@@ -13,11 +13,8 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
+from wirewear.study import AnyStudy
 from wirewear.study.programme import Schedule, held_by, worked_course
-
-if TYPE_CHECKING:
-    from wirewear.study import AnyStudy
-
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")

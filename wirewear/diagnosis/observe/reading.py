@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -13,10 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, of_one_recorder, reduced_loop
 from wirewear.loops import LoopError
-from wirewear.records import AnyRecord
-
-if TYPE_CHECKING:
-    from wirewear.records import MeasuredEvolution, MeasuredProfile, MeasuredScar
+from wirewear.records import AnyRecord, MeasuredEvolution, MeasuredProfile, MeasuredScar
 
 _KNOWN = constants("observe.reading")
 
