@@ -55,9 +55,7 @@ def test_the_first_loop_is_that_of_the_closed_forms_within_a_percent_or_two() ->
 
 
 @pytest.mark.seconds
-def test_scars_and_loop_after_100_000_cycles_agree_with_the_finite_elements_within_five_percent(
-    steel: list[Snapshot],
-) -> None:
+def test_scars_and_loop_of_100_000_cycles_agree_with_finite_elements_within_five_percent(steel: list[Snapshot]) -> None:
     last = steel[-1]
     # The finite elements at standard fidelity: 19.7 and 11.3 µm, δ0 48.9 µm, 1.80 N (README).
     assert 1e3 * last.shapes.fixed.max() == pytest.approx(19.7, rel=0.05)

@@ -176,9 +176,7 @@ def test_a_play_leaves_a_shelf_and_a_lean_shifts_the_force() -> None:
 
 
 @pytest.mark.parametrize("name", [*OtherSimulators("development").library, *SEAMS])
-def test_a_large_effect_or_cause_stands_out_and_a_small_one_does_so_less(
-    name: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_large_effect_or_cause_stands_out_and_a_small_one_less(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(GROWTH, "foundation", 1.8)
     test = replace(WIRES, stiffness_N_per_mm=400.0, spring_N_per_mm=0.4)
     logger = drawn_logger(test, np.random.default_rng(3))

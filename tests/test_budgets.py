@@ -48,9 +48,7 @@ def test_every_level_of_fidelity_fits_on_a_small_machine(memory: Callable[[float
 
 
 @pytest.mark.parametrize(("element_um", "size"), [(0.1, "15 TB"), (0.6, "43 GB")])
-def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_does(
-    tmp_path: Path, element_um: float, size: str
-) -> None:
+def test_a_mesh_that_no_memory_holds_is_refused_with_one_that_is(tmp_path: Path, element_um: float, size: str) -> None:
     """On version 8318817 the first began to fill a matrix of 46 TB, the second grew until gmsh asked for more RAM."""
     with pytest.raises(StudyError) as refused:
         meshed(tmp_path / "out", element_um)

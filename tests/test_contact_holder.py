@@ -80,9 +80,7 @@ def forces(problem: ContactProblem) -> list[float]:
 
 
 @pytest.mark.parametrize("arm", [9.0, RADIUS_mm])
-def test_a_rotating_holder_is_a_spring_of_its_stiffness_over_the_arm_squared(
-    spring: ContactProblem, arm: float
-) -> None:
+def test_a_rotating_holder_is_a_spring_of_stiffness_over_the_arm_squared(spring: ContactProblem, arm: float) -> None:
     """Also where it rolls about the wire's own axis: the load leans as far as the contact rolls."""
     rotating = Holder(
         normal_load_N=LOAD_N, rotational_compliance_rad_per_N_mm=1.0 / (RIG_N_per_mm * arm**2), pivot_height_mm=arm

@@ -114,9 +114,7 @@ def depth_error(one: ContactState, other: ContactState) -> float:
     )
 
 
-def test_at_constant_friction_archard_is_the_energy_law_with_coefficient_times_friction(
-    energy_law: ContactProblem,
-) -> None:
+def test_at_constant_friction_archard_is_the_energy_law_times_friction(energy_law: ContactProblem) -> None:
     archard = replace(energy_law, wear=replace(energy_law.wear.scaled(FRICTION), law=Archard()))
     one, other = worn(archard, 20.0), worn(energy_law, 20.0)
     assert depth_error(one, other) < 1e-3

@@ -219,9 +219,7 @@ def test_a_run_resumed_in_a_block_or_at_its_end_goes_on_as_if_it_had_not_stopped
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
 
 
-def test_a_checkpoint_is_written_at_the_start_and_after_every_jump_and_jumps_are_as_the_step_before_wanted(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_checkpoint_follows_every_jump_which_is_as_the_step_before_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
     store = Store()
     run(monkeypatch, Stepper(), store)
     assert store.checkpoints_written == [1.0, 11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]

@@ -101,9 +101,7 @@ def test_the_hash_changes_with_the_file_and_whatever_is_believed_of_an_effect(mo
     assert digest() == before
 
 
-def test_a_scaled_constant_stays_what_it_is_a_count_whole_a_correlation_below_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_scaled_count_stays_whole_and_a_correlation_below_one(monkeypatch: pytest.MonkeyPatch) -> None:
     tables = deepcopy(calibration._tables())
     monkeypatch.setattr(calibration, "_tables", lambda: tables)
     before = {one.name: np.atleast_1d(one.value) for one in all_constants()}

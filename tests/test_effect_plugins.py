@@ -316,6 +316,11 @@ def test_debris_softens_the_contact_the_more_the_larger_the_scar_up_to_a_limit()
     assert found["retained_fraction"] == pytest.approx(np.full(4, 0.4))
 
 
+def test_a_rough_layer_is_worn_in_by_its_course() -> None:
+    (layer,) = effect("roughness_compliance", layer_um=5.0, cycles=3e3).changed(ContactLaw(0.62), Age(3e3, 0.0)).layers
+    assert layer.decay_mm == pytest.approx(5e-3 * np.exp(-1.0))
+
+
 def test_debris_spreads_the_pressure_as_a_rough_layer_does_that_closes_as_much_under_the_mean_pressure() -> None:
     found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
     own = chain()

@@ -47,6 +47,21 @@ def test_an_effect_of_the_sensor_leaves_the_test_as_it_is_and_the_energy_as_the_
 
 
 @pytest.mark.seconds
+@pytest.mark.parametrize(
+    ("name", "values", "energy_mJ"),
+    [
+        ("tangential_compliance", {"stiffness_N_per_mm": 1e3}, 4.0 * LIMIT_N**2 / 1e3),
+        ("rotational_compliance", {"stiffness_N_mm_per_rad": 9e5, "arm_mm": 30.0}, 4.0 * LIMIT_N**2 / 1e3),
+        ("free_play", {"gap_um": 1.0}, 2e-3 * LIMIT_N),
+    ],
+)
+def test_springs_and_play_take_their_share_of_the_energy(name: str, values: Any, energy_mJ: float) -> None:
+    nominal, changed = (result.loops[0] for result in (result_with(), result_with(effect(name, **values))))
+    lost = nominal.friction_work_mJ[-1] - changed.friction_work_mJ[-1]
+    assert lost == pytest.approx(energy_mJ, rel=0.01)
+
+
+@pytest.mark.seconds
 def test_a_lagging_sensor_moves_points_back_along_the_motion() -> None:
     (read,) = read_loops(result_with(effect("sensor_lag", time_s=0.002)))
     truth = result_with().loops[0]

@@ -107,9 +107,7 @@ def test_the_energy_of_a_loop_is_its_area_and_friction_work_at_any_friction(fric
 
 
 @pytest.mark.parametrize(("of", "amplitude_um"), [("wires", AMPLITUDE_um), ("line", LINE_AMPLITUDE_um)])
-def test_without_friction_bodies_slide_by_the_whole_stroke_and_wear_nothing(
-    tmp_path: Path, of: str, amplitude_um: float
-) -> None:
+def test_without_friction_bodies_slide_the_whole_stroke_unworn(tmp_path: Path, of: str, amplitude_um: float) -> None:
     result = run(wires(10, 0.0), tmp_path) if of == "wires" else line(10, 0.0)
     evolution = result.evolution
     assert evolution["slip_amplitude_um"] == pytest.approx(amplitude_um, rel=5e-3)

@@ -127,7 +127,7 @@ OPTIONS = {
 @pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("face", OPTIONS)
-def test_a_guessed_mapping_gives_the_record_of_the_files(tmp_path: Path, face: str) -> None:
+def test_a_guessed_mapping_gives_the_files_record(tmp_path: Path, face: str) -> None:
     keys, options = OPTIONS[face]
     truth = line_record(keys)
     wirewear("new", "--mapping", *write_line_german(truth, tmp_path), "--length", LENGTH_mm, *options)

@@ -15,6 +15,7 @@ from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
+from wirewear.pictures.lines import line_variants
 from wirewear.records import LineRecord, MeasuredProfile, check_record, read_record, record_of_result, write_record
 from wirewear.records.remarks import Remark
 from wirewear.records.values import believed_study
@@ -120,6 +121,8 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     KINDS["line-contact"].write_beside([read_result(path)], tmp_path)
     beside = {"profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
     assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
+    figure = line_variants([result, replace(result, variant="other")])
+    assert [axes.get_xlabel() for axes in figure.axes] == [*3 * ["x (µm)"], "displacement (µm)"]
     told = wirewear("loops", path, "--json")
     loops = json.loads(told.stdout)["loops"]
     assert {"the forces are those of 1 mm of the contact"} == {loop["notes"][0] for loop in loops}

@@ -30,9 +30,7 @@ def worn() -> RunResult:
         ("holder", {"tangential_stiffness_N_per_mm2": "soft"}, 'or "rigid"'),
     ],
 )
-def test_a_mistake_in_a_study_of_a_line_is_told_in_a_sentence(
-    table: str, values: dict[str, Any], complaint: str
-) -> None:
+def test_a_mistake_in_a_study_of_a_line_is_one_sentence(table: str, values: dict[str, Any], complaint: str) -> None:
     with pytest.raises(StudyError, match=complaint):
         line_study(**{table: values})
 

@@ -104,9 +104,7 @@ def run_in(hertz: LineContact, law: solvers.RunningIn, cycles: float, slip: Call
     return float(np.trapezoid(friction(0.5 * energies.sum(axis=0)), x))
 
 
-def test_friction_that_runs_in_follows_energies_of_both_bodies(
-    line: solvers.ContactProblem, hertz: LineContact
-) -> None:
+def test_friction_that_runs_in_follows_both_bodies_energies(line: solvers.ContactProblem, hertz: LineContact) -> None:
     law = solvers.RunningIn(0.5, 1000.0)
     problem = replace(line, friction_law=law)
     state, done = at_the_end(problem, STROKE_mm), 0.0

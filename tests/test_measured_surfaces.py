@@ -298,9 +298,7 @@ def test_a_pad_of_unknown_height_is_taken_for_a_block_and_not_for_a_column_that_
     assert record.tables.assumed_heights_mm == {}
 
 
-def test_the_compliance_of_bodies_is_in_doubt_unless_they_are_described_or_part_of_a_stated_stiffness(
-    record: LineRecord,
-) -> None:
+def test_the_compliance_of_bodies_is_in_doubt_unless_they_or_their_stiffness_are_described(record: LineRecord) -> None:
     assert not record.tables.doubts_bodies
     bare = undescribed(record)
     assert bare.tables.doubts_bodies

@@ -109,9 +109,7 @@ def test_lines_are_symmetric_to_the_bit_end_exactly_on_the_edges_and_grow_as_ask
 
 
 @given(st.floats(1e-3, 0.02), st.floats(1.0, 10.0), st.floats(0.1, 3.0), st.floats(0.05, 0.5))
-def test_lines_that_are_fine_at_the_ends_keep_their_sizes_there_and_in_the_middle(
-    fine: float, coarser: float, middle: float, edge: float
-) -> None:
+def test_lines_fine_at_the_ends_keep_their_sizes_there(fine: float, coarser: float, middle: float, edge: float) -> None:
     axis = EdgeGradedAxis(fine, coarser * fine, middle, middle + edge)
     lines = axis.half_lines()
     sizes = np.diff(lines)
@@ -176,9 +174,7 @@ def test_a_uniform_depth_moves_the_inside_down_by_no_more_than_the_surface() -> 
 
 @pytest.mark.seconds
 @pytest.mark.parametrize("upper", [True, False])
-def test_a_placed_body_sees_one_surface_whether_nodes_have_been_moved_into_it_or_not(
-    fresh: BodyMesh, upper: bool
-) -> None:
+def test_a_placed_body_sees_one_surface_whether_nodes_were_moved_into_it_or_not(fresh: BodyMesh, upper: bool) -> None:
     depth = scar(fresh, 0.008)
     body = place(bodies.condensed_wire(FINE_mm), upper=upper, axis_angle_rad=0.7)
     moved = replace(body, patch=fresh.worn(depth).patch)

@@ -52,9 +52,7 @@ def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
 @pytest.mark.first_case
 @pytest.mark.seconds
 @pytest.mark.parametrize("logger", ["German", "English"])
-def test_a_guessed_mapping_gives_the_record_of_the_files(
-    tmp_path: Path, example: ExperimentRecord, logger: str
-) -> None:
+def test_a_guessed_mapping_gives_the_files_record(tmp_path: Path, example: ExperimentRecord, logger: str) -> None:
     write = write_german if logger == "German" else write_english
     record = imported(tmp_path, write(example, tmp_path))
     assert record.repeats == example.repeats

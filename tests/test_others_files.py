@@ -138,9 +138,7 @@ columns = { x_um = "x", y_um = "y", depth_um = "d", repeat = "repeat" }
         (SCARS, "scar.csv", "x,y,d,repeat\n0,0,1,{}\n"),
     ],
 )
-def test_what_counts_nothing_is_no_cycle(
-    tmp_path: Path, cycle: Any, table: str, file: str, rows: str, value: str
-) -> None:
+def test_what_counts_nothing_is_none(tmp_path: Path, cycle: Any, table: str, file: str, rows: str, value: str) -> None:
     (tmp_path / "cycle_1_rep1.txt").write_bytes(german(*cycle).encode("latin-1"))
     (tmp_path / file).write_text(rows.format(value))
     with pytest.raises(RecordError, match=r"(cycle|repeat) is .*, but must be a whole number between 0 and 1e\+\d+\.$"):

@@ -213,13 +213,13 @@ def test_a_drawn_wire_is_round_and_keeps_its_corners(
 
 
 def cap(count: int, power: float = 1.0, skew: float = 0.0) -> Scar:
-    """A round area of that radius on an uneven grid of count² points, its pressure and depth (1 − r²/R²)^power."""
-    side = np.linspace(-1.0, 1.0, count)
-    line = 120.0 * (side + skew * (side**2 - 1.0))
-    r = np.hypot(line[:, None], line[None, :]) / RADIUS_um
+    """A round area of that radius on an uneven grid, count × (count + 4), its pressure and depth (1 − r²/R²)^power."""
+    sides = np.linspace(-1.0, 1.0, count), np.linspace(-1.0, 1.0, count + 4)
+    axial, transverse = (120.0 * (side + skew * (side**2 - 1.0)) for side in sides)
+    r = np.hypot(axial[:, None], transverse[None, :]) / RADIUS_um
     field = np.maximum(1.0 - r**2, 0.0) ** power
     blank = np.zeros_like(field)
-    return Scar(1, "fixed", 0.45, 90.0, line, line, 10.0 * field, blank, 500.0 * field, blank)
+    return Scar(1, "fixed", 0.45, 90.0, axial, transverse, 10.0 * field, blank, 500.0 * field, blank)
 
 
 @pytest.mark.parametrize("skew", [0.0, 0.2])

@@ -75,9 +75,7 @@ def cycle(problem: ContactProblem) -> CycleTrace:
     return closed_cycle(problem, start, Drive(AMPLITUDE_mm), INCREMENTS)[1]
 
 
-def test_recorded_forces_stretch_the_rig_as_far_as_its_holder_stands(
-    problem: ContactProblem, cycle: CycleTrace
-) -> None:
+def test_recorded_forces_stretch_the_rig_as_far_as_its_holder_is(problem: ContactProblem, cycle: CycleTrace) -> None:
     for forces in forces_on(problem, cycle, 1, 8, ("moving", "fixed")):
         assert RIG_N_per_mm * forces.holder_x_um == pytest.approx(1e3 * forces.tangential_force_N, abs=1e-4)
         approach_um = 1e3 * pressed(problem)[0].holder_z

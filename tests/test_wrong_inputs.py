@@ -90,9 +90,7 @@ def test_a_wrong_input_is_one_sentence_and_exit_code_2(line: str, sentence: str)
         "calibrate steel_wires.toml --variant rigid --record RECORD",
     ],
 )
-def test_an_output_folder_that_takes_no_files_is_told_before_anything_is_computed(
-    line: str, output: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_output_that_takes_no_files_is_told_at_once(line: str, output: str, monkeypatch: pytest.MonkeyPatch) -> None:
     def forbidden(*_: object) -> None:
         raise AssertionError("a body was condensed")
 
