@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
 from wirewear.diagnosis.infer.inference import Fit, Problem
-from wirewear.diagnosis.infer.search import Search, search, updated
+from wirewear.diagnosis.infer.search import Search, Updated, search, updated
 from wirewear.diagnosis.infer.sets import LEVEL, plausible
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.model.nominal import nominal_study
@@ -227,10 +227,10 @@ def test_a_gap_that_a_further_record_does_not_show_is_no_effect_of_the_rig() -> 
 
 
 def test_a_search_holds_every_further_record() -> None:
-    found = searched(one_loop("spring", "sensor", 1, 100))
+    found, other = searched(one_loop("spring", "sensor", 1, 100)), one_loop("none", "sensor", 2, 100)
     for count in (1, 2):
-        other = one_loop("none", "sensor", 2, 100)
         found = updated(found, states(), nominal(other.tables.conditions.drive), reduce(other))
+        assert isinstance(found, Updated)
         assert len(found.further) == len(found.before) == count
 
 

@@ -126,7 +126,8 @@ def test_intervals_of_a_laws_form_reach_1_96_deviations_to_either_side() -> None
 
 @pytest.mark.parametrize(("times", "told"), [(2.9, False), (3.1, True)])
 def test_a_misfit_is_that_of_each_degree_of_freedom(times: float, *, told: bool) -> None:
-    fit = FastFit(*np.zeros((5, 4)), misfit=6.0 * times**2, points=10)
+    none = np.zeros(4)
+    fit = FastFit(none, none, none, none, none, misfit=6.0 * times**2, points=10)
     assert bool(_misfit(fit)) is told
 
 

@@ -126,7 +126,7 @@ def test_a_record_compares_itself(run: ww.Run, tmp_path: Path) -> None:
     )
     assert {pair.cycle for pair in record.compare(run).loops} == {1, 100, 1000, 10_000, 100_000}
     assert "at the cycles 1, 100, 1000, 10\u2009000, 100\u2009000<" in record._repr_html_()
-    many = dataclasses.replace(record, loops=[dataclasses.replace(record.loops[0], cycle=i) for i in range(1, 14)])
+    many = dataclasses.replace(record, loops=tuple(dataclasses.replace(record.loops[0], cycle=i) for i in range(1, 14)))
     assert "11, 12 …" in many._repr_html_()
 
 

@@ -94,8 +94,7 @@ def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:
 def test_a_repeat_counts_for_wear_only_if_both_its_scars_are_known() -> None:
     record = read_record(EXAMPLES / "rigid_stated_compliant_rig")
     whole = _worn(record)
-    first = record.scars[0]
-    less = dataclasses.replace(record, scars=[one for one in record.scars if one is not first])
+    less = dataclasses.replace(record, scars=record.scars[1:])
     assert len(whole) == 3
     assert _worn(less) == whole[1:] == whole[-2:]
 
