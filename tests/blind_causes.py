@@ -20,7 +20,6 @@ from studies.blind.generators.sizes import drawn_parameters
 Named = dict[str, float]
 STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
 TURN = np.asarray(2.0 * np.pi * np.arange(1440) / 1440, dtype=np.float64)
-
 #: A sine of 60 µm at 3 Hz, and a force that is odd over half a cycle.
 LOOP = Signals(
     np.asarray(TURN / (6.0 * np.pi)),
@@ -32,7 +31,6 @@ LOOP = Signals(
 #: A block that slides on Coulomb friction without any give, and where it does so in either direction.
 BLOCK = replace(LOOP, tangential_force_N=np.asarray(1.2 * np.sign(np.cos(TURN + 1e-9))))
 FORTH, BACK = np.cos(TURN) > 0.05, np.cos(TURN) < -0.05
-
 #: Each cause of the unseen, the withheld and the reserved set at a size that changes nothing.
 NOTHING: dict[str, Named] = {
     "leaking_charge": {"time_s": 1e9},
@@ -93,7 +91,6 @@ NOTHING: dict[str, Named] = {
 #: Those that are read of a loop and leave it as it is, and those of the two later sets at the seams of a run.
 READ = [effect for effect, nothing in NOTHING.items() if instruments_of([TrueEffect(effect, nothing)], Nominal())]
 AT_SEAMS = [effect for name in ("withheld", "reserved") for effect in OF_RUNS[name] if effect not in READ]
-
 #: What tells the ends of a stroke or the directions apart, in the force or in the displacement, or keeps no time.
 ONE_WAY_IN_FORCE = {
     "sticking_lever", "overloaded_cell", "loose_plug", "hard_spot", "debris_ridge", "halting_logger", "spreading_glaze",

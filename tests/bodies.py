@@ -17,17 +17,14 @@ from wirewear.simulation import problem as wires
 
 # Threads cost more than they gain on problems this small, most of all on a busy machine.
 _ONE_THREAD = {"limits": 1, "user_api": "blas"}
-
 DIAMETER_mm = 0.45
 RADIUS_mm = 0.225
 LOAD_N = 2.0
 FRICTION = 0.62
 RIG_N_per_mm = 167.0
 AMPLITUDE_mm = 0.06
-
 #: Pressed on a mesh of such elements, the wires meet Hertz within 2 % (`test_contact_normal`).
 ELEMENTS_THAT_MEET_HERTZ_mm = 0.0041
-
 STEEL = Elastic(210_000.0, 0.3)
 
 
@@ -100,8 +97,7 @@ def condensed_wire(fine_mm: float, axial_fine_mm: float = 0.02, axial_half_mm: f
 def placed_wire(fine_mm: float, upper: bool, long_patch: bool) -> PlacedBody:
     """The lower wire lies along the motion, the upper one across it; a long patch has room for the whole stroke."""
     extent = (0.08, 0.11) if long_patch else (0.02, 0.04)
-    body = condensed_wire(fine_mm, *extent)
-    return place(body, upper=upper, axis_angle_rad=np.pi / 2 if upper else 0.0)
+    return place(condensed_wire(fine_mm, *extent), upper=upper, axis_angle_rad=np.pi / 2 if upper else 0.0)
 
 
 def crossed_wires(

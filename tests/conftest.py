@@ -41,8 +41,7 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     The exam is left out where all that it examines is as it was when it was last passed.
     """
     if not config.getoption("--all") and is_examined():
-        left_out = [item for item in items if item.path.name.startswith(EXAM)]
-        config.hook.pytest_deselected(items=left_out)
+        config.hook.pytest_deselected(items=[item for item in items if item.path.name.startswith(EXAM)])
         items[:] = [item for item in items if not item.path.name.startswith(EXAM)]
     minutes, slow, count = Counter[Path](), Counter[Path](), Counter[Path]()
     for item in items:

@@ -25,7 +25,6 @@ from wirewear.views.diagnosis_wording import Diagnosed
 CYCLES = (100, 1000, 10_000, 100_000)
 EVOLUTION_CYCLES = (20, 50, 300, 3000, 30_000)
 NOISE_um, NOISE_N = 0.15, 0.008
-
 STATED = {
     "friction": 0.62,
     "energy_wear_coefficient_mm3_per_J": 3.0e-5,

@@ -17,7 +17,6 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.records import ExperimentRecord
 
 FILE = Path(__file__).parent / "data" / "steel_wires_states.json"
-
 DIGITS = 8  #: Digits that are kept: many more than differences between solvers leave.
 
 

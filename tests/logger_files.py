@@ -90,7 +90,6 @@ def height_points(scar: MeasuredScar, diameter_mm: float) -> tuple[Array, Array,
 
 
 LENGTH_mm, LOAD_N, DEPTHS_um = 8.0, 160.0, {"pad": 1.5, "specimen": 2.5}
-
 CYLINDER = {"radius_mm": 6.0}
 FLAT = {"face_half_width_mm": 0.3, "edge_radius_mm": 3.0}
 

@@ -15,7 +15,6 @@ from geometry.arrays import Array
 
 SAMPLES, CYCLES, FREQUENCY_Hz, LOAD_N, AMPLITUDE_um = 128, 4, 3.0, 2.0, 60.0
 STIFFNESS_N_per_um, FRICTION = 0.167, 0.62
-
 GRAM_N, INCH_um, POUND_N = 9.80665e-3, 25400.0, 4.4482216152605
 
 
@@ -107,8 +106,7 @@ def bracketed(own: Language) -> Written:
     """Units in brackets in the names, or after a slash as German standards have them."""
     spelled = "{} / {}" if own is GERMAN else "{} [{}]"
     named = [(own.time, "ms"), (own.displacement, "mm"), (own.force, "mN")]
-    head = line(own, *(spelled.format(*one) for one in named))
-    return plain(head, (1e3 * TIME, 1e-3 * X, 1e3 * FORCE), own)
+    return plain(line(own, *(spelled.format(*one) for one in named)), (1e3 * TIME, 1e-3 * X, 1e3 * FORCE), own)
 
 
 def between(*lines: str) -> Callable[[Language], Written]:
@@ -155,8 +153,7 @@ def clock(spelled: str, begin_s: float = 43258.5) -> Callable[[Language], Writte
 def ends_in_nothing(own: Language) -> Written:
     """Rows without any number at the end, as a logger leaves them that was stopped."""
     head = line(own, f"{own.time} (s)", f"{own.displacement} (um)", f"{own.force} (N)")
-    columns = (np.append(one, [np.nan] * 3) for one in (TIME, X, FORCE))
-    return plain(head, tuple(columns), own)
+    return plain(head, tuple(np.append(one, [np.nan] * 3) for one in (TIME, X, FORCE)), own)
 
 
 def lvm(columns_of_time: str) -> Callable[[Language], Written]:

@@ -11,7 +11,6 @@ from tests.strangers_files import ENGLISH, Language, line, of_language, table
 #: A flat, tilted, with a parabolic scar of known cross-section.
 DEPTH_um, HALF_um, STEP_um, POINTS = 8.0, 200.0, 1.0, 2000
 AREA_um2 = 4.0 / 3.0 * DEPTH_um * HALF_um
-
 PLACE: Array = STEP_um * np.arange(POINTS, dtype=np.float64)
 _SCAR: Array = np.asarray(DEPTH_um * np.maximum(1.0 - ((PLACE - 1000.0) / HALF_um) ** 2, 0.0))
 HEIGHT: Array = np.asarray(3.0 + 2e-3 * PLACE - _SCAR + 0.01 * np.random.default_rng(3).standard_normal(POINTS))
@@ -84,8 +83,7 @@ def numbered(own: Language) -> Line:
     """The number of each point in place of its place."""
     name = "No." if own is ENGLISH else "Nr."
     head = line(own, name, f"{'Height' if own is ENGLISH else 'Höhe'} [um]")
-    answers = {"x_um": of_language(name, "um")}
-    return Line(columns(head, PLACE / STEP_um + 1.0, HEIGHT, own).text, answers)
+    return Line(columns(head, PLACE / STEP_um + 1.0, HEIGHT, own).text, {"x_um": of_language(name, "um")})
 
 
 def graph_curve(own: Language) -> Line:

@@ -55,7 +55,6 @@ WEARING = """
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 """
 
-
 TABLES: dict[str, Any] = {
     "format": 1,
     "name": "cylinder on flat",

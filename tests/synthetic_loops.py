@@ -40,8 +40,7 @@ class SyntheticLoop:
         ya = self.own_amplitude_um
         if ya <= self.slides_within_um:
             raise ValueError("this recipe does not slide")
-        turn = np.linspace(0.0, math.pi, 4001)
-        y = -ya * np.cos(turn)
+        y = -ya * np.cos(np.linspace(0.0, math.pi, 4001))
         mobilised = branch_force(contact, y * 1e-3, ya * 1e-3, forward=True) / contact.limit_N
         self.own_um = y
         self.force_N = self._force(y, mobilised)
@@ -79,8 +78,7 @@ class SyntheticLoop:
         time = np.arange(samples) / samples if times is None else times
         angle = 2.0 * np.pi * (time + phase)
         displacement = self.recipe.amplitude_um * np.sin(angle)
-        forward = np.cos(angle) >= 0.0
-        sign = np.where(forward, 1.0, -1.0)
+        sign = np.where(np.cos(angle) >= 0.0, 1.0, -1.0)
         force = sign * np.interp(sign * displacement, self.displacement_um, self.force_N)
         return time, displacement, force
 
@@ -259,8 +257,7 @@ class RealLoop:
         """Slips in one cycle, about: what is slid over what the spring stretches between two of them."""
         forces = self.friction_forward_N + self.friction_backward_N
         lost = 2.0 * self.play_um + 2.0 * forces / self.stiffness_N_per_um
-        each = self.chatter_drop * 0.5 * forces / self.stiffness_N_per_um
-        return (4.0 * self.amplitude_um - lost) / each
+        return (4.0 * self.amplitude_um - lost) / (self.chatter_drop * 0.5 * forces / self.stiffness_N_per_um)
 
 
 @dataclass(frozen=True)

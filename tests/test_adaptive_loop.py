@@ -18,10 +18,7 @@ from wirewear.loops.sensor import enclosed_area
 amplitudes = st.floats(1e-4, 10.0)
 #: Share of the amplitude by which the contact has carried its holder along.
 carried = st.floats(-0.2, 1.2)
-
-
 counts = st.integers(2, 200)
-
 MIRROR = Mirror(-1.0, 1.0, np.array([2, 1, 0]), np.array([1, 0]))
 INCREMENTS = 32
 SLIDING_N = FRICTION * LOAD_N
@@ -42,8 +39,7 @@ def test_places_of_one_stroke_lie_between_those_of_the_other(amplitude: float, s
     places = wear_path(amplitude, holder, count)
     # Where the bodies meet: the drive less the holder's place, which is carried along to either side in turn.
     there = places[1:-1] + holder
-    back = -there[::-1]
-    both = np.sort(np.concatenate([there, back]))
+    both = np.sort(np.concatenate([there, -there[::-1]]))
     slides = amplitude - holder
     spacing = 2.0 * slides / (count - 2)
     assert np.allclose(np.diff(both), 0.5 * spacing, rtol=1e-9, atol=1e-12 * amplitude)
@@ -77,8 +73,7 @@ def test_a_stroke_before_tells_where_bodies_slide(amplitude: float, share: float
     # Where the bodies meet, strokes lie between one another as before.
     there = places[1:-1] - np.interp(-places[1:-1], -drive, holder)
     both = np.sort(np.concatenate([there, -there]))
-    half = (amplitude - carried) / (count - 2)
-    assert np.allclose(np.diff(both), half, rtol=0.02, atol=1e-6 * amplitude)
+    assert np.allclose(np.diff(both), (amplitude - carried) / (count - 2), rtol=0.02, atol=1e-6 * amplitude)
 
 
 def half(side: float) -> Guide:
@@ -104,8 +99,7 @@ def test_a_stroke_that_was_recorded_is_guessed_by_its_drive_whatever_the_phase(s
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_the_other_stroke_is_not_guessed_unless_a_mirror_makes_it(side: float) -> None:
     guide = half(side)
-    other = 0.75 if side > 0.0 else 0.25
-    assert guide.at(other, 0.0) is None
+    assert guide.at(0.75 if side > 0.0 else 0.25, 0.0) is None
     whole = with_images(guide, MIRROR)
     assert np.all(np.diff(whole.phase) > 0.0)
     for drive in (-0.04, 0.0, 0.03):
@@ -152,8 +146,7 @@ def test_straight_lines_between_increments_follow_a_loop_of_400(wires: solvers.C
     assert distance(loop, fine) <= 0.005 * SLIDING_N
     assert len(loop.drive) <= 120
     # As many increments on a cosine do not.
-    count = 4 * (len(loop.drive) // 4)
-    _, cosine = solvers.closed_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), count)
+    _, cosine = solvers.closed_cycle(problem, state, solvers.Drive(AMPLITUDE_mm), 4 * (len(loop.drive) // 4))
     assert distance(cosine, fine) > distance(loop, fine)
     area = abs(enclosed_area(loop.drive, loop.tangential_force))
     assert loop.friction_work == pytest.approx(area, rel=1e-3)

@@ -13,7 +13,6 @@ from studies.atlas.table import frozen, moved, write_table
 from wirewear import StudyError
 
 TABLE = "# source\ntest,use,load_N,energy_J\na,fit,1,2.0\nb,fit,2,4.2\nc,predict,4,9.0\nd,predict,5,\n"
-
 ENTRY = """
 name = "made"
 citation = "nobody"

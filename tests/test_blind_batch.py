@@ -151,11 +151,8 @@ def test_the_independent_model_makes_a_batch_of_every_kind_that_the_program_read
 
 
 OUTSIDE_KINDS = PlainModel().outside
-
 MODEL = IndependentModel(points=8)
-
 GENERATORS = ROOT / "studies" / "blind" / "generators"
-
 #: The seam to the finite elements (tiers T0 and T1, and L1) is the only part that may know the simulation.
 FINITE_ELEMENT_SEAM = GENERATORS / "finite_element"
 SEAMS = (FINITE_ELEMENT_SEAM, GENERATORS / "lines")

@@ -29,14 +29,12 @@ def test_a_leaking_charge_holds_no_force() -> None:
 
 def test_a_heavy_holder_rings_at_its_own_frequency() -> None:
     rung = seen("ringing_force_cell", natural_frequency_Hz=45.0, damping=0.05).tangential_force_N
-    true = np.abs(np.fft.rfft(LOOP.tangential_force_N))
-    gained = np.abs(np.fft.rfft(rung))[[1, 15]] / true[[1, 15]]
+    gained = np.abs(np.fft.rfft(rung))[[1, 15]] / np.abs(np.fft.rfft(LOOP.tangential_force_N))[[1, 15]]
     assert gained == pytest.approx([1.0 / (1.0 - 1.0 / 225.0), 10.0], rel=1e-3)
 
 
 def test_hysteresis_of_the_displacement_is_widest_in_mid_stroke_and_nothing_at_the_ends() -> None:
-    found = seen("hysteretic_displacement", share=0.1).displacement_um
-    lag = LOOP.displacement_um - found
+    lag = LOOP.displacement_um - seen("hysteretic_displacement", share=0.1).displacement_um
     assert lag[[0, 720]] == pytest.approx([6.0, -6.0])
     assert lag[[360, 1080]] == pytest.approx(0.0, abs=1e-9)
 
@@ -267,8 +265,7 @@ def test_a_slide_gives_way_at_one_end_alone(um_per_N: float) -> None:
 
 def test_friction_turns_with_the_slip_where_the_holder_goes_round() -> None:
     turned = seen("orbiting_holder", STIFF, across=0.3).tangential_force_N
-    there = np.cos(TURN) / np.hypot(np.cos(TURN), 0.3 * np.sin(TURN))
-    assert turned == pytest.approx(1.2 * there, abs=0.1)
+    assert turned == pytest.approx(1.2 * (np.cos(TURN) / np.hypot(np.cos(TURN), 0.3 * np.sin(TURN))), abs=0.1)
     # It begins to fall before the reversal, which no lag does.
     assert turned[340] < 0.9 * STIFF.tangential_force_N[340]
 

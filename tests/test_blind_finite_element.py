@@ -93,8 +93,7 @@ def test_loops_are_logged_at_their_increments_and_at_the_times_of_the_waveform()
     case = replace(case, nuisances=nuisances, effects=())
     loops = tuple(a_loop(cycle, increments=96) for cycle in (1, *nuisances.loop_cycles[0]))
     bowls = tuple(bowl(wire, 15.0, 150.0, 150.0) for wire in ("moving", "fixed"))
-    made = replace(result(), loops=loops, scars=bowls)
-    test = model.logged(made, case, 1, QUIET, np.random.default_rng(1))
+    test = model.logged(replace(result(), loops=loops, scars=bowls), case, 1, QUIET, np.random.default_rng(1))
     for loop in test.loops:
         assert loop.displacement_um == pytest.approx(loops[0].displacement_um)
         assert loop.tangential_force_N == pytest.approx(loops[0].tangential_force_N)
@@ -111,8 +110,7 @@ def readings(*effects: TrueEffect, draw: SpecimenDraw = QUIET) -> dict[int, tupl
 
 def test_sensors_read_gain_coupling_crosstalk_and_zero_errors() -> None:
     plain = readings()[100000]
-    gained = readings(TrueEffect("displacement_gain", {"gain": 1.1}))[100000]
-    assert gained[0] == pytest.approx(1.1 * plain[0])
+    assert readings(TrueEffect("displacement_gain", {"gain": 1.1}))[100000][0] == pytest.approx(1.1 * plain[0])
     mixed = readings(TrueEffect("force_crosstalk", {"coefficient": 0.02}))[100000]
     assert mixed[1] == pytest.approx(plain[1] + 0.02 * plain[2])
     offset = readings(draw=SpecimenDraw(displacement_zero_um=0.4, force_zero_N=0.01))[100000]
@@ -167,7 +165,6 @@ def test_a_map_reaches_as_far_as_the_scar_of_wires_at_any_angle(angle_deg: float
 
 
 MODEL = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
-
 NUISANCES = Nuisances(
     repeats=1,
     scatter=Scatter(0.01, 0.005, 0.04, 0.3),
@@ -185,7 +182,6 @@ NUISANCES = Nuisances(
     loop_cycles=((100, 20_000),),
     evolution_cycles=(100, 20_000),
 )
-
 SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 LAST_DIGITS = slice(9, None, 7)
@@ -198,16 +194,14 @@ def case(kind: str, *effects: TrueEffect, left_out: tuple[str, ...] = ()) -> Cas
 @pytest.mark.slow
 def test_what_a_known_effect_makes_alone_is_imitated_by_it() -> None:
     whole = fair_size(case("single", SPRING), MODEL)
-    imitated = fair_size(case("pair", SPRING), MODEL)
-    assert imitated < 1e-3
+    assert fair_size(case("pair", SPRING), MODEL) < 1e-3
     assert whole > 100.0
 
 
 @pytest.mark.slow
 def test_a_pair_is_larger_than_what_one_of_it_leaves_and_smaller_than_both() -> None:
     pair = fair_size(case("pair", SPRING, SLIPPERY), MODEL)
-    both = fair_size(case("single", SPRING, SLIPPERY), MODEL)
-    assert 1.0 < pair < both
+    assert 1.0 < pair < fair_size(case("single", SPRING, SLIPPERY), MODEL)
 
 
 @pytest.mark.first_case
@@ -220,8 +214,7 @@ def test_a_gap_is_smaller_under_more_noise(share: float) -> None:
         force_noise_N=share * NUISANCES.force_noise_N,
     )
     own = fair_size(case("single", SPRING), MODEL)
-    other = fair_size(replace(case("single", SPRING), nuisances=noisier), MODEL)
-    assert (other < own) == (share > 1.0)
+    assert (fair_size(replace(case("single", SPRING), nuisances=noisier), MODEL) < own) == (share > 1.0)
 
 
 def metadata(folder: Path) -> list[float]:

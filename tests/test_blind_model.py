@@ -79,13 +79,11 @@ def test_worn_volume_is_the_wear_coefficient_times_the_loops_energy(steel: list[
     energy = [
         loop_figures(1e3 * s.loop.displacement_mm, s.loop.tangential_force_N)["dissipated_energy_mJ"] for s in steel
     ]
-    spent = np.trapezoid([energy[0], *energy], cycles)
-    assert steel[-1].worn_mm3 == pytest.approx(3e-8 * spent, rel=0.02)
+    assert steel[-1].worn_mm3 == pytest.approx(3e-8 * np.trapezoid([energy[0], *energy], cycles), rel=0.02)
 
 
 def test_the_unworn_world_wears_in_proportion_to_the_shares() -> None:
-    world = replace(STEEL, wear=replace(STEEL.wear, moving_share=0.2))
-    [snapshot] = at(world, 2000, points=16)
+    [snapshot] = at(replace(STEEL, wear=replace(STEEL.wear, moving_share=0.2)), 2000, points=16)
     assert snapshot.shapes.moving.sum() / snapshot.shapes.fixed.sum() == pytest.approx(0.25, rel=1e-9)
 
 
@@ -241,7 +239,6 @@ def test_roughness_softens_the_early_loop_and_wears_in() -> None:
 
 FREE_STROKE = believed_world(Nominal(), "dahl", held_on_sensor=False)
 PHASE = 2.0 * np.pi * np.arange(1440) / 1440
-
 #: A loop in closed form: a sine of 60 µm, forces of ±1.2 N that turn within some degrees of each reversal.
 LOOP = TrueLoop(0.06 * np.sin(PHASE), 1.2 * np.tanh(8.0 * np.cos(PHASE - 0.3)), np.full(1440, 2.0), (-0.055, 0.055))
 

@@ -32,7 +32,6 @@ from studies.blind.generators.others.world import World
 from wirewear.records import read_record
 
 E_MPa, RADIUS_mm, LOAD_N = 115000.0, 2.0, 20.0
-
 WIRES = WireTest(
     diameter_mm=1.0, load_N=3.0, amplitude_um=40.0, cycles=3000, stiffness_N_per_mm=None, spring_N_per_mm=0.0
 )
@@ -207,8 +206,7 @@ def test_a_batch_of_others_can_be_read_and_says_nothing_of_its_effects(
         monkeypatch.setitem(GROWTH, simulator, 1.8)
     make_batch(tmp_path / "records", cases=3, seed=4, generator=generator_of("T3"), tests=2)
     for case in sorted((tmp_path / "records").glob("case_*")):
-        record = read_record(case)
-        assert record.loops
+        assert read_record(case).loops
         assert not any(name in (case / "experiment.toml").read_text() for name in SIZES)
 
 

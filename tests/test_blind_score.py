@@ -32,7 +32,6 @@ from wirewear.base.reading import with_checksum
 from wirewear.effects import all_effects
 
 STIFFNESS = all_effects()["tangential_compliance"].parameters()["stiffness_N_per_mm"]
-
 TRUTHS = truths_of(400)
 
 
@@ -64,8 +63,7 @@ def test_a_perfect_diagnosis_scores_perfectly() -> None:
 @pytest.mark.seconds
 def test_a_shuffled_key_scores_at_chance() -> None:
     truths = truths_of(2000)
-    random = np.random.default_rng(0)
-    shuffled = random.permutation(len(truths))
+    shuffled = np.random.default_rng(0).permutation(len(truths))
     answers = {truth.case: perfect(truths[other]) for truth, other in zip(truths, shuffled, strict=True)}
     found = figures(truths, answers)
     # Each answer is drawn from the plan's own: the class is right as often as two draws agree.

@@ -27,7 +27,6 @@ from wirewear import ResultError, read_result, run_study
 from wirewear.simulation import Observer
 
 ROOT = Path(__file__).resolve().parent.parent
-
 # In a process of its own, so that what dies with it takes no other test along.
 KILLED = """
 from tests.test_broken_commands import Silent, killed, killed_maker
@@ -141,7 +140,6 @@ def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
 
 
 RUN = ("run", "study.toml", "--fidelity", "quick", "--output")
-
 #: Three cycles of it.
 BRIEF = STUDY.replace("\ncycles = 30\n", "\ncycles = 3\n").replace("[1, 3, 10, 30]", "[1, 3]")
 

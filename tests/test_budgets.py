@@ -16,7 +16,6 @@ from wirewear.simulation.workbench import write_line_meshes
 
 STUDIES = Path(__file__).parent.parent / "studies"
 STUDY = load_study(STUDIES / "steel_wires" / "study.toml").variant("rigid")
-
 GB = 1e9
 
 

@@ -213,8 +213,7 @@ def engine(request: pytest.FixtureRequest) -> Engine:
 
 def killed_the_first_time(folder: Path, number: int) -> int:
     """The number; of number 3 the process is killed the first time."""
-    begun = folder / f"{number}-{time.monotonic_ns()}"
-    begun.touch()
+    (folder / f"{number}-{time.monotonic_ns()}").touch()
     if number == 3 and len(list(folder.glob("3-*"))) == 1:
         os.kill(os.getpid(), signal.SIGKILL)
     return number

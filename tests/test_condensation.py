@@ -23,7 +23,6 @@ from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geom
 from wirewear.simulation import problem as wires
 
 MATERIAL = Elastic(210_000.0, 0.3)
-
 FINE_mm = 0.02
 
 
@@ -106,8 +105,7 @@ def test_a_wire_worn_alike_on_both_sides_stays_symmetric() -> None:
 
 def turned_dense(body: CondensedBody, rotation: Array) -> Array:
     n = body.patch.size
-    blocks = body.compliance.reshape(n, 3, n, 3)
-    turned: Array = np.einsum("ak,ikjl,bl->iajb", rotation, blocks, rotation)
+    turned: Array = np.einsum("ak,ikjl,bl->iajb", rotation, body.compliance.reshape(n, 3, n, 3), rotation)
     return turned.reshape(3 * n, 3 * n)
 
 

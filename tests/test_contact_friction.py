@@ -12,11 +12,9 @@ from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N
 from wirewear import reference
 
 COUNT = 240
-
 COARSE_mm, FINE_mm = 0.010, 0.007
 LIMIT_N = FRICTION * LOAD_N
 PER_CYCLE = 40
-
 Slip = tuple[list[ContactState], list[list[IncrementReport]]]
 
 

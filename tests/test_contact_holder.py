@@ -17,7 +17,6 @@ from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm
 
 COARSE_mm = 0.010
 ANGLE = radians(2.0)
-
 #: To one end of the stroke, to the other, and back to the first.
 WAY = AMPLITUDE_mm * np.array([0.3, 0.6, 0.9, 0.6, 0.3, 0.0, -0.3, -0.6, -0.9, -0.6, -0.3, 0.0, 0.3, 0.6, 0.9])
 STROKE = AMPLITUDE_mm * np.sin(2.0 * np.pi * np.arange(1, 21, 2) / 40)
@@ -222,8 +221,7 @@ def test_the_loop_gives_back_every_element_of_the_holder(spring: ContactProblem)
     assert found.tangential_stiffness_N_per_mm == pytest.approx(RIG_N_per_mm, rel=1e-6)
     assert found.rotational_stiffness_N_mm_per_rad == pytest.approx(400.0 * arm**2, rel=1e-6)
     assert found.play_mm == pytest.approx(PLAY_mm, rel=1e-6)
-    series = 1.0 / (1.0 / RIG_N_per_mm + 1.0 / 400.0)
-    assert found.contact_stiffness_N_per_mm == pytest.approx(series, rel=0.02)
+    assert found.contact_stiffness_N_per_mm == pytest.approx(1.0 / (1.0 / RIG_N_per_mm + 1.0 / 400.0), rel=0.02)
 
 
 def test_play_within_which_the_whole_stroke_fits_carries_no_force(spring: ContactProblem) -> None:

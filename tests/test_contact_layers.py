@@ -17,7 +17,6 @@ from tests.bodies import LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driv
 from wirewear.loops.sensor import enclosed_area
 
 pytestmark = pytest.mark.seconds
-
 COARSE_mm = 0.010
 STEPS = AMPLITUDE_mm * np.sin(0.5 * np.pi * np.arange(1, 6) / 5)
 ROUGH = RoughLayer(2e-4, 100.0)
@@ -107,8 +106,7 @@ def test_shear_of_a_bed_of_debris_is_in_series_with_the_contact(smooth: ContactP
     rigid = replace(smooth, holder=Holder(LOAD_N), layers=(debris,))
     worn = replace(pressed(smooth)[0], wear=worn_by(smooth, depth))
     settled = driven(replace(rigid, friction=0.0), worn, np.zeros(1))[0][0]
-    loaded = settled.traction[:, 2] > 0.0
-    area = float(smooth.surface.areas[loaded].sum())
+    area = float(smooth.surface.areas[(settled.traction[:, 2] > 0.0)].sum())
     bed = area / float(debris.shear_compliance(np.ones(1), np.array([2.0 * depth]))[0][0])
     bare = stick_stiffness(replace(rigid, layers=()))
     assert 0.2 < bed / bare < 2.0

@@ -258,7 +258,6 @@ def test_a_resumed_run_ends_as_one_that_was_not_interrupted(monkeypatch: pytest.
     with pytest.raises(KeyboardInterrupt):
         run(monkeypatch, Stepper(stop_after=180.0), broken, limits=(60.0, 1e9))
     before = len(broken.checkpoints_written)
-    resumed = run(monkeypatch, Stepper(), broken, limits=(60.0, 1e9), resume=True)
-    assert resumed == expected
+    assert run(monkeypatch, Stepper(), broken, limits=(60.0, 1e9), resume=True) == expected
     assert 0 < before < len(broken.checkpoints_written)
     assert broken.checkpoints_written == unbroken.checkpoints_written

@@ -264,8 +264,7 @@ def test_a_record_that_states_nothing_of_friction_and_wear_is_diagnosed_by_what_
     """The answer is that of the record which states both as they are."""
     told = read_record(EXAMPLES / "rigid_stated_compliant_rig")
     silent = told.tables.stated.model_copy(update={"friction": None, "energy_wear_coefficient_mm3_per_J": None})
-    tables = told.tables.model_copy(update={"stated": silent})
-    answer = diagnose(replace(told, tables=tables)).diagnosis
+    answer = diagnose(replace(told, tables=told.tables.model_copy(update={"stated": silent}))).diagnosis
     assert any(note.startswith("[stated] gives no friction and wear") for note in answer.notes)
     spring = next(cause for cause in answer.causes if cause.effect == "tangential_compliance")
     assert spring.parameters["stiffness_N_per_mm"].value == pytest.approx(167.0, rel=0.08)

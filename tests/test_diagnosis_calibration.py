@@ -16,7 +16,6 @@ from wirewear.effects import all_effects, registry
 from wirewear.effects.holder import FreePlay, RotationalCompliance
 
 FOLDER = Path(wirewear.diagnosis.__file__).parent
-
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
 ELSEWHERE = {
     "forward.py", "readings.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
@@ -69,14 +68,12 @@ def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_se
 
 
 def test_no_more_numbers_are_tuned_than_were() -> None:
-    tuned = [np.size(one.value) for one in all_constants() if one.tuned]
-    assert sum(tuned) <= TUNED
+    assert sum([np.size(one.value) for one in all_constants() if one.tuned]) <= TUNED
 
 
 @pytest.mark.parametrize("file", code(), ids=lambda file: file.name)
 def test_no_module_holds_tuned_numbers_of_its_own(file: Path) -> None:
-    found = set(numbers_of_modules(file)) - OF_THE_CODE
-    assert not found
+    assert not (set(numbers_of_modules(file)) - OF_THE_CODE)
 
 
 def test_the_hash_changes_with_the_file_and_whatever_is_believed_of_an_effect(monkeypatch: pytest.MonkeyPatch) -> None:

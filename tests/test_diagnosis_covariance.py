@@ -42,7 +42,6 @@ from wirewear.records import MeasuredLoop
 from wirewear.records.tables import Noise, Tolerance
 
 CYCLES = (1, 300, 10_000, 100_000)
-
 #: Some numbers of every observable of loops.
 SITES: dict[type[Observable], list[Site]] = {
     PlateauForce: [
@@ -179,8 +178,7 @@ def noisy_loop(
     """A loop of a spring and a slider, each channel with noise of that correlation."""
     time = np.arange(count) / count
     displacement = 60.0 * drive(time)
-    travel = 60.0 - displacement
-    force = 1.24 - np.minimum(0.3 * travel, 2.48)
+    force = 1.24 - np.minimum(0.3 * (60.0 - displacement), 2.48)
     force[count // 2 :] = -force[: count // 2]
     x, q, p = (autoregressive(count, correlation, random) for _ in range(3))
     return MeasuredLoop(1, cycle, time, displacement + 0.15 * x, force + 0.008 * q, 2.0 + 0.008 * p)

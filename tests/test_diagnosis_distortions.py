@@ -26,7 +26,6 @@ from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.views.diagnosis_wording import Diagnosed
 
 PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0
-
 Change = Callable[[MeasuredLoop], MeasuredLoop]
 
 
@@ -163,8 +162,7 @@ def smallest_share(matrix: Array) -> float:
 
 def test_a_record_of_the_model_itself_differs_from_it_by_noise_alone(observed: Observations) -> None:
     pair = paired(observed)
-    deviates = pair.residual / np.sqrt(np.diag(pair.fixed))
-    assert np.mean(deviates**2) < 1.5
+    assert np.mean((pair.residual / np.sqrt(np.diag(pair.fixed))) ** 2) < 1.5
     unlike = pair_of("made_T1_003", "a test", states(), replace(nominal("sensor"), friction_factor=1.1), observed)
     assert np.mean((unlike.residual / np.sqrt(np.diag(unlike.fixed))) ** 2) > 10.0
 

@@ -23,7 +23,6 @@ from wirewear.diagnosis.observe.stick import ShelfTravel, Stick, travel_between
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
 WINDOW_um = 4.2
-
 FEW = 60  #: Samples of a loop with which its stick branches have few.
 
 
@@ -102,8 +101,7 @@ def branch(shelf_um: float, phase: float, step_um: float) -> ObservedBranch:
 
 
 def shelves(observed: Observations) -> Array:
-    rows = observed.layout.of_kind(ShelfTravel)
-    values: Array = observed.values[0, rows]
+    values: Array = observed.values[0, observed.layout.of_kind(ShelfTravel)]
     return values
 
 
@@ -131,8 +129,7 @@ def test_a_play_of_few_samples_is_measured_within_what_they_allow_and_named() ->
     one = reduce(record({"free_play": {"gap_um": 3.0}}, repeats=1, samples=FEW))
     plain = reduce(record(repeats=1, samples=FEW))
     assert np.median(shelves(one)) - np.median(shelves(plain)) == pytest.approx(3.0, abs=1.0)
-    found = search(states(), nominal("sensor"), one)
-    assert found.best.names == ("free_play",)
+    assert search(states(), nominal("sensor"), one).best.names == ("free_play",)
     unseen = search(states(), nominal("sensor"), plain)
     assert unseen.best.log_evidence - unseen.none.log_evidence < 2.0
 

@@ -31,9 +31,7 @@ from wirewear.views.diagnosis_shown import residuals
 from wirewear.views.diagnosis_wording import Diagnosed
 
 COUPLING = "displacement_load_coupling"
-
 LAG = 0.03
-
 LAG_s = 0.006
 
 
@@ -108,8 +106,7 @@ def phases(samples: int = 400) -> Array:
 def test_a_sines_lag_turns_its_phase() -> None:
     place, turn = branches(), np.arctan(LAG)
     expected = np.sin(np.stack([np.arcsin(place[0, 0]), np.pi - np.arcsin(place[0, 1])]) - turn)
-    held = late_places(nominal("sensor"), place, LAG)
-    assert held[0] == pytest.approx(expected, abs=1e-4)
+    assert late_places(nominal("sensor"), place, LAG)[0] == pytest.approx(expected, abs=1e-4)
     assert late_places(nominal("stroke"), place, LAG)[0] == pytest.approx(np.cos(turn) * expected, abs=1e-4)
     assert SINE.phases(place)[0, 0] == pytest.approx(2.0 * np.pi + np.arcsin(place[0, 0]), abs=1e-9)
 
@@ -170,14 +167,12 @@ def test_the_fast_model_filters_forces_as_a_sensor_does() -> None:
 
 
 LAST = 100_000
-
 #: Enough cycles for loops to be logged at several, on a mesh that is solved within seconds.
 SHORT = (
     COARSE.replace("cycles = 1\n", "cycles = 8\n").replace("cycle = 40", "cycle = 28")
     + WEARING
     + "[log]\nloop_cycles = [1, 3, 8]\n"
 )
-
 STIFFNESS_N_per_mm = 300.0
 
 
@@ -207,10 +202,8 @@ def test_of_the_right_model_what_is_left_lies_within_the_band() -> None:
 def test_a_force_that_is_higher_at_a_place_stands_out_of_the_band_there_alone() -> None:
     plain = record(repeats=3, scatter=0.3, evolution=False)
     raised = replace(plain, loops=tuple(bumped(loop) for loop in plain.loops))
-    model = diagnosed(plain)
-    forward, _ = left_of(replace(model, observed=reduce(raised)))
-    out = np.abs(forward["force_N"]) > 1.5 * forward["band_N"]
-    places = forward["displacement_um"][out]
+    forward, _ = left_of(replace(diagnosed(plain), observed=reduce(raised)))
+    places = forward["displacement_um"][(np.abs(forward["force_N"]) > 1.5 * forward["band_N"])]
     assert 5.0 < places.min() < 20.0 < places.max() < 35.0
 
 
@@ -239,8 +232,7 @@ def test_a_model_of_another_load_is_refused(folder: Path, tmp_path: Path) -> Non
 
 @pytest.mark.slow
 def test_a_compliance_in_a_full_simulation_is_found_and_confirmed(tmp_path: Path) -> None:
-    effect = TangentialCompliance(stiffness_N_per_mm=STIFFNESS_N_per_mm)
-    result = result_with(effect, text=SHORT)
+    result = result_with(TangentialCompliance(stiffness_N_per_mm=STIFFNESS_N_per_mm), text=SHORT)
     sensor = Sensor(noise=SensorNoise(0.05, 0.004, 0.005))
     folder = write_record(tmp_path / "record", record_of_result(result, sensor=sensor, repeats=3, seed=4))
     model = tmp_path / "model.toml"

@@ -28,8 +28,7 @@ def course(setup: Setup | None = None, **changed: float) -> LoopCourse:
 
 @pytest.mark.seconds
 def test_a_layer_without_height_changes_no_slope_and_no_contact() -> None:
-    found = wires().at(np.zeros(3), np.zeros(3), np.array([0.0, 0.3, 20.0]))
-    assert np.all(found[:, :-1] == 0.0)
+    assert np.all(wires().at(np.zeros(3), np.zeros(3), np.array([0.0, 0.3, 20.0]))[:, :-1] == 0.0)
     depth, extent = wires().scar(0.0, 3.0)
     assert np.all(depth == 0.0)
     assert np.all(extent == 0.0)
@@ -96,8 +95,7 @@ def test_the_flats_have_the_volumes_of_their_closed_forms() -> None:
 
 
 def test_flattened_wires_have_no_hooks_at_first_steep_ends_later_and_none_in_mid_stroke() -> None:
-    volumes = np.array([0.0, 0.3, 20.0])
-    slope = wires_of_flattening().at(np.full(3, 0.17), volumes).slope
+    slope = wires_of_flattening().at(np.full(3, 0.17), np.array([0.0, 0.3, 20.0])).slope
     inner = wires_of_flattening().positions < 0.6
     assert np.all(np.abs(slope[0]) < 0.02)
     assert slope[1, -1] > 0.05

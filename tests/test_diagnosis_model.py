@@ -35,7 +35,6 @@ from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
 from wirewear.views.diagnosis_wording import _one, explanations, sentence_of, share
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
-
 FIRST = np.array([2.0])
 
 
@@ -165,8 +164,7 @@ def test_every_effect_that_loops_show_moves_an_observable() -> None:
     before = layout.observed(simulate(states(), nominal(), layout.cycles))
     for candidate in library(nominal()):
         changed = candidate.applied(nominal(), np.full(len(candidate.unknowns), 1.0))
-        after = layout.observed(simulate(states(), changed, layout.cycles))
-        moved = float(np.nanmax(np.abs(after - before)))
+        moved = float(np.nanmax(np.abs(layout.observed(simulate(states(), changed, layout.cycles)) - before)))
         assert (moved > 1e-4) == (candidate.name != "crossing_angle_error"), candidate.name
 
 
@@ -185,8 +183,7 @@ def fits(count: int, evidences: tuple[float, ...] = ()) -> list[Fit]:
 @pytest.mark.seconds
 @given(st.integers(2, 8), st.integers(0, 10_000))
 def test_members_of_a_class_are_near_and_classes_could_not_be_joined(count: int, seed: int) -> None:
-    random = np.random.default_rng(seed)
-    matrix = random.uniform(0.0, 2.0 * SEPARABLE, (count, count))
+    matrix = np.random.default_rng(seed).uniform(0.0, 2.0 * SEPARABLE, (count, count))
     matrix = np.maximum(matrix, matrix.T)
     np.fill_diagonal(matrix, 0.0)
     own = fits(count)

@@ -27,9 +27,7 @@ from wirewear.views.diagnosis_wording import Diagnosed
 #: A lean of the holder, and a force cell that reads 1.6 % of the load: 0.03 N of 1.2 N.
 LEAN = {"stiffness_N_mm_per_rad": 30000.0, "arm_mm": 10.0}
 CROSSTALK = 0.016
-
 SPRING, LAYER, PLAY = ("tangential_compliance",), ("roughness_compliance",), ("free_play",)
-
 KNOWN: dict[tuple[str, ...], float] = {
     ("none",): 0.15,
     ("free_play",): 0.5,
@@ -96,8 +94,7 @@ def test_noise_of_the_believed_covariance_surprises_as_often_as_its_p_value_says
 def test_a_second_effect_is_found_even_where_the_first_leaves_no_more_than_is_expected() -> None:
     both = {"rotational_compliance": LEAN, "force_crosstalk": {"coefficient": CROSSTALK}}
     found = search(states(), nominal("sensor"), reduce(record(both, repeats=1, normal=False, evolution=False)))
-    first = max(found.singles, key=lambda one: one.merit)
-    left = remainder_of(found.problem, first)
+    left = remainder_of(found.problem, max(found.singles, key=lambda one: one.merit))
     assert left.misfit < 0.9
     assert left.block_p_value > 0.01
     assert found.best.names == ("tangential_compliance", "force_crosstalk")
@@ -187,8 +184,7 @@ def one_loop(effect: str, drive: str, seed: int, cycle: int) -> ExperimentRecord
 
 
 def test_a_stroke_held_by_an_encoder_tells_a_sensor_from_a_spring() -> None:
-    alone = diagnosis_of(one_loop("sensor", "sensor", 1, 100))
-    (group,) = alone.equivalent
+    (group,) = diagnosis_of(one_loop("sensor", "sensor", 1, 100)).equivalent
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(group)
     both = diagnosis_of(one_loop("sensor", "sensor", 1, 100), one_loop("sensor", "stroke", 2, 100))
     assert both.equivalent == ()

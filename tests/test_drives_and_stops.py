@@ -28,7 +28,6 @@ from wirewear.study.programme import held_keys
 from wirewear.study.tables import Stop
 
 STEEL_WIRES = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
-
 ON_A_RIG = (
     COARSE.replace("cycles = 1\n", "cycles = 200\n{held}\n")
     + WEARING
@@ -70,8 +69,7 @@ def test_a_held_reading_is_wrong_by_the_gain_of_its_sensor() -> None:
 
 def test_line_contacts_hold_too() -> None:
     study = line_study(conditions={"cycles": 200, "held_energy_mJ_per_mm": 0.3}, log={"loop_cycles": [1, 200]})
-    evolution = simulate(study, fidelity="quick").evolution
-    assert evolution["dissipated_energy_mJ"] == pytest.approx(0.3, rel=3e-3)
+    assert simulate(study, fidelity="quick").evolution["dissipated_energy_mJ"] == pytest.approx(0.3, rel=3e-3)
 
 
 def test_a_force_above_friction_cannot_be_held_and_the_run_says_so() -> None:

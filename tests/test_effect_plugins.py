@@ -31,7 +31,6 @@ from wirewear.views.diagnosis_values import Diagnosis
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"
 LOGGED = (1, 10, 100, 300, 1000, 3000)
-
 UNFORESEEN = '''
 from dataclasses import dataclass, replace
 
@@ -96,8 +95,7 @@ def clamp(installed: Any) -> str:
 def by_energy(installed: Any) -> None:
     """The package of studies/effects/plugin_example, installed."""
     point = re.findall(r"^friction_by_energy = .*$", (EXAMPLE / "pyproject.toml").read_text(), re.MULTILINE)[0]
-    code = (EXAMPLE / "friction_by_energy.py").read_text()
-    installed(point.replace('"', ""), friction_by_energy=code)
+    installed(point.replace('"', ""), friction_by_energy=(EXAMPLE / "friction_by_energy.py").read_text())
 
 
 def record_with(folder: Path, *effects: Effect[Any]) -> ExperimentRecord:
@@ -145,8 +143,7 @@ def test_a_broken_plugin_is_named_in_one_sentence(installed: Any, entry_point: s
 
 @pytest.mark.slow
 def test_the_docs_effect_is_named_on_a_record_of_a_full_simulation_with_it(clamp: str, tmp_path: Path) -> None:
-    effects = coarse(COARSE + clamp).effects
-    found = diagnosed(record_with(tmp_path / "run", *effects))
+    found = diagnosed(record_with(tmp_path / "run", *coarse(COARSE + clamp).effects))
     assert found.verdict == "explained"
     assert found.causes[0].effect == "loosening_clamp"
     assert found.causes[0].probability > 0.8
@@ -202,7 +199,6 @@ def test_files_that_a_package_knows_are_guessed_without_being_told_their_kind(ma
 
 
 CYCLES = np.array([1.0, 100.0, 3000.0, 1e5])
-
 everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_effects()))
 
 

@@ -36,7 +36,6 @@ FIXED = {
     "sensor_lag": ["time_s"],
     "held_displacement": ["displacement_amplitude_um"],
 }
-
 everyone = pytest.mark.parametrize("kind", effects.all_effects().values(), ids=list(effects.all_effects()))
 
 
@@ -77,8 +76,7 @@ def test_an_effect_changes_its_own_seam_and_no_other(kind: type[effects.Effect[A
 @everyone
 def test_a_study_with_an_effect_is_written_and_read_again(kind: type[effects.Effect[Any]]) -> None:
     for effect in (kind.sized("easy", coarse().stated), kind.neutral(coarse().stated)):
-        study = coarse().with_effects(effect)
-        again = study_from_tables(json.loads(json.dumps(study.resolved())), "resolved")
+        again = study_from_tables(json.loads(json.dumps(coarse().with_effects(effect).resolved())), "resolved")
         assert again.effects == (effect,)
 
 

@@ -32,7 +32,6 @@ from wirewear.records.importing.sources import read_source
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = f"{sys.executable} -m wirewear"
-
 #: As loggers spell numbers, and as they should not.
 FIELDS = st.one_of(
     st.floats().map(repr),
@@ -126,8 +125,7 @@ def test_the_fast_reader_reads_what_the_slow_one_does(layout: DelimitedLayout, r
 
 @pytest.mark.parametrize("layout", LAYOUTS)
 def test_plain_numbers_of_every_layout_are_read_fast(layout: DelimitedLayout) -> None:
-    one = f"1{layout.decimal}5"
-    found = read(text_of(layout, [(one, "2"), ("-3", "")]), fast=True)
+    found = read(text_of(layout, [(f"1{layout.decimal}5", "2"), ("-3", "")]), fast=True)
     assert isinstance(found, Numbers)
     np.testing.assert_array_equal(found.columns["a"], [1.5, -3.0])
     np.testing.assert_array_equal(found.columns["b"], [2.0, math.nan])
@@ -141,7 +139,6 @@ def test_a_pipe_is_refused_instead_of_waited_for(tmp_path: Path) -> None:
 
 
 HEAD = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
-
 BYTES = 15_000_000
 
 

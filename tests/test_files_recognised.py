@@ -13,7 +13,6 @@ from wirewear.faces import cli
 from wirewear.results import write_result
 
 pytestmark = pytest.mark.seconds
-
 STUDIES = Path(__file__).parents[1] / "studies"
 RECORD = STUDIES / "steel_wires" / "example_records" / "no_gap"
 

@@ -24,7 +24,6 @@ from wirewear.simulation import simulate
 from wirewear.views.run_page import sentence
 
 pytestmark = pytest.mark.seconds
-
 ALPHA_mm3_per_J = 3e-5
 AMPLITUDE_um = 40.0
 LINE_AMPLITUDE_um = 25.0

@@ -25,7 +25,6 @@ from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
 from wirewear.views.diagnosis_values import estimates, forms
 
 pytestmark = pytest.mark.seconds
-
 CYCLES = (100, 1000, 10_000)
 
 
@@ -76,8 +75,7 @@ def test_forces_that_scatter_between_repeats_leave_positive_intervals() -> None:
         lambda loop: replace(loop, tangential_force_N=scale[loop.repeat] * loop.tangential_force_N),
     )
     fit = fitted(one)
-    first = fit.found["rig_stiffness_of_first_loops_N_per_mm"]
-    assert holds(first, 167.0)
+    assert holds(fit.found["rig_stiffness_of_first_loops_N_per_mm"], 167.0)
     assert holds(fit.found["measured_stiffness_N_per_mm"], 158.0)
 
 
@@ -110,8 +108,7 @@ def test_intervals_of_positive_values_are_positive_and_those_of_small_scatter_ev
 
 
 def test_an_effects_parameters_are_finite_however_badly_the_model_fits() -> None:
-    kind = effect_named("tangential_compliance")
-    candidate = Candidate.of(kind, {})
+    candidate = Candidate.of(effect_named("tangential_compliance"), {})
     (found,) = estimates(candidate, np.zeros(1), np.ones(1), dispersion=1e12).values()
     assert 0.0 < found.interval95[0] < found.value < found.interval95[1] < math.inf
     assert math.isfinite(limit_um(1.0, 30.0).value(1e6))
@@ -127,8 +124,7 @@ def test_intervals_of_a_laws_form_reach_1_96_deviations_to_either_side() -> None
 @pytest.mark.parametrize(("times", "told"), [(2.9, False), (3.1, True)])
 def test_a_misfit_is_that_of_each_degree_of_freedom(times: float, *, told: bool) -> None:
     none = np.zeros(4)
-    fit = FastFit(none, none, none, none, none, misfit=6.0 * times**2, points=10)
-    assert bool(_misfit(fit)) is told
+    assert bool(_misfit(FastFit(none, none, none, none, none, misfit=6.0 * times**2, points=10))) is told
 
 
 @pytest.mark.seconds

@@ -70,8 +70,7 @@ def test_the_named_surfaces_lie_where_their_names_say(meshed: BodyMesh) -> None:
     assert np.hypot(grip[:, 1], grip[:, 2] + RADIUS_mm) == pytest.approx(RADIUS_mm)
     assert np.all(grip[:, 2] < -RADIUS_mm)
     assert np.array_equal(mesh.surface_nodes("contact"), np.unique(meshed.patch.nodes))
-    contact = mesh.surfaces["contact"]
-    corner = mesh.points[contact]
+    corner = mesh.points[mesh.surfaces["contact"]]
     outward = np.cross(corner[:, 1] - corner[:, 0], corner[:, 3] - corner[:, 0])
     assert np.all(outward[:, 2] > 0.0)
 

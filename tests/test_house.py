@@ -20,7 +20,6 @@ from tools.house import branches_on_kinds, circles, imports_among, modules_of, n
 from wirewear.kinds import KINDS, Kind
 
 pytestmark = pytest.mark.seconds
-
 ROOT = Path(__file__).resolve().parent.parent
 LAYERS = ("geometry", "solvers", "wirewear", "studies")
 MAY_IMPORT = {
@@ -31,7 +30,6 @@ MAY_IMPORT = {
 }
 #: Those that write effects of their own, as other packages do (docs/extending.md), name what the solver takes.
 EFFECTS_OF_STUDIES = ("studies/blind/generators/",)
-
 #: Rooms of wirewear from the ground up: a file imports only from its own room and from rooms named before it. A room
 #: that is named apart from the folder in which it stands (diagnosis.model) has a place of its own.
 ROOMS = (

@@ -27,7 +27,6 @@ displacement_amplitude_um = 60.0
 frequency_Hz = 4.0
 cycles = 1000
 """
-
 SAMPLES, FREQUENCY_Hz = 128, 4.0
 
 

@@ -15,9 +15,7 @@ from wirewear.faces.looking import told_apart
 from wirewear.results import EVOLUTION_COLUMNS, write_result
 
 pytestmark = pytest.mark.seconds
-
 TITANIUM = Path(__file__).parents[1] / "studies" / "atlas" / "arnaud2021" / "record_2Hz"
-
 VARIANTS = (
     MINIMAL + "[variants.soft.holder]\ntangential_stiffness_N_per_mm = 167\n[variants.stiff.contact]\nfriction = 0.5\n"
 )
@@ -108,8 +106,7 @@ def test_tables_are_exported_for_other_programs(run: ww.Run, form: str, tmp_path
         with xarray.open_dataset(tmp_path / "out" / "run.nc", group="evolution", engine="h5netcdf") as evolution:
             assert evolution["cycle"].size == run.evolution["cycle"].size
         return
-    read = pl.read_csv if form == "csv" else pl.read_parquet
-    loops = read(tmp_path / "out" / f"loops.{form}")
+    loops = (pl.read_csv if form == "csv" else pl.read_parquet)(tmp_path / "out" / f"loops.{form}")
     assert loops.filter(pl.col("cycle") == 100)["tangential_force_N"].to_numpy() == pytest.approx(
         run.loop(100).tangential_force_N
     )

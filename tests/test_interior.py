@@ -104,8 +104,7 @@ def test_an_elastic_grip_gives_the_patch_its_compliance_too() -> None:
     body = condense(wire.mesh, wire.patch, bodies.STEEL, bedding=wire.bedding)
     assert body.folded.planes == (0, 1)
     forces = np.random.default_rng(6).normal(size=(1, len(nodes), 3))
-    interior = Interior(wire.mesh, bodies.STEEL, grip[:0], wire.bedding)
-    everywhere = interior.displacements(nodes, forces)[0]
+    everywhere = Interior(wire.mesh, bodies.STEEL, grip[:0], wire.bedding).displacements(nodes, forces)[0]
     expected = body.compliance @ forces.ravel()
     np.testing.assert_allclose(everywhere[nodes].ravel(), expected, atol=1e-10 * np.abs(expected).max())
     # What the springs push back is what the contact gives.
@@ -197,7 +196,6 @@ def test_averaging_lowers_the_peaks_of_a_wire_and_yield_follows_the_stated_stren
 
 
 FIELD = "von_mises_MPa"
-
 WIRES = ("moving", "fixed")
 
 
@@ -232,8 +230,7 @@ def test_a_section_of_a_symmetric_body_is_symmetric_with_its_triangles(axis: int
 
 def test_polygons_of_any_number_of_sides_are_covered_once() -> None:
     points = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0], [1.0, 2.0]])
-    values = points @ [3.0, -1.0]
-    cut = fanned(points, values, [np.array([0, 1, 2, 3]), np.array([3, 2, 4])])
+    cut = fanned(points, points @ [3.0, -1.0], [np.array([0, 1, 2, 3]), np.array([3, 2, 4])])
     x, z = cut.along[cut.triangles], cut.height[cut.triangles]
     areas = 0.5 * ((x[:, 1] - x[:, 0]) * (z[:, 2] - z[:, 0]) - (x[:, 2] - x[:, 0]) * (z[:, 1] - z[:, 0]))
     assert areas.min() > 0.0
@@ -307,5 +304,4 @@ def test_integration_points_lie_in_the_body_with_what_the_elements_compute(run: 
 def test_a_cycle_that_stands_for_another_one_is_said(tmp_path: Path) -> None:
     write_result(tmp_path / "result.h5", run_with_forces())
     asked = ["fields", str(tmp_path), "--cycle", "77", "--no-pictures", "--output", str(tmp_path / "fields")]
-    outcome = wirewear(*asked)
-    assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in outcome.stderr
+    assert "cycle 77 is not recorded, 100 is taken; recorded are 100." in wirewear(*asked).stderr

@@ -206,8 +206,7 @@ tensile_strength_MPa = 800.0
 def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "pulled.toml").write_text(PULLED)
-    made = wirewear("life", "pulled.toml", "--body", "specimen", "--output", "out")
-    assert "specimen: " in made.output
+    assert "specimen: " in wirewear("life", "pulled.toml", "--body", "specimen", "--output", "out").output
     found = json.loads((tmp_path / "out" / "life.json").read_text(encoding="utf-8"))["lives"][0]
     # Pulled most when it is at its end at +x, the flat cracks behind the edge that trails then.
     assert 30.0 < found["x_um"] < 150.0

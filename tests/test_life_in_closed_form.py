@@ -114,7 +114,5 @@ def shortest(criterion: str, stress: Array) -> float:
 @pytest.mark.slow
 @pytest.mark.parametrize("criterion", CRITERIA)
 def test_a_life_without_wear_is_that_of_the_closed_forms_of_the_contact(run: RunResult, criterion: str) -> None:
-    values = {"criterion": criterion, "averaging_length_um": 1e3 * LENGTH_mm}
-    found = lives(run, ["specimen"], values=values)[0]
-    expected = shortest(criterion, averaged(run.forces(1, "specimen")))
-    assert found.cycles == pytest.approx(expected, rel=0.05)
+    found = lives(run, ["specimen"], values={"criterion": criterion, "averaging_length_um": 1e3 * LENGTH_mm})[0]
+    assert found.cycles == pytest.approx(shortest(criterion, averaged(run.forces(1, "specimen"))), rel=0.05)

@@ -32,8 +32,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
-    result = read_result(folder)
-    specimen, pad = result.contact_forces
+    specimen, pad = read_result(folder).contact_forces
     assert (pad.body, specimen.body) == ("pad", "specimen")
     for forces in (pad, specimen):
         np.testing.assert_allclose(forces.force_N[..., 2].sum(axis=1), -30.0, rtol=1e-3)
@@ -42,8 +41,7 @@ def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:
 
 
 def test_the_sliding_specimen_is_stressed_beneath_as_smith_and_liu_have_it(folder: Path) -> None:
-    result = read_result(folder)
-    grid = state_grid(INSIDE_LINES.states(result, "specimen", 1, ["mid-forward"])[0])
+    grid = state_grid(INSIDE_LINES.states(read_result(folder), "specimen", 1, ["mid-forward"])[0])
     steel = reference.Elastic(2e5, 0.3)
     exact = reference.hertz_line(30.0, 6.0, reference.contact_modulus(steel, steel))
     a, p0 = exact.half_width_mm, exact.peak_pressure_MPa

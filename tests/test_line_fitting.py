@@ -32,7 +32,6 @@ from wirewear.study.lines import of_whole_contact, per_mm
 CYCLES = 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=0.5, normal_force_N=0.5))
-
 FACES: dict[str, tuple[dict[str, float], float]] = {
     "cylinder": ({"radius_mm": 6.0}, 20.0),
     "rounded flat": ({"face_half_width_mm": 0.15, "edge_radius_mm": 3.0}, 25.0),
@@ -225,7 +224,6 @@ def effect(name: str, **values: float) -> Effect[Any]:
 
 ROOT = Path(__file__).parent.parent
 TITANIUM = ROOT / "studies" / "atlas" / "arnaud2021"
-
 #: A steel cylinder of 6 mm, worn by 1500 µm² of both bodies.
 WORN_STEEL = WornLineContact(Cylinder(6.0, curved_along=True), 18.5, 0.0359, 110000.0, 0.5, 3.2e-3)
 AREA_mm2 = 1.5e-3

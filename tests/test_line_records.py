@@ -24,7 +24,6 @@ from wirewear.simulation import simulate
 from wirewear.views.comparison import compare, write_comparison
 
 pytestmark = pytest.mark.seconds
-
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "atlas" / "mccoll2004" / "record"
 NOISE = Sensor(noise=SensorNoise(displacement_um=0.05, tangential_force_N=1.0, normal_force_N=1.0))
 
@@ -123,8 +122,7 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
     figure = line_variants([result, replace(result, variant="other")])
     assert [axes.get_xlabel() for axes in figure.axes] == [*3 * ["x (µm)"], "displacement (µm)"]
-    told = wirewear("loops", path, "--json")
-    loops = json.loads(told.stdout)["loops"]
+    loops = json.loads(wirewear("loops", path, "--json").stdout)["loops"]
     assert {"the forces are those of 1 mm of the contact"} == {loop["notes"][0] for loop in loops}
     energies = [loop["dissipated_energy_mJ"]["value"] for loop in loops]
     evolution = result.evolution
@@ -215,5 +213,4 @@ def test_noise_neither_narrows_a_shallow_scar_nor_adds_to_its_area() -> None:
     assert np.mean([one.area_um2 for one in profiles]) == pytest.approx(0.3 * 400.0 * 2.0 / 3.0, rel=0.02)
     assert np.mean([one.width_um for one in profiles]) == pytest.approx(400.0, rel=0.06)
     assert np.mean([one.smooth_um.max() for one in profiles]) == pytest.approx(0.3, rel=0.06)
-    clean = MeasuredProfile(1, "pad", x, true)
-    np.testing.assert_array_equal(clean.smooth_um, true)
+    np.testing.assert_array_equal(MeasuredProfile(1, "pad", x, true).smooth_um, true)

@@ -60,8 +60,7 @@ def test_each_body_loses_its_coefficient_times_the_energy(worn: RunResult) -> No
 
 
 def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> None:
-    archard = {"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 4e-5 * 0.6}
-    same = line_study(wear=archard)
+    same = line_study(wear={"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 4e-5 * 0.6})
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
 
 

@@ -254,8 +254,7 @@ def csv(path: Path, **columns: np.ndarray) -> Path:
 
 
 def loops_of(*arguments: str | Path) -> list[dict[str, Any]]:
-    result = wirewear("loops", *arguments, "--json")
-    loops: list[dict[str, Any]] = json.loads(result.stdout)["loops"]
+    loops: list[dict[str, Any]] = json.loads(wirewear("loops", *arguments, "--json").stdout)["loops"]
     return loops
 
 

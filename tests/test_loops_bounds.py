@@ -103,7 +103,6 @@ def test_a_rectangular_loop_fills_its_box_and_no_more(friction: float, noise: fl
 
 
 Array = np.ndarray
-
 #: Readings that lean against the force: up to eight times what this rig yields, 12 % of its stroke; µm/N and µm/N².
 LEANS = ((-0.6, 0.0), (-1.5, 0.4), (-3.2, -0.5), (-5.0, 0.0), (-5.0, 1.5))
 STIFF = Recipe(rig_stiffness=5e4)
@@ -149,11 +148,9 @@ def test_figures_that_the_lean_leaves_alone_are_measured_and_no_stiffness_is(lin
 
 
 OPEN = 0.03
-
 #: Share of figures that are still out of twice their interval without a note: 28 of 7 406 of two thousand loops, 17 of
 #: them coefficients of friction from energies of loops that hardly slide, and 1 of the 539 of the first 150.
 LEFT = 0.005
-
 #: What a note says of which figures; by other notes none is excused.
 NOTED = {
     "stiffness is coarse": {"measured_stiffness_N_per_um"},

@@ -51,8 +51,7 @@ def test_more_than_one_cycle_is_not_one_loop(cycles: float, start: float) -> Non
 @pytest.mark.parametrize("seed", range(2))
 def test_a_triangular_drive_keeps_its_sharp_tips(seed: int) -> None:
     phase = np.arange(256) / 256
-    path = 2.0 / math.pi * np.arcsin(np.sin(2.0 * math.pi * phase))
-    quarter = np.arcsin(path) / (2.0 * math.pi)
+    quarter = np.arcsin(2.0 / math.pi * np.arcsin(np.sin(2.0 * math.pi * phase))) / (2.0 * math.pi)
     times = np.where(phase < 0.25, quarter, np.where(phase < 0.75, 0.5 - quarter, 1.0 + quarter))
     _, displacement, force = HOOKED.sampled(256, 0.0, times)
     assert_known(analyse_loop(*disturbed(displacement, force, seed, force_scale=1.24), 2.0, time_s=phase))
@@ -177,8 +176,7 @@ def test_the_step_of_a_rounded_channel_is_found() -> None:
 
 @pytest.mark.parametrize("step", [0.0009, 0.0023, 0.3081])
 def test_the_step_of_a_channel_written_with_four_digits_is_found(step: float) -> None:
-    written = np.round(step * np.round(60.0 * channel()), 4)
-    assert step_of(written) == pytest.approx(step, rel=2e-3)
+    assert step_of(np.round(step * np.round(60.0 * channel()), 4)) == pytest.approx(step, rel=2e-3)
 
 
 def test_rounding_hides_no_correlation_of_the_noise_below_it() -> None:

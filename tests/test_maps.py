@@ -27,7 +27,6 @@ from wirewear.views.run_maps import (
 )
 
 pytestmark = pytest.mark.seconds
-
 EXAMPLES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records"
 
 
@@ -128,8 +127,7 @@ def test_line_contacts_share_maps_of_their_own_per_millimetre(tmp_path: Path) ->
     assert test.volume_mm3 == pytest.approx(2.0 / 3.0 * 0.6 * 1e-3 * sum(DEPTHS_um.values()), rel=0.01)
     energy_mJ = line_record(CYLINDER).loops[0].figures(LOAD_N).dissipated_energy_mJ.value
     assert test.energy_J == pytest.approx(1e-3 * energy_mJ * 1000 / LENGTH_mm, rel=0.01)
-    drawn = wirewear("maps", folder, folder, "--output", tmp_path / "maps")
-    assert "P [N/mm]" in drawn.output
+    assert "P [N/mm]" in wirewear("maps", folder, folder, "--output", tmp_path / "maps").output
     assert "normal_load_N_per_mm" in (tmp_path / "maps" / "tests.csv").read_text(encoding="utf-8")
     page = tmp_path / "maps" / "maps.html"
     assert "no line tells where it begins to slide" in page.read_text(encoding="utf-8")

@@ -122,8 +122,7 @@ def test_the_means_beside_the_middle_are_those_of_the_field_over_the_same_discs(
             x, y = axial[a], transverse[t]
             r, angle = np.meshgrid((np.arange(400) + 0.5) / 400 * 0.5 * over, np.arange(400) / 400 * 2.0 * pi)
             beyond = ((x + r * np.cos(angle)) ** 2 + (y + r * np.sin(angle)) ** 2) / radius**2
-            field = np.sqrt(np.maximum(1.0 - beyond, 0.0))
-            exact = float((field * r).sum() / r.sum())
+            exact = float((np.sqrt(np.maximum(1.0 - beyond, 0.0)) * r).sum() / r.sum())
             assert found[a * len(transverse) + t] == pytest.approx(exact, abs=4e-3)
 
 
@@ -142,8 +141,7 @@ def test_a_disc_that_the_edge_of_a_punch_cuts_has_the_part_of_the_pressure_that_
     share = min(max(from_edge / (0.5 * over), -1.0), 1.0)
     exact = 100.0 * (acos(-share) + share * sqrt(1.0 - share**2)) / pi
     # Between two nodes the mean is all but straight.
-    found = np.interp(edge - from_edge, axial, means[:, len(transverse) // 2])
-    assert found == pytest.approx(exact, abs=0.3)
+    assert np.interp(edge - from_edge, axial, means[:, len(transverse) // 2]) == pytest.approx(exact, abs=0.3)
 
 
 @pytest.mark.parametrize("elements", [40, 80, 160])
@@ -155,8 +153,7 @@ def test_the_largest_mean_of_a_flat_punch_is_that_over_the_length_beside_its_edg
     half, over, load = 50.0, 15.0, 1000.0
     lines = np.linspace(-60.0, 60.0, elements + 1) + 0.17
     cells = np.clip(bounds(lines), -half, half)
-    forces = load / pi * np.diff(np.arcsin(cells / half))
-    pressure = forces / np.diff(bounds(lines))
+    pressure = (load / pi * np.diff(np.arcsin(cells / half))) / np.diff(bounds(lines))
     exact = load * acos(1.0 - over / half) / (pi * over)
     found = largest_mean_pressure_MPa(pressure, lines, over_um=over)
     # About nodes, the best segment may miss the edge by half an element.
@@ -185,5 +182,4 @@ def test_forces_are_kept(seed: int, over: float) -> None:
     lines = np.arange(-40.0, 40.1, 2.0)
     pressure = np.zeros((lines.size, lines.size))
     pressure[15:26, 15:26] = random.uniform(0.0, 100.0, (11, 11))
-    means = weights(lines, lines, over) @ pressure.ravel()
-    assert means.sum() == pytest.approx(pressure.sum())
+    assert (weights(lines, lines, over) @ pressure.ravel()).sum() == pytest.approx(pressure.sum())

@@ -34,7 +34,6 @@ from wirewear.study.reading import read_study
 from wirewear.study.surfaces import StatedSurface, kept
 
 HALF = 1500
-
 #: What tables call the column of bodies.
 BODY = {"test": "body", "body": "wire"}
 
@@ -139,8 +138,7 @@ def test_a_map_along_the_motion_and_one_along_the_axis_are_one_surface(*, upper:
         return 2.0 + 0.03 * x - 0.01 * y
 
     lines, angle = np.linspace(-0.1, 0.1, 5), np.radians(angle_deg)
-    patch = ContactPatch(lines, lines, np.arange(25).reshape(5, 5), Flat())
-    bare = CondensedBody.whole(patch, np.eye(75))
+    bare = CondensedBody.whole(ContactPatch(lines, lines, np.arange(25).reshape(5, 5), Flat()), np.eye(75))
     far = np.linspace(-200.0, 200.0, 9)
 
     def along_axis(a: Array, t: Array) -> Array:
@@ -209,8 +207,7 @@ def test_a_profile_of_heights_is_levelled_against_the_pads_face(tmp_path: Path) 
     surface = read.pad.surface
     assert surface is not None
     places, _, depth = surface.map
-    inside = np.abs(places) < 110.0
-    assert np.abs(depth[:, 0] - (2.0 - 2.0 * (places / 120.0) ** 2))[inside].max() < 0.1
+    assert np.abs(depth[:, 0] - (2.0 - 2.0 * (places / 120.0) ** 2))[(np.abs(places) < 110.0)].max() < 0.1
 
 
 @pytest.mark.parametrize(

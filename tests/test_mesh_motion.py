@@ -70,8 +70,7 @@ def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_pat
     on_top = points[
         (points[:, 1] > -radius) & (np.abs(np.hypot(points[:, 0], points[:, 1] + radius) / radius - 1) < 1e-9)
     ]
-    distance = np.abs(on_top[:, 0][:, None] - lines[None, :]).min(axis=0)
-    assert distance.max() < 1e-9 * radius
+    assert np.abs(on_top[:, 0][:, None] - lines[None, :]).min(axis=0).max() < 1e-9 * radius
     assert np.array_equal(np.unique(quads), np.arange(len(points)))
     assert len(np.unique(np.round(points / (1e-7 * radius)), axis=0)) == len(points)
 
@@ -110,8 +109,7 @@ def test_lines_are_symmetric_to_the_bit_end_exactly_on_the_edges_and_grow_as_ask
 
 @given(st.floats(1e-3, 0.02), st.floats(1.0, 10.0), st.floats(0.1, 3.0), st.floats(0.05, 0.5))
 def test_lines_fine_at_the_ends_keep_their_sizes_there(fine: float, coarser: float, middle: float, edge: float) -> None:
-    axis = EdgeGradedAxis(fine, coarser * fine, middle, middle + edge)
-    lines = axis.half_lines()
+    lines = EdgeGradedAxis(fine, coarser * fine, middle, middle + edge).half_lines()
     sizes = np.diff(lines)
     assert lines[0] == 0.0
     assert lines[-1] == middle + edge
@@ -256,8 +254,7 @@ def test_a_grid_that_holds_the_old_lines_shows_its_surface(given_wear: tuple[Con
         count = len(lines) - 1
         return np.interp(np.arange(count * pieces + 1) / pieces, np.arange(count + 1), lines)
 
-    new = patch(divided(old.axial_mm), divided(old.transverse_mm))
-    moved = transferred(depth, old, new)
+    moved = transferred(depth, old, patch(divided(old.axial_mm), divided(old.transverse_mm)))
     assert moved[::pieces, ::pieces] == pytest.approx(depth, rel=1e-9, abs=1e-12)
 
 

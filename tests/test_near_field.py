@@ -39,8 +39,7 @@ def _pair_along_z(primary: PlacedBody, secondary: PlacedBody, offset_mm: tuple[f
     along = hat_products(own.axial_mm, other.transverse_mm + offset_mm[0])
     across = hat_products(own.transverse_mm, other.axial_mm + offset_mm[1])
     # The secondary's nodes are numbered along its own axis first.
-    reached = np.einsum("at,cs->acst", along, across).reshape(own.size, other.size)
-    averaged = reached / own.node_areas()[:, None]
+    averaged = np.einsum("at,cs->acst", along, across).reshape(own.size, other.size) / own.node_areas()[:, None]
     return np.asarray(primary.compliance[2::3, 2::3] + averaged @ secondary.compliance[2::3, 2::3] @ averaged.T)
 
 
@@ -127,8 +126,7 @@ def test_waves_on_a_half_space_agree_with_boussinesq_and_cerruti() -> None:
         return np.array([u[0, 0], u[1, 1], u[2, 2], u[0, 2]])
 
     # The mean of a periodic field is lost, so differences are compared.
-    difference = exact(1.5, 0.0) - exact(3.0, 0.0)
-    np.testing.assert_allclose(at(15, 0) - at(30, 0), difference, rtol=0.05)
+    np.testing.assert_allclose(at(15, 0) - at(30, 0), exact(1.5, 0.0) - exact(3.0, 0.0), rtol=0.05)
 
 
 def test_the_corrected_compliance_is_symmetric_and_positive_definite() -> None:
@@ -240,8 +238,7 @@ def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
     for component in (0, 2):
         forces = np.zeros((1, len(nodes), 3))
         forces[0, middle - 1 : middle + 2, component] = np.array([1.0, 4.0, 1.0]) / 6.0 * surface.spacing_mm
-        moved = held.displacements(nodes, forces)[0]
-        found = points.at_nodes(points.stresses(STEEL, moved))[nodes]
+        found = points.at_nodes(points.stresses(STEEL, held.displacements(nodes, forces)[0]))[nodes]
         expected = surface.stencil[len(nodes) - 1 - middle : 2 * len(nodes) - 1 - middle, :, component]
         near = slice(middle - 8, middle + 9)
         # The last rows of elements beneath are those of a mesh that grows, not of an endless one.
@@ -252,8 +249,7 @@ def test_what_quadrilaterals_lack_is_what_a_mesh_of_them_lacks() -> None:
 @pytest.mark.seconds
 def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
     x, traction = hertz_of_stress(12.0)
-    mesh = flat_of_stress(2.5, 1.0 / 12.0)
-    loaded = LoadedLine(mesh, traction)
+    loaded = LoadedLine(flat_of_stress(2.5, 1.0 / 12.0), traction)
     edge = float(loaded.between.edge()[:, 0].min())
     places = np.append([edge], 30.0 + 12.0 * np.array([-0.5, 0.0, 0.7, 1.3]))
     found = np.array([loaded._exact(place) for place in places])

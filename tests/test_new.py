@@ -39,8 +39,7 @@ def test_a_new_study_can_be_run_and_tells_what_each_key_means(tmp_path: Path) ->
     assert study.variant_names == ()
     lines = [line for line in path.read_text(encoding="utf-8").splitlines() if " = " in line][3:]
     assert all("#" in line for line in lines)
-    again = wirewear("new", tmp_path / "soft_rig", code=2)
-    assert "is not overwritten" in again.stderr
+    assert "is not overwritten" in wirewear("new", tmp_path / "soft_rig", code=2).stderr
 
 
 def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
@@ -53,8 +52,7 @@ def imported(folder: Path, files: list[Path]) -> ExperimentRecord:
 @pytest.mark.seconds
 @pytest.mark.parametrize("logger", ["German", "English"])
 def test_a_guessed_mapping_gives_the_files_record(tmp_path: Path, example: ExperimentRecord, logger: str) -> None:
-    write = write_german if logger == "German" else write_english
-    record = imported(tmp_path, write(example, tmp_path))
+    record = imported(tmp_path, (write_german if logger == "German" else write_english)(example, tmp_path))
     assert record.repeats == example.repeats
     assert record.cycles == example.cycles
     assert record.tables.conditions.normal_load_N == pytest.approx(2.0, rel=0.01)
@@ -185,8 +183,7 @@ def test_studies_of_the_other_kinds_begin_with_every_key_and_its_meaning(tmp_pat
 
 @pytest.mark.parametrize(("kind", "times"), [("ball-on-flat", 0), ("point-contact", 0), ("crossed-wires", 1)])
 def test_the_motions_angle_to_a_wire_is_a_key_of_wires_alone(kind: str, times: int) -> None:
-    text = study_text("mine", template=KINDS[kind].template)
-    assert text.count("motion_angle_deg") == times
+    assert study_text("mine", template=KINDS[kind].template).count("motion_angle_deg") == times
 
 
 def _keys_of(tables: type[Table], name: str) -> list[str]:

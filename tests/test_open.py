@@ -20,7 +20,6 @@ from wirewear.faces.desk import STEPS, Desk
 from wirewear.faces.serving import LOOPBACK, DeskServer
 
 __all__ = ["wirewear"]
-
 RECORD = example("no_gap")
 HEADER = "Time (s);Displacement (um);Force (N)\n"
 

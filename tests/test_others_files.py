@@ -147,8 +147,7 @@ def test_what_counts_nothing_is_none(tmp_path: Path, cycle: Any, table: str, fil
 
 def test_points_at_random_are_no_grid_wherever_they_come_from() -> None:
     """On version 8318817, 60 000 of them asked for 26.8 GiB."""
-    random = np.random.default_rng(0)
-    x, y, depth = random.normal(size=(3, 60_000))
+    x, y, depth = np.random.default_rng(0).normal(size=(3, 60_000))
     with pytest.raises(RecordError, match="60000 points of repeat 1 lie on 60000 × 60000 lines, which is no grid"):
         MeasuredScar.from_points(1, "moving", x, y, depth)
 

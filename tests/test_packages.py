@@ -33,8 +33,7 @@ def test_a_name_that_is_none_of_theirs_has_no_example() -> None:
 
 def test_a_command_takes_an_example_where_no_file_has_its_name(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    told = wirewear("check", "no_gap")
-    assert "no_gap" in told.output
+    assert "no_gap" in wirewear("check", "no_gap").output
     Path("no_gap").mkdir()
     assert "experiment.toml" in wirewear("check", "no_gap", code=2).output
 
@@ -53,8 +52,7 @@ def test_the_built_package_holds_what_the_program_looks_for(tmp_path: Path, monk
     command.__dict__.update(build_lib=str(tmp_path), editable_mode=False)
     command.run()
     monkeypatch.setattr("wirewear.base.reading._FOLDERS", (tmp_path / "wirewear" / "examples",))
-    found = [example(name) for name in (*STUDIES, *RECORDS)]
-    assert all(found)
+    assert all(example(name) for name in (*STUDIES, *RECORDS))
     assert not list(tmp_path.rglob("*.py"))
     assert load_study(tmp_path / "wirewear/examples/steel_wires/study.toml").variant("compliant").name
 

@@ -19,9 +19,7 @@ from wirewear.study import LineStudy, Study, study_from_tables
 from wirewear.study.reading import read_study
 
 R_mm, MODULUS = 6.0, 115_000.0
-
 STEEL = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
-
 LINE = """
 format = 1
 name = "line"

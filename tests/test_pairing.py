@@ -185,7 +185,6 @@ def test_depths_read_at_nodes_stay_where_they_are_and_averaged_ones_spread() -> 
 
 STROKE_mm = 4.0e-4
 NEXT_TO_NOTHING_mm = 1e-9
-
 MESH_mm = 0.010
 # Stick, slip and reversal, but not the knee between them, where a coarse mesh decides.
 STEPS_mm = 1e-3 * np.array([0.1, 0.2, 1.5, 4.0, 3.9, 1.0])
@@ -333,8 +332,7 @@ def test_a_guess_that_leads_astray_is_not_followed_once_the_increment_is_cut(
 ) -> None:
     solve, calls = solved(longest_mm=1.0, misleading=True)
     monkeypatch.setattr(advancing, "solve_increment", solve)
-    guess = FirstGuess(0.0, 1.0, np.zeros((1, 3)))
-    state, reports = advance(problem, unloaded_state(problem), 1.0, 0.0, guess)
+    state, reports = advance(problem, unloaded_state(problem), 1.0, 0.0, FirstGuess(0.0, 1.0, np.zeros((1, 3))))
     assert state.drive == pytest.approx(1.0)
     assert len(reports) == 2
     assert [guessed for _, guessed in calls] == [True, False, False]

@@ -149,8 +149,7 @@ def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_pa
 
 def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
     """Points in rows that slide by turns all of an increment and none have slid half of it."""
-    run = result()
-    scar = run.scar(100_000, "fixed")
+    scar = result().scar(100_000, "fixed")
     turns = np.where(np.arange(scar.transverse_um.size) % 2 == 0, 50.0, 40.0)
     striped = dataclasses.replace(scar, slip_distance_um=np.where(scar.depth_um > 0.0, turns, 0.0))
     apart = 2.0 * float(np.median(np.diff(scar.transverse_um)))
@@ -206,8 +205,7 @@ def test_a_drawn_wire_is_round_and_keeps_its_corners(
     for k, place in enumerate(((0, 0), (-1, 0), (-1, -1), (0, -1))):
         assert grid[:, place[0], place[1]] == pytest.approx(points[corners[:, k]])
     radii = np.hypot(points[corners][..., 1], points[corners][..., 2] + RADIUS_mm)
-    on_side = (abs(radii - RADIUS_mm) < 1e-6).all(axis=1)
-    own = grid[on_side]
+    own = grid[(abs(radii - RADIUS_mm) < 1e-6).all(axis=1)]
     assert np.hypot(own[..., 1], own[..., 2] + RADIUS_mm) == pytest.approx(RADIUS_mm, rel=1e-6)
     assert edges.shape == (4 * len(corners), PARTS + 1)
 

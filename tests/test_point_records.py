@@ -23,11 +23,9 @@ from wirewear.study import study_from_tables
 from wirewear.views.comparison import compare
 
 RADIUS_mm, NOISE_um = 1.5, 0.02
-
 #: Both wear by so much; overlapping by the sum they touch within this radius.
 DEPTH_um = 2.0
 SPOT_um = float(np.sqrt(2e3 * RADIUS_mm * 2.0 * DEPTH_um))
-
 SHAPES: dict[str, dict[str, Any]] = {
     "ball-on-flat": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": {"material": "steel"}},
     "point-contact": {

@@ -164,11 +164,9 @@ def test_a_scar_map_that_ends_within_the_scar_is_a_problem(folder: Path) -> None
 
 
 def test_the_command_prints_words_or_json_and_its_exit_code_tells_problems(folder: Path) -> None:
-    good = wirewear("check", folder, "--json")
-    assert json.loads(good.stdout)["repeats"] == [1, 2]
+    assert json.loads(wirewear("check", folder, "--json").stdout)["repeats"] == [1, 2]
     edit_loops(folder, lambda f: [*f[:5], f"{-float(f[5])}", f[6]])
-    bad = wirewear("check", folder, code=1)
-    assert "Problems" in bad.stdout
+    assert "Problems" in wirewear("check", folder, code=1).stdout
     gone = wirewear("check", folder / "nowhere", code=2)
     assert re.fullmatch(
         r"wirewear: .*nowhere does not exist: a record is a folder with experiment.toml and CSV files\.\n", gone.stderr

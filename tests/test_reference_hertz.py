@@ -19,11 +19,9 @@ SHEAR = reference.tangential_contact_modulus(STEEL, STEEL)
 #: Steel wires of 0.45 mm crossed at right angles, moved by ±0.39 µm where they touch.
 WIRES = reference.WearingContact(0.225, MODULUS, SHEAR, friction=0.62, drive_mm=0.39e-3)
 SHAPE = reference.LimitingShape(0.225, approach_mm=0.909e-3, stick_radius_mm=9.37e-3)
-
 CONTACT = reference.PartialSlipPoint(2.0, 0.62, 0.0143, 2700.0)
 LINE = reference.hertz_line(120.0, 6.0, 200000.0 / (2 * 0.91))
 RATIOS = st.floats(0.02, 1.0)
-
 # cos θ = (B − A)/(A + B); a = m·[3P/(4E*(A + B))]^⅓, b = n·[…]^⅓: Whittemore & Petrenko, NBS (1921)
 TABLE = [(30, 2.731, 0.493), (45, 1.926, 0.604), (60, 1.486, 0.717), (75, 1.202, 0.846), (85, 1.061, 0.944), (90, 1, 1)]
 

@@ -14,7 +14,6 @@ from wirewear import reference
 from wirewear.reference.wear import LineScar
 
 A, P0, Q0, NU = 1.3, 7.0, 3.0, 0.3
-
 STEEL_WIRES = reference.partial_slip_point(2.0, 0.62, 0.0143013, 2.0 * 210000.0 / 2.6 / 1.7)
 STIFFNESSES = st.one_of(st.just(math.inf), st.floats(20.0, 1e5))
 

@@ -13,7 +13,6 @@ from tests.wear_jumps import INCREMENTS, RATES, at_the_end, jumped, wires
 from wirewear import reference
 
 MESH_mm = 0.005
-
 #: By the rig's stiffness, 0 where it is rigid; some two thirds of the fresh contact's radius stick.
 STROKES_mm = {0.0: 4.0e-4, 20.0: 0.045}
 CYCLES = 5000.0
@@ -47,8 +46,7 @@ def test_where_all_of_a_contact_slides_a_little_it_slides_farther_as_its_load_fa
     free = crossed_wires(MESH_mm, long_patch=False, rig_N_per_mm=rig_N_per_mm, wear=RATES)
     approach = -pressed(free)[0].holder_z
     problem = replace(free, holder=replace(free.holder, approach_mm=approach))
-    start = at_the_end(problem, stroke_mm)
-    jump = jumped(problem, start, 400.0, stroke_mm=stroke_mm)
+    jump = jumped(problem, at_the_end(problem, stroke_mm), 400.0, stroke_mm=stroke_mm)
     assert jump.uncertain
     assert not jump.state.core.any()
     # Without what the strain gives back the jump foresees 7 and 37 % less work than the cycle after it does.

@@ -33,8 +33,7 @@ pytestmark = pytest.mark.seconds
 
 def stated(run: RunResult, stiffness: float | str) -> RunResult:
     """The result with a whole study in it."""
-    study = minimal() | {"holder": {"tangential_stiffness_N_per_mm": stiffness}}
-    return dataclasses.replace(run, study=study)
+    return dataclasses.replace(run, study=minimal() | {"holder": {"tangential_stiffness_N_per_mm": stiffness}})
 
 
 @pytest.fixture(scope="module")
@@ -163,7 +162,6 @@ def test_on_a_phone_nothing_is_wider_than_the_screen(chromium: Page, page_path: 
 
 ROOT = Path(__file__).parent.parent
 STUDY = load_study(ROOT / "studies" / "steel_wires" / "study.toml")
-
 NOISY = Sensor(noise=SensorNoise(displacement_um=0.15, tangential_force_N=0.008, normal_force_N=0.01))
 
 
@@ -181,8 +179,7 @@ def test_a_simulation_exported_and_compared_with_itself_differs_by_round_off(run
         "loops", "evolution", "scar, moving wire", "scar, fixed wire",
     }  # fmt: skip
     for row in comparison.differences:
-        size = max(abs(row.simulated or 0.0), 1.0)
-        assert abs(row.difference) <= 1e-9 * size, row
+        assert abs(row.difference) <= 1e-9 * max(abs(row.simulated or 0.0), 1.0), row
         assert row.in_scatter == 0.0
     for pair in comparison.scars:
         (registration,) = pair.registrations

@@ -89,7 +89,6 @@ def test_an_evolution_has_all_columns_equally_long_and_increasing_cycles() -> No
 in_one_folder = settings(
     deadline=None, max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
-
 finite = st.floats(allow_nan=False, allow_infinity=False, width=64)
 texts = st.text(max_size=12)
 numbers = st.dictionaries(texts, finite, max_size=3)

@@ -25,7 +25,6 @@ from wirewear.simulation.contact_forces import (
 from wirewear.simulation.tally import Counters, bends, energy_mismatch, judge
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
-
 MESH_mm = 0.010
 INCREMENTS = 24
 

@@ -22,7 +22,6 @@ jump_tolerance = 0.3
 mesh_refinement = 0.6
 [mesh]
 """
-
 pytestmark = pytest.mark.slow
 
 

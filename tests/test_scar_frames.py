@@ -26,7 +26,6 @@ from wirewear.views.comparison import compare
 from wirewear.views.registration import register, scar_pairs
 
 pytestmark = pytest.mark.seconds
-
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"
 NOISE_um = 0.05
 
@@ -80,8 +79,7 @@ def test_heights_in_the_wires_frame_come_back_as_the_run_that_they_are_of(tmp_pa
     for pair in pairs:
         (turned,) = pair.registrations
         assert abs(turned.rotation_deg) < 1.0
-        rest = pair.simulated - pair.mean
-        assert float(np.sqrt(np.nanmean(rest**2))) < 3.0 * NOISE_um
+        assert float(np.sqrt(np.nanmean((pair.simulated - pair.mean) ** 2))) < 3.0 * NOISE_um
         assert pair.measured_volumes_mm3[0] == pytest.approx(pair.simulated_volumes_mm3[0], rel=0.02)
 
 
@@ -98,8 +96,7 @@ def test_heights_in_the_tests_frame_are_guessed_as_such_and_lose_the_wire_along_
     call = ["new", "--mapping", *files, "--diameter", "0.45", "--crossing-angle", "60", "--frequency", "3"]
     assert 'frame = "test", x along the motion' in wirewear(*call).output
     (scar,) = import_record(tmp_path / "mapping.toml").scars_of("fixed")
-    registration = register(scar, run.scars[1])
-    assert abs(registration.rotation_deg) < 1.0
+    assert abs(register(scar, run.scars[1]).rotation_deg) < 1.0
     assert scar.volume_mm3 == pytest.approx(run.scars[1].volume_mm3, rel=0.02)
     # At another angle than the map shows, the wire cannot be taken away, and that is said.
     text = (tmp_path / "mapping.toml").read_text(encoding="utf-8")
@@ -156,8 +153,7 @@ def test_a_scar_that_is_all_but_round_has_no_rotation(length: float, *, is_round
 def test_quarters_of_a_turn_keep_every_point() -> None:
     depth = np.arange(12.0).reshape(4, 3)
     scar = MeasuredScar(1, "fixed", np.arange(4.0), np.arange(3.0), depth)
-    around = scar.turned(90.0).turned(90.0).turned(180.0)
-    np.testing.assert_array_equal(around.depth_um, depth)
+    np.testing.assert_array_equal(scar.turned(90.0).turned(90.0).turned(180.0).depth_um, depth)
     assert scar.turned(90.0).depth_um[-1, 2] == depth[2, 0]
 
 

@@ -15,9 +15,7 @@ from wirewear.records.checking import problems_told
 from wirewear.views.loops_sources import read_loops
 
 pytestmark = pytest.mark.seconds
-
 EXAMPLE = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"
-
 Change = Callable[[ExperimentRecord], ExperimentRecord]
 
 
@@ -144,7 +142,6 @@ def scaled(factor: float) -> Callable[[Array], Array]:
 
 
 FORCE, NORMAL, WAY = "tangential_force_N", "normal_force_N", "displacement_um"
-
 #: Faults, what a problem says of each, and whether anything may be concluded nevertheless.
 FAULTS: dict[str, tuple[Change, str, bool]] = {
     "normal force in mN": (channel(NORMAL, scaled(1e3)), "looks like millinewtons (unit = 'mN'", False),
@@ -274,8 +271,7 @@ def test_loops_that_were_refused_or_not_looked_at_support_no_conclusion(
 
 
 def test_a_normal_force_that_presses_negatively_is_said_to_be_turned(sound: ExperimentRecord, tmp_path: Path) -> None:
-    folder = write_record(tmp_path / "record", channel(NORMAL, scaled(-1.0))(sound))
-    read = read_record(folder)
+    read = read_record(write_record(tmp_path / "record", channel(NORMAL, scaled(-1.0))(sound)))
     for loop, own in zip(read.loops, sound.loops, strict=True):
         np.testing.assert_array_equal(loop.normal_force_N, own.normal_force_N)
     assert any("factor = -1" in remark.text for remark in check_record(read).remarks)

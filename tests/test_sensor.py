@@ -202,8 +202,7 @@ def test_a_record_read_through_a_known_polynomial_is_corrected_within_noise(run:
         np.hypot(0.01 * corrected.largest_force_N, 0.01 * corrected.largest_force_N**2)
     )
     assert corrected.notes == ()
-    reread = read_record(write_record(tmp_path, corrected.record))
-    assert not check_record(reread).problems
+    assert not check_record(read_record(write_record(tmp_path, corrected.record))).problems
 
 
 def study(text: str = COARSE) -> Study:

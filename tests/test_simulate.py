@@ -16,7 +16,6 @@ from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 from wirewear.simulation.plan import RunPlan
 
 pytestmark = pytest.mark.seconds
-
 COARSE = f"""{steel_wires("coarse wires", amplitude_um=20.0, cycles=300)}[wear]
 energy_wear_coefficient_mm3_per_J = 3.0e-5
 moving_share = 0.3
@@ -119,15 +118,13 @@ def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None
 def test_a_run_killed_and_resumed_ends_with_the_same_result(unbroken: RunResult, tmp_path: Path, logged: int) -> None:
     with pytest.raises(KeyboardInterrupt):
         run(tmp_path, Killer(stop_after=logged))
-    resumed = run(tmp_path, resume=True)
-    require_equal_runs(resumed, unbroken)
+    require_equal_runs(run(tmp_path, resume=True), unbroken)
 
 
 def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
     assert unbroken.path is not None
     before = unbroken.path.read_bytes()
-    again = run(unbroken.path.parent, resume=True)
-    assert again.status == "complete"
+    assert run(unbroken.path.parent, resume=True).status == "complete"
     assert unbroken.path.read_bytes() == before
 
 

@@ -16,7 +16,6 @@ from wirewear import RunResult, load_study, reference, run_study
 
 STUDY = Path(__file__).parents[1] / "studies" / "steel_wires" / "study.toml"
 COMPARE = ("-m", "studies.steel_wires.compare")
-
 pytestmark = pytest.mark.slow
 
 

@@ -23,7 +23,6 @@ from wirewear.records.values import ExperimentRecord
 from wirewear.views.loops_sources import read_loops
 
 KINDS = strangers.KINDS | LOGGERS | MAPS
-
 #: Kinds in which the other language is neither English nor German.
 OTHERS = {
     "blank line before numbers": SPANISH,
@@ -34,9 +33,7 @@ OTHERS = {
     "own signs in UTF-8": CHINESE,
     "own signs in GBK": CHINESE,
 }
-
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-
 #: Columns of displacement and force as the command takes them; None is to be recognised.
 LOGGED: dict[str, tuple[str | None, str | None]] = {
     "xlsx": (None, None),
@@ -147,8 +144,7 @@ def guessed(files: Sequence[Path], known: dict[str, Any]) -> guessing.GuessedMap
 
 def imported(written: Written, folder: Path) -> ExperimentRecord:
     """What guess, answers and import make of the files."""
-    files = write(written, folder)
-    text = guessing.mapping_text(guessed(files, {"diameter_mm": 0.45} | dict(written.known)))
+    text = guessing.mapping_text(guessed(write(written, folder), {"diameter_mm": 0.45} | dict(written.known)))
     mapping = folder / "mapping.toml"
     mapping.write_text(text, encoding="utf-8")
     if left := open_lines(text):
@@ -208,8 +204,7 @@ def test_one_file_that_cannot_be_read_does_not_keep_the_others_from_being_guesse
     (tmp_path / "old.xls").write_bytes(b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1" + bytes(600))
     (tmp_path / "cut.sur").write_bytes(b"DIGITAL SURF" + bytes(30))
     others = [tmp_path / name for name in ("notes.txt", "old.xls", "cut.sur")]
-    guess = guessed([*files, *others], {"diameter_mm": 0.45})
-    told = " ".join(guess.remarks)
+    told = " ".join(guessed([*files, *others], {"diameter_mm": 0.45}).remarks)
     assert re.search(r"notes.txt was left out: .*no table of numbers", told)
     assert "old.xls was left out" in told
     assert "cut.sur was left out" in told

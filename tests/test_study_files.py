@@ -170,7 +170,6 @@ def test_any_value_in_any_place_is_accepted_or_told_in_one_sentence(keys: tuple[
 
 
 ROOT = Path(__file__).resolve().parent.parent
-
 NAMED = re.sub(r"youngs_modulus.*\npoissons_ratio.*\n", 'material = "Ti6Al4V"\n', MINIMAL)
 
 

@@ -57,8 +57,7 @@ def pulled(problem: solvers.ContactProblem, worn_mm: tuple[float, float] = (0.0,
     fresh = solvers.unloaded_state(problem)
     depths = [depth + more for depth, more in zip(fresh.wear.depths, worn_mm, strict=True)]
     start = replace(fresh, wear=replace(fresh.wear, primary_depth=depths[0], secondary_depth=depths[1]))
-    state = solvers.press(problem, start)[0]
-    last = driven(problem, state, np.array([0.005, 0.01]))[1][-1][-1]
+    last = driven(problem, solvers.press(problem, start)[0], np.array([0.005, 0.01]))[1][-1][-1]
     assert last.sticking == 0
     return last.tangential_force / LINE_LOAD_N_per_mm / FRICTION
 

@@ -25,7 +25,6 @@ from wirewear.views.comparison import compare
 STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"
 EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"
 STUDY = load_study(STEEL_WIRES / "study.toml")
-
 Change = Callable[[ExperimentRecord], ExperimentRecord]
 
 

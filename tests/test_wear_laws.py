@@ -15,7 +15,6 @@ from wirewear.base.errors import StudyError
 from wirewear.study import parse_study
 
 pytestmark = pytest.mark.seconds
-
 FREQUENCY_Hz, CYCLES = 4.0, 100.0
 RATES = (3e-13, 1e-13)  # So small that surfaces keep their shape.
 HERTZ = hertz_of_line()

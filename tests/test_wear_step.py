@@ -29,7 +29,6 @@ from tests.wear_jumps import (
 from wirewear.verification.hertz import scaled_patch
 
 pytestmark = pytest.mark.seconds
-
 CYCLES = 300.0  #: Cycles after which the wires are worn by as much as they approach under the load.
 
 

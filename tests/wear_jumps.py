@@ -20,10 +20,8 @@ RATES = (1.5e-8, 1.5e-8)
 STROKE_mm = 0.02
 INCREMENTS = 16
 RIG_N_per_mm = 167.0
-
 LINE_LOAD_N_per_mm = 60.0
 LINE_STROKE_mm = 0.04
-
 _ONE_THREAD = {"limits": 1, "user_api": "blas"}
 
 
