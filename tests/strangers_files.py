@@ -92,14 +92,15 @@ def plain(head: str, columns: Sequence[Any], own: Language, encoding: str = "utf
     return Written({"log.csv": (head + table(columns, own)).encode(encoding)}, known | more.pop("known", {}), **more)
 
 
-def units_line(unit: str) -> Callable[[Language], Written]:
-    """A fourth column in a unit of its own, in the line below the names."""
+def headed(head: str, *columns: Any, **more: Any) -> Callable[[Language], Written]:
+    """Columns below a head, in which "|" parts fields and braces hold the language's words."""
+    return lambda own: plain(head.format_map(vars(own)).replace("|", own.delimiter), columns, own, **more)
 
-    def written(own: Language) -> Written:
-        head = line(own, own.time, own.displacement, own.force, "Kanal 7") + line(own, "s", "um", "N", unit)
-        return plain(head, (TIME, X, FORCE, 0.72 * NORMAL), own)
 
-    return written
+def blanks_between(file: str, head: str, blanks: str) -> Callable[[Language], Written]:
+    """Columns that blanks part."""
+    rows: Callable[[Language], str] = lambda own: table((TIME, X, FORCE), own, delimiter=blanks)  # noqa: E731
+    return lambda own: Written({file: (head.format_map(vars(own)) + rows(own)).encode()}, {"normal_load_N": LOAD_N})
 
 
 def bracketed(own: Language) -> Written:
@@ -107,16 +108,6 @@ def bracketed(own: Language) -> Written:
     spelled = "{} / {}" if own is GERMAN else "{} [{}]"
     named = [(own.time, "ms"), (own.displacement, "mm"), (own.force, "mN")]
     return plain(line(own, *(spelled.format(*one) for one in named)), (1e3 * TIME, 1e-3 * X, 1e3 * FORCE), own)
-
-
-def between(*lines: str) -> Callable[[Language], Written]:
-    """Lines between names and numbers."""
-
-    def written(own: Language) -> Written:
-        head = line(own, own.time, own.displacement, own.force) + line(own, "s", "um", "N")
-        return plain(head + "".join(f"{one}\n" for one in lines), (TIME, X, FORCE), own)
-
-    return written
 
 
 def quoted(own: Language) -> Written:
@@ -150,12 +141,6 @@ def clock(spelled: str, begin_s: float = 43258.5) -> Callable[[Language], Writte
     return written
 
 
-def ends_in_nothing(own: Language) -> Written:
-    """Rows without any number at the end, as a logger leaves them that was stopped."""
-    head = line(own, f"{own.time} (s)", f"{own.displacement} (um)", f"{own.force} (N)")
-    return plain(head, tuple(np.append(one, [np.nan] * 3) for one in (TIME, X, FORCE)), own)
-
-
 def lvm(columns_of_time: str) -> Callable[[Language], Written]:
     """LabVIEW's measurement file with a time for all channels, for each, or none."""
 
@@ -179,54 +164,6 @@ def lvm(columns_of_time: str) -> Callable[[Language], Written]:
     return written
 
 
-NO_NAMES = {
-    "displacement_um": '{ column = 2, unit = "cm" }',
-    "tangential_force_N": '{ column = 1, unit = "N" }',
-    "displacement_amplitude_um": "60.0",
-    "frequency_Hz": "3.0",
-    "cycles": "4",
-}
-
-
-def without_names(own: Language) -> Written:
-    """Two columns and nothing else."""
-    return plain("", (FORCE, 1e-4 * X), own, answers=NO_NAMES)
-
-
-def without_time(own: Language) -> Written:
-    """Several cycles without a column of time or cycles."""
-    head = line(own, f"{own.displacement} (um)", f"{own.force} (N)")
-    return plain(head, (X, FORCE), own, known={"frequency_Hz": FREQUENCY_Hz})
-
-
-def growing(own: Language) -> Written:
-    """A protocol of growing amplitudes without a column of time."""
-    amplitudes = (20.0, 30.0, 45.0, 60.0)
-    _, x, force = loops(amplitudes)
-    head = line(own, f"{own.displacement} (um)", f"{own.force} (N)")
-    return plain(head, (x, force), own, known={"frequency_Hz": FREQUENCY_Hz}, amplitudes_um=amplitudes)
-
-
-def unknown_names(own: Language) -> Written:
-    """Names that no one knows: the mapping is left open."""
-    head = line(own, own.time, "AI0", "AI1") + line(own, "s", "V", "V")
-    answers = {
-        "displacement_um": '{ column = "AI0", unit = "V", factor = 12.0 }',
-        "tangential_force_N": '{ column = "AI1", unit = "V", factor = 0.5 }',
-        "displacement_amplitude_um": "60.0",
-        "frequency_Hz": "3.0",
-        "cycles": "4",
-    }
-    return plain(head, (TIME, X / 12.0, FORCE / 0.5), own, answers=answers)
-
-
-def volts(own: Language) -> Written:
-    """Known names in volts: the factors are left open."""
-    head = line(own, f"{own.time} [s]", f"{own.displacement} [um]", f"{own.force} [V]")
-    answers = {"tangential_force_N": '{ column = 3, unit = "V", factor = 0.5 }'}
-    return plain(head, (TIME, X, FORCE / 0.5), own, answers=answers)
-
-
 def six_axis(own: Language) -> Written:
     """A sensor of six axes and a stage; the header states the rate and no unit."""
     rate = f"{SAMPLES * FREQUENCY_Hz:g}"
@@ -239,30 +176,6 @@ def six_axis(own: Language) -> Written:
         "displacement_amplitude_um": "60.0",
     }
     return plain(head, (FORCE, 0 * X, -NORMAL, 0.1 + 0 * X, X), own, answers=answers)
-
-
-def imperial(own: Language) -> Written:
-    """Inches and pounds, in UTF-16."""
-    head = line(own, f"{own.time} (s)", f"{own.displacement} (in)", f"{own.force} (lbf)")
-    return plain(head, (TIME, X / INCH_um, FORCE / POUND_N), own, "utf-16")
-
-
-def latin(own: Language) -> Written:
-    """µm in an encoding of the last century, kilograms, a force that drives the motion."""
-    head = line(own, f"{own.time} (s)", f"{own.displacement} (µm)", f"{own.force} (kg)")
-    return plain(head, (TIME, X, -FORCE / 9.80665), own, "cp1252")
-
-
-def aligned(own: Language) -> Written:
-    """Columns parted by blanks, below names that have blanks themselves."""
-    head = f"{own.time} (s)   {own.displacement} (um)   {own.force} (N)\n"
-    return Written({"log.txt": (head + table((TIME, X, FORCE), own, delimiter="   ")).encode()}, {"normal_load_N": 2.0})
-
-
-def status(own: Language) -> Written:
-    """A column of words beside the numbers."""
-    head = line(own, own.time, own.displacement, own.force, "Status") + line(own, "s", "um", "N", "")
-    return plain(head, (TIME, X, FORCE, ["OK"] * X.size), own)
 
 
 def matlab(
@@ -322,13 +235,28 @@ def _part(first: str, second: str) -> Mapping[str, str]:
     return {key: spelled.replace("{}", place) for (key, spelled), place in both}
 
 
+def numbered(displacement: int | str, force: int | str, unit: str, other: str) -> dict[str, str]:
+    """Columns filled in, and their units."""
+    columns = {"displacement_um": (displacement, unit), "tangential_force_N": (force, other)}
+    return {name: f"{{ column = {column}, unit = {own} }}" for name, (column, own) in columns.items()}
+
+
+_NAMES = "{time}|{displacement}|{force}"
+_RATE, _GROWING = {"frequency_Hz": FREQUENCY_Hz}, (20.0, 30.0, 45.0, 60.0)
+CONDITIONS = {"displacement_amplitude_um": f"{AMPLITUDE_um}", "frequency_Hz": f"{FREQUENCY_Hz}", "cycles": f"{CYCLES}"}
+VOLTS = '"V", factor = 12.0', '"V", factor = 0.5'
+_IN_VOLTS = {"tangential_force_N": '{ column = 3, unit = "V", factor = 0.5 }'}
+
 #: The kinds, and the languages beside English in which each is tried.
 KINDS: dict[str, Callable[[Language], Written]] = {
     "units in brackets": bracketed,
-    **{f"units line with {unit}": units_line(unit) for unit in ("mm/s", "bar", "rpm", "A", "counts", "°C")},
-    "blank line before numbers": between(""),
-    "DATA line before numbers": between("DATA"),
-    "blank and DATA lines": between("", "[Data]"),
+    **{
+        f"units line with {unit}": headed(f"{_NAMES}|Kanal 7\ns|um|N|{unit}\n", TIME, X, FORCE, 0.72 * NORMAL)
+        for unit in ("mm/s", "bar", "rpm", "A", "counts", "°C")
+    },
+    "blank line before numbers": headed(f"{_NAMES}\ns|um|N\n\n", TIME, X, FORCE),
+    "DATA line before numbers": headed(f"{_NAMES}\ns|um|N\nDATA\n", TIME, X, FORCE),
+    "blank and DATA lines": headed(f"{_NAMES}\ns|um|N\n\n[Data]\n", TIME, X, FORCE),
     "all fields quoted": quoted,
     "UMT export": umt,
     "clock": clock("{}"),
@@ -336,20 +264,31 @@ KINDS: dict[str, Callable[[Language], Written]] = {
     "clock with a German date": clock("12.05.2022 {}"),
     "clock with AM and PM": clock("{} PM"),
     "clock past midnight": clock("{}", begin_s=86399.5),
-    "rows of nothing at the end": ends_in_nothing,
+    "rows of nothing at the end": headed(
+        "{time} (s)|{displacement} (um)|{force} (N)\n", *(np.append(one, [np.nan] * 3) for one in (TIME, X, FORCE))
+    ),
     "LVM, one time": lvm("One"),
     "LVM, a time a channel": lvm("Multi"),
     "LVM, no time": lvm("No"),
-    "two columns without names": without_names,
-    "no time and no cycle": without_time,
-    "growing amplitudes": growing,
-    "unknown names in volts": unknown_names,
-    "force in volts": volts,
+    "two columns without names": headed("", FORCE, 1e-4 * X, answers=numbered(2, 1, '"cm"', '"N"') | CONDITIONS),
+    "no time and no cycle": headed("{displacement} (um)|{force} (N)\n", X, FORCE, known=_RATE),
+    "growing amplitudes": headed(
+        "{displacement} (um)|{force} (N)\n", *loops(_GROWING)[1:], known=_RATE, amplitudes_um=_GROWING
+    ),
+    "unknown names in volts": headed(
+        "{time}|AI0|AI1\ns|V|V\n", TIME, X / 12.0, FORCE / 0.5, answers=numbered('"AI0"', '"AI1"', *VOLTS) | CONDITIONS
+    ),
+    "force in volts": headed("{time} [s]|{displacement} [um]|{force} [V]\n", TIME, X, FORCE / 0.5, answers=_IN_VOLTS),
     "six-axis sensor": six_axis,
-    "inches and pounds in UTF-16": imperial,
-    "Latin-1 and kilograms": latin,
-    "names with blanks": aligned,
-    "column of words": status,
+    "inches and pounds in UTF-16": headed(
+        "{time} (s)|{displacement} (in)|{force} (lbf)\n", TIME, X / INCH_um, FORCE / POUND_N, encoding="utf-16"
+    ),
+    # The force drives the motion.
+    "Latin-1 and kilograms": headed(
+        "{time} (s)|{displacement} (µm)|{force} (kg)\n", TIME, X, -FORCE / 9.80665, encoding="cp1252"
+    ),
+    "names with blanks": blanks_between("log.txt", "{time} (s)   {displacement} (um)   {force} (N)\n", "   "),
+    "column of words": headed(f"{_NAMES}|Status\ns|um|N|\n", TIME, X, FORCE, ["OK"] * X.size),
     "MATLAB vectors": matlab(vectors, {}),
     "MATLAB 4 vectors": matlab(vectors, {}, "4"),
     "MATLAB channels as columns": matlab(lambda _: {"hyst": np.stack([1e-3 * X, FORCE], axis=1)}, _part(":,1", ":,2")),

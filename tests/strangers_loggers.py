@@ -8,6 +8,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from tests.strangers_files import (
+    CONDITIONS,
     CYCLES,
     ENGLISH,
     FORCE,
@@ -15,19 +16,24 @@ from tests.strangers_files import (
     NORMAL,
     SAMPLES,
     TIME,
-    AMPLITUDE_um,
+    VOLTS,
     FREQUENCY_Hz,
     Language,
     Written,
     X,
+    blanks_between,
+    headed,
     line,
+    numbered,
     of_language,
     plain,
     table,
 )
 
 _RATE_Hz = SAMPLES * FREQUENCY_Hz
-_CONDITIONS = {"displacement_amplitude_um": f"{AMPLITUDE_um}", "frequency_Hz": f"{FREQUENCY_Hz}", "cycles": f"{CYCLES}"}
+_EMPTY = [""] * X.size
+_SETTINGS = ["Record Length", "Source", *_EMPTY[2:]], ["512", "CH1", *_EMPTY[2:]], _EMPTY
+_DEWESOFT = f"Data export\nSample rate:\t{_RATE_Hz:g} Hz\n\nData1\n"
 
 
 def log(head: str, columns: Sequence[Any], own: Language, encoding: str = "cp1252", **more: Any) -> Written:
@@ -37,6 +43,11 @@ def log(head: str, columns: Sequence[Any], own: Language, encoding: str = "cp125
     return Written({"log.txt": text.encode(encoding)}, known | more.pop("known", {}), **more)
 
 
+def tabbed(head: str, *columns: Any, encoding: str = "cp1252") -> Callable[[Language], Written]:
+    """Columns below a head whose braces hold the language's words, parted by tabs."""
+    return lambda own: log(head.format_map(vars(own)), columns or (TIME, X, FORCE), own, encoding)
+
+
 def catman(own: Language) -> Written:
     """A measuring amplifier's export: sensors beside the names, the rate beside that of time."""
     names = ("Time  1 - default sample rate", "Displacement sensor 1", "Force transducer 2")
@@ -44,12 +55,6 @@ def catman(own: Language) -> Written:
         names = ("Zeit  1 - Standardmessrate", "Wegaufnehmer 1", "Kraftaufnehmer 2")
     head = "HBM_CATMAN_DATAFILE_40\n\nTest: 7\n\n" + "\t".join(names) + "\ns\tµm\tN\n"
     return log(head, (TIME, X, FORCE), own)
-
-
-def dewesoft(own: Language) -> Written:
-    """Names of channels and of their modules."""
-    names = f"{own.time} (s)\tAI 1/{own.displacement} (µm)\tAI 2/{own.force} (N)\n"
-    return log(f"Data export\nSample rate:\t{_RATE_Hz:g} Hz\n\nData1\n{names}", (TIME, X, FORCE), own, "utf-8")
 
 
 def dasylab(own: Language) -> Written:
@@ -84,41 +89,6 @@ def signs(encoding: str) -> Callable[[Language], Written]:
         return log(head, (TIME, 1e-3 * X, FORCE, 1e3 * NORMAL), own, encoding, pressed=True)
 
     return written
-
-
-def commented(mark: str) -> Callable[[Language], Written]:
-    """A line of names that is marked as a comment, above columns that are parted by blanks."""
-
-    def written(own: Language) -> Written:
-        head = f"{mark} test 7\n{mark} t [s]  x [um]  Q [N]\n"
-        return Written(
-            {"log.dat": (head + table((TIME, X, FORCE), own, delimiter=" ")).encode()}, {"normal_load_N": 2.0}
-        )
-
-    return written
-
-
-def temperature(own: Language) -> Written:
-    """A T that is no time and stands before it."""
-    return log("T (°C)\tx (um)\tQ (N)\tt (s)\n", (20.0 + 0.0 * X, X, FORCE, TIME), own)
-
-
-def oscilloscope(own: Language) -> Written:
-    """Volts of channels, times from the trigger."""
-    answers = {
-        "displacement_um": '{ column = 2, unit = "V", factor = 12.0 }',
-        "tangential_force_N": '{ column = 3, unit = "V", factor = 0.5 }',
-    }
-    head = line(own, "x-axis", "1", "2") + line(own, "second", "Volt", "Volt")
-    return plain(head, (TIME - 0.5, X / 12.0, FORCE / 0.5), own, answers=answers | _CONDITIONS)
-
-
-def settings_beside(own: Language) -> Written:
-    """Settings to the left of the first rows of numbers, no names."""
-    left = ["Record Length", "Source", *[""] * (X.size - 2)], ["512", "CH1", *[""] * (X.size - 2)]
-    answers = {"displacement_um": of_language("5", "um"), "tangential_force_N": of_language("6", "N")}
-    numbered = {key: own.replace('"5"', "5").replace('"6"', "6") for key, own in answers.items()}
-    return plain("", (*left, [""] * X.size, TIME, X, FORCE), own, answers=numbered | _CONDITIONS)
 
 
 def steps(own: Language) -> Written:
@@ -174,7 +144,7 @@ def groups_without_names(own: Language) -> Written:
         "tangential_force_N": of_language(f"{SAMPLES + 1}:{2 * SAMPLES}", "N"),
     }
     known = {"normal_load_N": 2.0, "frequency_Hz": FREQUENCY_Hz}
-    return Written({"log.csv": table(cells, own).encode()}, known, answers | _CONDITIONS)
+    return Written({"log.csv": table(cells, own).encode()}, known, answers | CONDITIONS)
 
 
 def file_a_channel(own: Language) -> Written:
@@ -232,17 +202,24 @@ LOGGERS: dict[str, Callable[[Language], Written]] = {
     "xlsx": excel,
     "TDMS": tdms,
     "catman": catman,
-    "Dewesoft": dewesoft,
+    "Dewesoft": tabbed(f"{_DEWESOFT}{{time}} (s)\tAI 1/{{displacement}} (µm)\tAI 2/{{force}} (N)\n", encoding="utf-8"),
     "DASYLab": dasylab,
     "testing machine": testing_machine,
     "units written out": units_written_out,
     "own signs in UTF-8": signs("utf-8"),
     "own signs in GBK": signs("gbk"),
-    "names after #": commented("#"),
-    "names after %": commented("%"),
-    "T in °C": temperature,
-    "oscilloscope": oscilloscope,
-    "settings beside the numbers": settings_beside,
+    **{
+        f"names after {mark}": blanks_between("log.dat", f"{mark} test 7\n{mark} t [s]  x [um]  Q [N]\n", " ")
+        for mark in "#%"
+    },
+    "T in °C": tabbed("T (°C)\tx (um)\tQ (N)\tt (s)\n", 20.0 + 0.0 * X, X, FORCE, TIME),
+    # Times count from the trigger.
+    "oscilloscope": headed(
+        "x-axis|1|2\nsecond|Volt|Volt\n", TIME - 0.5, X / 12.0, FORCE / 0.5, answers=numbered(2, 3, *VOLTS) | CONDITIONS
+    ),
+    "settings beside the numbers": headed(
+        "", *_SETTINGS, TIME, X, FORCE, answers=numbered(5, 6, '"um"', '"N"') | CONDITIONS
+    ),
     "steps of a programme": steps,
     "statistics below": statistics_below,
     "one cycle a row": groups_of_columns,

@@ -30,6 +30,11 @@ def columns(head: str, place: Array | None, height: Array, own: Language, end: s
     return Line(head + rows)
 
 
+def headed(head: str, place: Array | None, height: Array, **answers: str) -> Callable[[Language], Line]:
+    """The same of every language; "|" parts fields of the head."""
+    return lambda own: Line(columns(head.replace("|", own.delimiter), place, height, own).text, answers)
+
+
 def dektak(lateral: str, profile: str, unit: str, factor: float, end: str) -> Callable[[Language], Line]:
     """Settings in two columns, names with their units, rows that may end in a delimiter."""
 
@@ -49,12 +54,6 @@ def units_below(own: Language) -> Line:
     return columns(line(own, *names) + line(own, "(um)", "(Angstrom)"), PLACE, 1e4 * HEIGHT, own)
 
 
-def surftest(own: Language) -> Line:
-    """Conditions, then places and heights."""
-    head = line(own, "Device", "SJ-410") + line(own, "Evaluation length", "2", "mm") + line(own, "X[mm]", "Z[um]")
-    return columns(head, 1e-3 * PLACE, HEIGHT, own)
-
-
 def heights_alone(named: str) -> Callable[[Language], Line]:
     """Heights one below another; the head states their distance."""
 
@@ -67,28 +66,11 @@ def heights_alone(named: str) -> Callable[[Language], Line]:
     return written
 
 
-def without_a_pitch(own: Language) -> Line:
-    """Heights and nothing else."""
-    answers = {"height_um": '{ column = 1, unit = "um" }', "step_um": f"{STEP_um}"}
-    return Line(columns("", None, HEIGHT, own).text, answers)
-
-
-def two_columns(own: Language) -> Line:
-    """Places and heights without names."""
-    answers = {"x_um": '{ column = 1, unit = "mm" }', "height_um": '{ column = 2, unit = "um" }'}
-    return Line(columns("", 1e-3 * PLACE, HEIGHT, own).text, answers)
-
-
 def numbered(own: Language) -> Line:
     """The number of each point in place of its place."""
     name = "No." if own is ENGLISH else "Nr."
     head = line(own, name, f"{'Height' if own is ENGLISH else 'Höhe'} [um]")
     return Line(columns(head, PLACE / STEP_um + 1.0, HEIGHT, own).text, {"x_um": of_language(name, "um")})
-
-
-def graph_curve(own: Language) -> Line:
-    """A curve whose height is called y, in metres."""
-    return columns("Profile 1\n" + line(own, "x", "y") + line(own, "m", "m"), 1e-6 * PLACE, 1e-6 * HEIGHT, own)
 
 
 def depths(own: Language) -> Line:
@@ -102,12 +84,14 @@ PROFILES: dict[str, Callable[[Language], Line]] = {
     "Dektak, nm": dektak("Lateral", "Total Profile", "nm", 1e3, ","),
     "Dektak, Å": dektak("Lateral", "Raw", "Å", 1e4, ""),
     "units below": units_below,
-    "SurfTest": surftest,
+    "SurfTest": headed("Device|SJ-410\nEvaluation length|2|mm\nX[mm]|Z[um]\n", 1e-3 * PLACE, HEIGHT),
     "heights alone": heights_alone(""),
     "heights alone, named": heights_alone("Profile (um)"),
-    "heights without a pitch": without_a_pitch,
-    "two columns": two_columns,
+    "heights without a pitch": headed("", None, HEIGHT, height_um='{ column = 1, unit = "um" }', step_um=f"{STEP_um}"),
+    "two columns": headed(
+        "", 1e-3 * PLACE, HEIGHT, x_um='{ column = 1, unit = "mm" }', height_um='{ column = 2, unit = "um" }'
+    ),
     "numbered points": numbered,
-    "graph curve": graph_curve,
+    "graph curve": headed("Profile 1\nx|y\nm|m\n", 1e-6 * PLACE, 1e-6 * HEIGHT),
     "depths": depths,
 }

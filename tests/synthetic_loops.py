@@ -136,10 +136,6 @@ def recipe_of(
     )
 
 
-def hook_ratio(recipe: Recipe) -> float:
-    return math.tan(math.atan(recipe.friction) + recipe.end_slope_rad) / recipe.friction
-
-
 def drawn(count: int, least_micro_slip: float, seed: int) -> Iterator[tuple[Recipe, float, int]]:
     """Gross slip with hooks up to half as high again as the plateau; micro-slip up to 30 % of the amplitude.
 
@@ -156,7 +152,7 @@ def drawn(count: int, least_micro_slip: float, seed: int) -> Iterator[tuple[Reci
             end_slope_rad=random.uniform(0.0, 0.2),
             hook_power=random.uniform(1.0, 6.0),
         )
-        if hook_ratio(recipe) < 1.5:
+        if math.tan(math.atan(recipe.friction) + recipe.end_slope_rad) < 1.5 * recipe.friction:
             count -= 1
             yield recipe, random.random(), int(random.integers(10**6))
 

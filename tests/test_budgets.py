@@ -82,19 +82,14 @@ def test_an_export_that_no_memory_holds_is_refused() -> None:
 LINE = line_study(mesh={"contact_mesh_um": 0.2})
 
 
-def run_line(output: Path) -> object:
-    return run_study(LINE, output=output)
-
-
-def run_line_in_memory(_: Path) -> object:
-    return simulate(LINE)
-
-
-def mesh_line(output: Path) -> object:
-    return write_line_meshes(LINE, "standard", output)
-
-
-@pytest.mark.parametrize("begin", [run_line, run_line_in_memory, mesh_line])
+@pytest.mark.parametrize(
+    "begin",
+    [
+        lambda output: run_study(LINE, output=output),
+        lambda _: simulate(LINE),
+        lambda output: write_line_meshes(LINE, "standard", output),
+    ],
+)
 def test_a_line_contact_that_no_memory_holds_is_refused_with_what_would_fit(
     tmp_path: Path, memory: Callable[[float], None], begin: Callable[[Path], object]
 ) -> None:

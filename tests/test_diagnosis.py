@@ -33,7 +33,6 @@ from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.records import ExperimentRecord, read_record
-from wirewear.study import Study
 from wirewear.views.diagnosis_wording import Diagnosed
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
@@ -44,14 +43,10 @@ def concluded_of(one: ExperimentRecord, *left_out: str) -> Diagnosed:
     return concluded(one, nominal_study(one), frozen_states(), reduce(one), left_out)
 
 
-def without_wear(one: ExperimentRecord) -> Study:
-    study: Study = nominal_study(one)
-    return study.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
-
-
 def test_a_model_without_wear_has_wear_states() -> None:
     one = independent_record(repeats=1, evolution=False)
-    worn, fresh = nominal_study(one), without_wear(one)
+    worn = nominal_study(one)
+    fresh = worn.changed({"wear": {"energy_wear_coefficient_mm3_per_J": 0.0}})
     assert wearing(worn) is worn
     bare = fresh.changed({"wear": None})
     assert bare.wear is None
@@ -63,11 +58,6 @@ def test_a_model_without_wear_has_wear_states() -> None:
     # 60 µm of 0.225 mm wires: V = δ⁴/R over ΣE = 4 µ P δ N.
     energy_J = 4e-6 * 0.62 * 2.0 * 60.0 * one.tables.conditions.cycles
     assert coefficient * energy_J == pytest.approx(0.06**4 / 0.225, rel=0.01)
-
-
-@cache
-def gap_free() -> Diagnosed:
-    return concluded_of(independent_record())
 
 
 @cache
@@ -86,7 +76,7 @@ def probability(diagnosis: Diagnosis, effect: str) -> float:
 
 @pytest.mark.slow
 def test_another_solvers_record_without_an_effect_has_no_gap() -> None:
-    diagnosis = gap_free().diagnosis
+    diagnosis = concluded_of(independent_record()).diagnosis
     assert diagnosis.verdict == "no_gap"
     assert diagnosis.where == ()
     assert diagnosis.causes[0].effect == "none"

@@ -184,17 +184,14 @@ def noisy_loop(
     return MeasuredLoop(1, cycle, time, displacement + 0.15 * x, force + 0.008 * q, 2.0 + 0.008 * p)
 
 
-def noisy_branch(correlation: float, random: np.random.Generator) -> tuple[Array, Array]:
-    """A curved branch with AR(1) noise of deviation 0.01."""
-    return SMOOTH, np.asarray(SMOOTH[:, 3] + 0.01 * autoregressive(len(SMOOTH), correlation, random))
-
-
 def error_of_means(correlation: float, stated: float | None = None, tries: int = 25) -> float:
     """Median of deviation times stretch over what it must be, each time from the two branches of one loop."""
     random = np.random.default_rng(7)
     found = []
     for _ in range(tries):
-        deviation, stretch = correlated_noise([noisy_branch(correlation, random) for _ in range(2)], stated)
+        noise = (autoregressive(len(SMOOTH), correlation, random) for _ in range(2))
+        branches = [(SMOOTH, np.asarray(SMOOTH[:, 3] + 0.01 * one)) for one in noise]
+        deviation, stretch = correlated_noise(branches, stated)
         found.append(deviation * stretch)
     return float(np.median(found) / (0.01 * np.sqrt((1.0 + correlation) / (1.0 - correlation))))
 

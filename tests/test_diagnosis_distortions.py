@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -23,7 +22,6 @@ from wirewear.diagnosis.infer.families import (
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.records import ExperimentRecord, MeasuredLoop
-from wirewear.views.diagnosis_wording import Diagnosed
 
 PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0
 Change = Callable[[MeasuredLoop], MeasuredLoop]
@@ -53,11 +51,6 @@ def creeping(loop: MeasuredLoop) -> MeasuredLoop:
     return replace(loop, tangential_force_N=loop.tangential_force_N + 0.02 * np.log10(loop.cycle))
 
 
-@cache
-def saturated() -> Diagnosed:
-    return diagnosed(bent(saturating))
-
-
 def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_covariance() -> None:
     random = np.random.default_rng(1)
     residual, columns = random.standard_normal(7), random.standard_normal((7, 3))
@@ -68,7 +61,7 @@ def test_evidence_is_that_of_the_normal_distribution_with_both_spaces_in_its_cov
 @pytest.mark.slow
 def test_a_saturating_force_cell_is_told_with_its_seam_and_size() -> None:
     """What a compliance, a gain or another friction leaves of it is a cubic in Q."""
-    answer = saturated().diagnosis
+    answer = diagnosed(bent(saturating)).diagnosis
     assert answer.verdict == "unexplained"
     first = answer.resembles[0]
     assert first.seam == "sensor"

@@ -192,10 +192,6 @@ def logged(
     ]
 
 
-def of_loops(loops: list[MeasuredLoop]) -> ExperimentRecord:
-    return ExperimentRecord(tables(), tuple(loops), (), ())
-
-
 @pytest.mark.parametrize("points", [30, 40, 48])
 @pytest.mark.parametrize("samples", [128, 256, 400])
 def test_lines_between_few_points_are_seen_under_noise(points: int, samples: int) -> None:
@@ -218,7 +214,7 @@ def test_a_record_is_read_at_its_corners_whatever_outliers_it_has() -> None:
     spoiled = loops[3].displacement_um.copy()
     spoiled[[20, 90]] += 25.0
     loops[3] = replace(loops[3], displacement_um=spoiled)
-    read, note = read_at_corners(of_loops(loops))
+    read, note = read_at_corners(ExperimentRecord(tables(), tuple(loops), (), ()))
     assert note is not None
     assert "40 points a cycle" in note
     place, force = true_loop(40)

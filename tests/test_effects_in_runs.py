@@ -81,6 +81,15 @@ def test_friction_moves_height_and_knee_of_the_loop_together() -> None:
     assert forward == pytest.approx(-0.15 * LIMIT_N, rel=0.01)
 
 
+@pytest.mark.seconds
+def test_a_misaligned_load_lifts_both_plateaus() -> None:
+    """Statics of the inclined plane: P tan(φ + β) out and P tan(φ − β) back."""
+    lifted = plateau_difference(result_with(effect("misalignment", angle_deg=2.0)), result_with())
+    phi, beta = np.arctan(0.62), np.radians(2.0)
+    expected = np.tan(phi + beta) - 0.62, 0.62 - np.tan(phi - beta)
+    assert lifted == pytest.approx(2.0 * np.array(expected), rel=0.03)
+
+
 def plateau_difference(result: RunResult, nominal: RunResult) -> tuple[float, float]:
     """Difference of the force at mid-stroke on the forward and the backward branch."""
     differences = []

@@ -74,16 +74,12 @@ def test_code_from_functions_and_numbers_of_other_files_is_compiled_anew_when_th
     assert _answer(tmp_path, {**before, **change}) == (expected, 0)
 
 
-def _kept(folder: Path) -> list[Path]:
-    return list((folder / "kept").glob("*.code"))
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("left", [0, 40, -1])
 def test_damaged_code_is_compiled_anew_and_kept_whole(tmp_path: Path, left: int) -> None:
     values = {"factor": 10.0, "shift": 1.0}
     assert _answer(tmp_path, values) == (20.0, 0)
-    for path in _kept(tmp_path):
+    for path in (tmp_path / "kept").glob("*.code"):
         path.write_bytes(path.read_bytes()[:left])
     assert _answer(tmp_path, values) == (20.0, 0)
     assert _answer(tmp_path, values) == (20.0, 1)

@@ -47,11 +47,6 @@ def corner_sines(points: Array, quads: IntArray) -> Array:
     return np.asarray(cross / np.linalg.norm(ahead, axis=2) / np.linalg.norm(behind, axis=2))
 
 
-def quad_areas(points: Array, quads: IntArray) -> Array:
-    y, z = points[quads].transpose(2, 0, 1)
-    return np.asarray(0.5 * (y * np.roll(z, -1, axis=1) - np.roll(y, -1, axis=1) * z).sum(axis=1))
-
-
 @settings(max_examples=60)
 @given(sections())
 def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_patch_lines(
@@ -64,7 +59,9 @@ def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_pat
     # The area is that of the polygon of surface nodes: every facet cuts a circular segment off.
     on_rim = np.abs(np.hypot(points[:, 0], points[:, 1] + radius) - radius) < 1e-9 * radius
     angles = np.sort(np.arctan2(points[on_rim, 0], points[on_rim, 1] + radius))
-    assert quad_areas(points, quads).sum() == pytest.approx(0.5 * radius**2 * np.sin(np.diff(angles)).sum(), rel=1e-9)
+    y, z = points[quads].transpose(2, 0, 1)
+    areas = 0.5 * (y * np.roll(z, -1, axis=1) - np.roll(y, -1, axis=1) * z).sum(axis=1)
+    assert areas.sum() == pytest.approx(0.5 * radius**2 * np.sin(np.diff(angles)).sum(), rel=1e-9)
     assert angles[[0, -1]] == pytest.approx([0.0, np.pi])
     # Every patch line is a node on the surface, and no node is doubled.
     on_top = points[

@@ -73,16 +73,12 @@ def test_the_stuck_centre_is_about_to_slip_behind_any_bulk(share: float, normal:
     assert SHEAR * (drive - tangential * force) == pytest.approx(contact.friction * MODULUS * (d - c**2 / 0.225))
 
 
-def disc_integral(values: np.ndarray, radius: np.ndarray) -> float:
-    return float(np.trapezoid(values * 2.0 * math.pi * radius, radius))
-
-
 @given(RATIOS, st.floats(-1.0, 1.0))
 def test_traction_after_reversal_integrates_to_the_force_and_keeps_coulombs_law(ratio: float, part: float) -> None:
     radius = np.linspace(0.0, CONTACT.contact_radius_mm, 20001)
     peak = ratio * CONTACT.limit_N
     traction = reference.traction_after_reversal(CONTACT, radius, part * peak, peak)
-    assert disc_integral(traction, radius) == pytest.approx(part * peak, abs=2e-4)
+    assert np.trapezoid(traction * 2.0 * math.pi * radius, radius) == pytest.approx(part * peak, abs=2e-4)
     limit = reference.loading_traction(CONTACT, radius, CONTACT.limit_N)
     assert np.all(np.abs(traction) <= limit * (1.0 + 1e-9) + 1e-9)
 

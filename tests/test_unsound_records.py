@@ -174,12 +174,8 @@ def stepped(step_N: float) -> Change:
     return changed
 
 
-def resolution_of(record: ExperimentRecord) -> list[str]:
-    return [remark.text for remark in check_record(record).remarks if remark.topic == "resolution"]
-
-
 @pytest.mark.seconds
 def test_a_force_of_coarse_steps_is_noted_with_its_step(sound: ExperimentRecord) -> None:
-    (text,) = resolution_of(stepped(0.1)(sound))
+    (text,) = (one.text for one in check_record(stepped(0.1)(sound)).remarks if one.topic == "resolution")
     assert text.startswith("The tangential force is read in steps of 0.1 N, ")
     assert f"{len(sound.loops)} of {len(sound.loops)} loops" in text
