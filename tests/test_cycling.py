@@ -193,6 +193,8 @@ def test_the_loop_is_measured_at_every_milestone_and_nowhere_else(monkeypatch: p
     assert result.status == "complete"
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
     assert store.checkpoint is None
+    # One after every jump, each of which is as long as the step before wanted.
+    assert store.checkpoints_written == [1.0, 11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]
     assert [r.status for r in store.results] == ["running"] * 4 + ["complete"]
 
 
@@ -219,25 +221,17 @@ def test_a_run_resumed_in_a_block_or_at_its_end_goes_on_as_if_it_had_not_stopped
     assert [cycle for cycle, _ in result.measured] == list(MILESTONES)
 
 
-def test_a_checkpoint_follows_every_jump_which_is_as_the_step_before_wanted(monkeypatch: pytest.MonkeyPatch) -> None:
-    store = Store()
-    run(monkeypatch, Stepper(), store)
-    assert store.checkpoints_written == [1.0, 11.0, 30.0, 70.0, 100.0, 140.0, 180.0, 220.0, 260.0, 300.0]
-
-
-def test_a_scar_that_outgrows_its_meshes_goes_on_with_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    result = run(monkeypatch, Stepper(), Store(), limits=(60.0, 1e9))
-    assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
-
-
 def test_a_loop_is_measured_where_the_energy_bends_between_two_milestones(monkeypatch: pytest.MonkeyPatch) -> None:
     result = run(monkeypatch, Stepper(), Store(), record=Record(bends_at=(70.0, 220.0)))
     assert [cycle for cycle, _ in result.measured] == [1.0, 30.0, 70.0, 100.0, 220.0, 300.0]
 
 
-def test_a_jump_that_leaves_the_patch_is_taken_again_on_larger_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize(("reach", "limit"), [((1e9, 1e9), 60.0), ((50.0, 1e9), 1e9)], ids=["outgrown", "patch left"])
+def test_a_scar_that_outgrows_its_meshes_or_leaves_the_patch_goes_on_with_the_next(
+    monkeypatch: pytest.MonkeyPatch, reach: tuple[float, float], limit: float
+) -> None:
     store = Store()
-    result = run(monkeypatch, Stepper(reach=(50.0, 1e9)), store, limits=(1e9, 1e9))
+    result = run(monkeypatch, Stepper(reach=reach), store, limits=(limit, 1e9))
     assert result.measured == ((1.0, 0), (30.0, 0), (100.0, 1), (300.0, 1))
     assert store.checkpoints_written[:4] == [1.0, 11.0, 30.0, 70.0]
 

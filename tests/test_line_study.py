@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from tests.studies import line_study, require_equal_runs
+from tests.test_simulate import Killer
 from wirewear import reference
 from wirewear.base.errors import RunError, StudyError
 from wirewear.results import RunResult, read_result
-from wirewear.simulation import Moment, Observer, run_study, simulate
+from wirewear.simulation import run_study, simulate
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
 
 
@@ -45,38 +46,13 @@ def test_a_worn_contact_is_a_segment_of_the_cylinder(worn: RunResult) -> None:
     assert 1e-3 * depth == pytest.approx(exact.depth_mm, rel=0.05)
     assert 0.5e-3 * (right - left) == pytest.approx(exact.half_width_mm, rel=0.05)
 
-
-@pytest.mark.slow
-def test_scars_deepen_as_the_cycles_to_two_thirds(worn: RunResult) -> None:
     before, after = worn.evolution["max_depth_pad_um"][1:]
     assert np.log(after / before) / np.log(4.0) == pytest.approx(2.0 / 3.0, abs=0.07)
-
-
-@pytest.mark.slow
-def test_each_body_loses_its_coefficient_times_the_energy(worn: RunResult) -> None:
-    assert worn.quality["volume_against_energy"] < 1e-10
-    ratio = worn.evolution["worn_volume_pad_mm3"][1:] / worn.evolution["worn_volume_specimen_mm3"][1:]
-    assert ratio == pytest.approx(2.0, rel=1e-9)
 
 
 def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> None:
     same = line_study(wear={"pad_energy_mm3_per_J": 0.0, "pad_archard_mm3_per_N_m": 4e-5 * 0.6})
     assert same.energy_coefficients() == pytest.approx((4e-5, 2e-5), rel=1e-12)
-
-
-class Killer(Observer):
-    """Interrupts in the middle of a cycle, some increments after a number of logged loops."""
-
-    def __init__(self, stop_after: int) -> None:
-        self.logged_loops, self.stop_after = 0, stop_after
-
-    def moved(self, moment: Moment) -> None:
-        if self.logged_loops == self.stop_after and moment.cycle > 2.0:
-            raise KeyboardInterrupt
-
-    def logged(self, result: RunResult) -> None:
-        assert result.status == "running"
-        self.logged_loops += 1
 
 
 @pytest.mark.seconds

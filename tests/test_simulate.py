@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests import synthetic_results
-from tests.studies import require_equal_runs, steel_wires
-from wirewear import RunError, Study, parse_study
+from tests.studies import steel_wires
+from wirewear import Study, parse_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import Moment, Observer, run_study
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME
@@ -111,28 +111,6 @@ def test_every_increment_is_solved_within_tolerance(unbroken: RunResult) -> None
     assert unbroken.quality["penetration"] < 1e-5
     # Friction's direction is settled to 1e-4; that of a slip next to nothing, at nodes about to stick, is less certain.
     assert unbroken.quality["slip_direction_error_rad"] < 1e-2
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("logged", [0, 1, 3])
-def test_a_run_killed_and_resumed_ends_with_the_same_result(unbroken: RunResult, tmp_path: Path, logged: int) -> None:
-    with pytest.raises(KeyboardInterrupt):
-        run(tmp_path, Killer(stop_after=logged))
-    require_equal_runs(run(tmp_path, resume=True), unbroken)
-
-
-def test_resuming_a_complete_run_leaves_it_as_it_is(unbroken: RunResult) -> None:
-    assert unbroken.path is not None
-    before = unbroken.path.read_bytes()
-    assert run(unbroken.path.parent, resume=True).status == "complete"
-    assert unbroken.path.read_bytes() == before
-
-
-def test_another_study_cannot_be_resumed_in_the_same_folder(unbroken: RunResult) -> None:
-    assert unbroken.path is not None
-    other = coarse(COARSE.replace("friction = 0.62", "friction = 0.5"))
-    with pytest.raises(RunError, match="another study"):
-        run(unbroken.path.parent, resume=True, study=other)
 
 
 VARIANTS = """
