@@ -52,20 +52,11 @@ def states() -> WearStates:
     depth = 2.5 * volume / (length * width)
     wire = np.stack([0.5 * volume, 0.5 * depth, length, width], axis=1)
     return WearStates(
-        radius_um=radius,
-        friction=0.62,
-        normal_load_N=2.0,
-        fresh_area_um2=640.0,
-        volume_um3=volume,
-        slip_um=np.full(13, slip),
-        similarity=similarity,
-        slope=slope,
-        angle=np.zeros((13, 2)),
-        stiffness_N_per_um=2.4 + 0.02 * volume**0.35,
-        load_drop_N=5e-8 * volume,
-        lift_N=np.zeros((13, 2)),
+        radius_um=radius, friction=0.62, normal_load_N=2.0, fresh_area_um2=640.0, volume_um3=volume,
+        slip_um=np.full(13, slip), similarity=similarity, slope=slope, angle=np.zeros((13, 2)),
+        stiffness_N_per_um=2.4 + 0.02 * volume**0.35, load_drop_N=5e-8 * volume, lift_N=np.zeros((13, 2)),
         scars=np.stack([wire, wire], axis=1),
-    )
+    )  # fmt: skip
 
 
 def tables(drive: str = "sensor", **stated: float | str) -> RecordTables:

@@ -30,22 +30,11 @@ def independent_record(
 ) -> ExperimentRecord:
     """What a rig of that model logs of the article's test, with these effects in it that its owner does not know of."""
     nuisances = Nuisances(
-        repeats=repeats,
-        scatter=Scatter(friction=0.01, load=0.004, wear=0.04, angle_deg=0.2),
-        displacement_noise_um=0.15,
-        force_noise_N=0.008,
-        correlation=0.0,
-        outlier_share=0.0,
-        waveform=Waveform(0.0, 0.0),
-        amplitude_drift=0.0,
-        drive=drive,
-        samples=samples,
-        has_normal_force=normal,
-        has_evolution=evolution,
-        has_scars=scars,
-        loop_cycles=(CYCLES,) * repeats,
-        evolution_cycles=EVOLUTION_CYCLES,
-    )
+        repeats=repeats, scatter=Scatter(friction=0.01, load=0.004, wear=0.04, angle_deg=0.2),
+        displacement_noise_um=0.15, force_noise_N=0.008, correlation=0.0, outlier_share=0.0,
+        waveform=Waveform(0.0, 0.0), amplitude_drift=0.0, drive=drive, samples=samples, has_normal_force=normal,
+        has_evolution=evolution, has_scars=scars, loop_cycles=(CYCLES,) * repeats, evolution_cycles=EVOLUTION_CYCLES,
+    )  # fmt: skip
     truth = tuple(TrueEffect(name, dict(parameters)) for name, parameters in (effects or {}).items())
     case = Case("made for a test", "single" if truth else "none", None, truth, (), Nominal(), nuisances, seed)
     made = IndependentModel("dahl", POINTS).make(case).record

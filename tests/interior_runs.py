@@ -51,16 +51,7 @@ def _forces(wire: str) -> ContactForces:
         force[:, :, along] *= -1.0
     drive = AMPLITUDE_um * np.cos(2.0 * np.pi * phase)
     return ContactForces(
-        cycle=CYCLE,
-        body=wire,
-        axis_angle_deg=90.0 if wire == "fixed" else 0.0,
-        geometry=bodies.wire(0.02).geometry,
-        material=bodies.STEEL,
-        phase=phase,
-        drive_um=drive,
-        holder_x_um=np.zeros(POSITIONS),
-        holder_z_um=np.full(POSITIONS, -0.5),
-        tangential_force_N=tangential,
-        nodes=nodes,
-        force_N=force,
-    )
+        cycle=CYCLE, body=wire, axis_angle_deg=90.0 if wire == "fixed" else 0.0, geometry=bodies.wire(0.02).geometry,
+        material=bodies.STEEL, phase=phase, drive_um=drive, holder_x_um=np.zeros(POSITIONS),
+        holder_z_um=np.full(POSITIONS, -0.5), tangential_force_N=tangential, nodes=nodes, force_N=force,
+    )  # fmt: skip

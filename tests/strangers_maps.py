@@ -140,17 +140,10 @@ def places_beside(corner: str) -> Callable[[Language], Written]:
 
 #: The kinds by their names.
 MAPS: dict[str, Callable[[Language], Written]] = {
-    "Keyence map": keyence,
-    "Gwyddion map": gwyddion,
-    "Zygo map": zygo,
-    "points with stars": points("***"),
-    "points with No Data": points("No Data"),
-    "matrix with tabs": matrix("\t"),
-    "matrix with blanks": matrix("  ", unit="um"),
-    "matrix with commas at the ends": matrix(",", end=","),
+    "Keyence map": keyence, "Gwyddion map": gwyddion, "Zygo map": zygo, "points with stars": points("***"),
+    "points with No Data": points("No Data"), "matrix with tabs": matrix("\t"),
+    "matrix with blanks": matrix("  ", unit="um"), "matrix with commas at the ends": matrix(",", end=","),
     "Olympus matrix": matrix(",", "Data Information,,\nImage Data,Height\nUnit,um\n", "um"),
-    "Wyko map in nm": wyko(in_nm=True),
-    "Wyko map in waves": wyko(in_nm=False),
-    "matrix beside its places": places_beside(""),
-    "matrix below named places": places_beside("y\\x"),
-}
+    "Wyko map in nm": wyko(in_nm=True), "Wyko map in waves": wyko(in_nm=False),
+    "matrix beside its places": places_beside(""), "matrix below named places": places_beside("y\\x"),
+}  # fmt: skip

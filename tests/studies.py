@@ -56,17 +56,13 @@ energy_wear_coefficient_mm3_per_J = 3.0e-5
 """
 
 TABLES: dict[str, Any] = {
-    "format": 1,
-    "name": "cylinder on flat",
-    "kind": "cylinder-on-flat",
+    "format": 1, "name": "cylinder on flat", "kind": "cylinder-on-flat",
     "pad": {"radius_mm": 6.0, "youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
     "specimen": {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3},
     "conditions": {"normal_load_N_per_mm": 30.0, "displacement_amplitude_um": 12.0, "cycles": 20_000},
-    "contact": {"friction": 0.6},
-    "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
-    "log": {"loop_cycles": [1, 5000, 20_000]},
-    "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
-}
+    "contact": {"friction": 0.6}, "wear": {"pad_energy_mm3_per_J": 4e-5, "specimen_energy_mm3_per_J": 2e-5},
+    "log": {"loop_cycles": [1, 5000, 20_000]}, "mesh": {"contact_mesh_um": 12.0, "jump_tolerance": 0.05},
+}  # fmt: skip
 
 
 def line_study(**changes: Any) -> LineStudy:

@@ -206,16 +206,10 @@ class RealLoop:
     def scaled(self, length: float, force: float) -> "RealLoop":
         """The same loop of a larger or smaller rig."""
         return RealLoop(
-            self.friction_forward_N * force,
-            self.friction_backward_N * force,
-            self.stiffness_N_per_um * force / length,
-            self.amplitude_um * length,
-            self.play_um * length,
-            self.force_offset_N * force,
-            self.chatter_drop,
-            self.static_overshoot,
-            self.noise_share,
-        )
+            self.friction_forward_N * force, self.friction_backward_N * force,
+            self.stiffness_N_per_um * force / length, self.amplitude_um * length, self.play_um * length,
+            self.force_offset_N * force, self.chatter_drop, self.static_overshoot, self.noise_share,
+        )  # fmt: skip
 
     def _spring(self, elongation: float) -> float:
         beyond = max(abs(elongation) - 0.5 * self.play_um, 0.0)

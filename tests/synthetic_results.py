@@ -39,14 +39,10 @@ def loop(cycle: int, stiffness_N_per_mm: float, hook: float = 0.0, samples: int 
         works.append(work)
     last = slice(2 * samples, 3 * samples)
     return Loop(
-        cycle=cycle,
-        time_s=np.arange(samples) / samples / 3.0,
-        displacement_um=drive[last],
-        relative_displacement_um=np.array(slips)[last],
-        tangential_force_N=np.array(forces)[last],
-        normal_force_N=np.full(samples, LOAD_N),
-        friction_work_mJ=np.array(works)[last] - works[2 * samples - 1],
-    )
+        cycle=cycle, time_s=np.arange(samples) / samples / 3.0, displacement_um=drive[last],
+        relative_displacement_um=np.array(slips)[last], tangential_force_N=np.array(forces)[last],
+        normal_force_N=np.full(samples, LOAD_N), friction_work_mJ=np.array(works)[last] - works[2 * samples - 1],
+    )  # fmt: skip
 
 
 def bowl(
@@ -65,17 +61,11 @@ def bowl(
     inside = 1.0 - (axial[:, None] / half_length_um) ** 2 - (transverse[None, :] / half_width_um) ** 2
     depth = depth_um * np.maximum(inside, 0.0)
     return Scar(
-        cycle=cycle,
-        body=wire,
-        diameter_mm=0.45,
+        cycle=cycle, body=wire, diameter_mm=0.45,
         axis_angle_deg={"moving": 0.0, "fixed": 90.0}[wire] if axis_angle_deg is None else axis_angle_deg,
-        axial_um=axial,
-        transverse_um=transverse,
-        depth_um=depth,
-        energy_density_mJ_per_mm2=1e3 * depth,
-        pressure_MPa=np.where(depth > 0.0, 100.0, 0.0),
-        slip_distance_um=np.where(depth > 0.0, 200.0, 0.0),
-    )
+        axial_um=axial, transverse_um=transverse, depth_um=depth, energy_density_mJ_per_mm2=1e3 * depth,
+        pressure_MPa=np.where(depth > 0.0, 100.0, 0.0), slip_distance_um=np.where(depth > 0.0, 200.0, 0.0),
+    )  # fmt: skip
 
 
 def profile(body: str, x_um: Array, depth_um: Array, cycle: int = 1, **fields: Any) -> Scar:

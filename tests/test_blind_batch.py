@@ -248,13 +248,8 @@ def test_nothing_of_the_blind_check_imports_the_diagnosis(file: Path) -> None:
 )
 def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Path) -> None:
     forbidden = (
-        "solvers",
-        "geometry",
-        "wirewear.effects",
-        "wirewear.simulation",
-        "wirewear.study",
-        "wirewear.reference",
-    )
+        "solvers", "geometry", "wirewear.effects", "wirewear.simulation", "wirewear.study", "wirewear.reference",
+    )  # fmt: skip
     assert reaches(imports_of(file), *forbidden) == []
 
 

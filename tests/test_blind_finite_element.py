@@ -166,22 +166,11 @@ def test_a_map_reaches_as_far_as_the_scar_of_wires_at_any_angle(angle_deg: float
 
 MODEL = IndependentModel("dahl", points=24, library=("tangential_compliance", "friction_offset"))
 NUISANCES = Nuisances(
-    repeats=1,
-    scatter=Scatter(0.01, 0.005, 0.04, 0.3),
-    displacement_noise_um=0.15,
-    force_noise_N=0.008,
-    correlation=0.0,
-    outlier_share=0.0,
-    waveform=Waveform(0.0, 0.0),
-    amplitude_drift=0.0,
-    drive="stroke",
-    samples=200,
-    has_normal_force=True,
-    has_evolution=True,
-    has_scars=True,
-    loop_cycles=((100, 20_000),),
+    repeats=1, scatter=Scatter(0.01, 0.005, 0.04, 0.3), displacement_noise_um=0.15, force_noise_N=0.008,
+    correlation=0.0, outlier_share=0.0, waveform=Waveform(0.0, 0.0), amplitude_drift=0.0, drive="stroke", samples=200,
+    has_normal_force=True, has_evolution=True, has_scars=True, loop_cycles=((100, 20_000),),
     evolution_cycles=(100, 20_000),
-)
+)  # fmt: skip
 SPRING = TrueEffect("tangential_compliance", {"stiffness_N_per_mm": 300.0})
 SLIPPERY = TrueEffect("friction_offset", {"friction": 0.55})
 LAST_DIGITS = slice(9, None, 7)

@@ -140,30 +140,22 @@ def test_no_friction_law_is_coulombs_behind_half_spaces() -> None:
 
 SIZES: dict[str, dict[str, float]] = {
     "tangential_compliance": {"stiffness_N_per_mm": 300.0},
-    "rotational_compliance": {"stiffness_N_mm_per_rad": 300.0 * 400.0, "arm_mm": 20.0},
-    "free_play": {"gap_um": 4.0},
-    "friction_offset": {"friction": 0.56},
-    "friction_evolution": {"initial": 0.5, "final": 0.62, "cycles": 3000.0},
+    "rotational_compliance": {"stiffness_N_mm_per_rad": 300.0 * 400.0, "arm_mm": 20.0}, "free_play": {"gap_um": 4.0},
+    "friction_offset": {"friction": 0.56}, "friction_evolution": {"initial": 0.5, "final": 0.62, "cycles": 3000.0},
     "roughness_compliance": {"layer_um": 5.0, "cycles": 3000.0},
-    "third_body": {"retained_fraction": 0.3, "modulus_MPa": 1000.0},
-    "plasticity": {"flattening_um": 2.0},
-    "crossing_angle_error": {"angle_deg": 5.0},
-    "misalignment": {"angle_deg": 1.0},
-    "normal_load_drift": {"fraction_per_100k_cycles": -0.2},
-    "wear_rate_offset": {"factor": 1.5},
+    "third_body": {"retained_fraction": 0.3, "modulus_MPa": 1000.0}, "plasticity": {"flattening_um": 2.0},
+    "crossing_angle_error": {"angle_deg": 5.0}, "misalignment": {"angle_deg": 1.0},
+    "normal_load_drift": {"fraction_per_100k_cycles": -0.2}, "wear_rate_offset": {"factor": 1.5},
     "wear_rate_evolution": {"initial_factor": 3.0, "final_factor": 1.0, "cycles": 3000.0},
     "displacement_gain": {"gain": 1.05},
     "displacement_load_coupling": {"linear_um_per_N": 3.0, "quadratic_um_per_N2": 0.0},
-    "force_crosstalk": {"coefficient": 0.02},
-    "sensor_lag": {"time_s": 0.002},
+    "force_crosstalk": {"coefficient": 0.02}, "sensor_lag": {"time_s": 0.002},
     "thermal_gain_drift": {"gain_change": 0.05, "cycles": 1000.0},
-    "reversal_adhesion": {"overshoot": 0.3, "length_um": 4.0},
-    "velocity_dependent_friction": {"per_e_fold": 0.05},
+    "reversal_adhesion": {"overshoot": 0.3, "length_um": 4.0}, "velocity_dependent_friction": {"per_e_fold": 0.05},
     "clamp_slip": {"holds_N": 0.6, "slip_um_per_N": 5.0},
     "debris_ejection": {"factor": 0.8, "cycle_1": 500.0, "cycle_2": 50000.0, "recovery_cycles": 5000.0},
-    "bent_guide": {"load_rise": 0.2},
-    "saturating_force_cell": {"loss_at_plateau": 0.1},
-}
+    "bent_guide": {"load_rise": 0.2}, "saturating_force_cell": {"loss_at_plateau": 0.1},
+}  # fmt: skip
 
 
 def with_effect(effect: str, world: World = STEEL) -> World:

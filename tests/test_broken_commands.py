@@ -149,14 +149,9 @@ def run(folder: Path, output: str, variables: Mapping[str, str]) -> Path:
     folder.mkdir()
     (folder / "study.toml").write_text(BRIEF)
     ended = subprocess.run(
-        [sys.executable, "-c", "from wirewear.faces import main; main()", *RUN, output],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=1200,
-        env={**os.environ, **variables},
-    )
+        [sys.executable, "-c", "from wirewear.faces import main; main()", *RUN, output], cwd=folder,
+        capture_output=True, text=True, check=False, timeout=1200, env={**os.environ, **variables},
+    )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     return folder / output / "result.h5"
 

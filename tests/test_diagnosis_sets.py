@@ -29,12 +29,8 @@ LEAN = {"stiffness_N_mm_per_rad": 30000.0, "arm_mm": 10.0}
 CROSSTALK = 0.016
 SPRING, LAYER, PLAY = ("tangential_compliance",), ("roughness_compliance",), ("free_play",)
 KNOWN: dict[tuple[str, ...], float] = {
-    ("none",): 0.15,
-    ("free_play",): 0.5,
-    ("friction_offset",): 0.2,
-    ("outside_library",): 0.1,
-    ("plasticity",): 0.05,
-}
+    ("none",): 0.15, ("free_play",): 0.5, ("friction_offset",): 0.2, ("outside_library",): 0.1, ("plasticity",): 0.05,
+}  # fmt: skip
 
 
 def remainder(p_value: float, blocks: int = 1) -> Remainder:

@@ -205,35 +205,17 @@ everyone = pytest.mark.parametrize("kind", all_effects().values(), ids=list(all_
 def chain() -> Chain:
     """Four moments of a test in which nothing but wear changes."""
     nothing = np.zeros(4)
-    return Chain(
-        radius_um=225.0,
-        fresh_area_um2=640.0,
-        cycles=CYCLES,
-        energy_J=2.5e-4 * CYCLES,
-        worn_um3=7.5 * CYCLES,
-        amplitude_um=nothing + 20.0,
-        load_N=nothing + 2.0,
-        misalignment_rad=nothing,
-        friction=nothing + 0.62,
-        wear_um3_per_mJ=nothing + 30.0,
-        retained_fraction=nothing,
-        bed_MPa=nothing,
-        oxygen_W=nothing,
-        starved_factor=nothing + 1.0,
-        compliance_um_per_N=nothing + 6.0,
-        free_play_um=nothing,
-        flattening_um=nothing,
-        rough_um=nothing,
-        bed_um=nothing,
-        crossing_error_rad=nothing,
-        gain=nothing + 1.0,
-        linear_um_per_N=nothing,
-        quadratic_um_per_N2=nothing,
-        crosstalk=nothing,
-        force_zero_N=nothing,
-        lag_s=nothing,
-        force_lag_s=nothing,
+    names = (
+        "misalignment_rad retained_fraction bed_MPa oxygen_W free_play_um flattening_um rough_um bed_um "
+        "crossing_error_rad linear_um_per_N quadratic_um_per_N2 crosstalk force_zero_N lag_s force_lag_s"
     )
+    still: dict[str, Any] = dict.fromkeys(names.split(), nothing)
+    return Chain(
+        radius_um=225.0, fresh_area_um2=640.0, cycles=CYCLES, energy_J=2.5e-4 * CYCLES, worn_um3=7.5 * CYCLES,
+        amplitude_um=nothing + 20.0, load_N=nothing + 2.0, friction=nothing + 0.62, wear_um3_per_mJ=nothing + 30.0,
+        starved_factor=nothing + 1.0, compliance_um_per_N=nothing + 6.0, gain=nothing + 1.0,
+        **still,
+    )  # fmt: skip
 
 
 def effect(name: str, **values: float) -> Effect[Any]:

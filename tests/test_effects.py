@@ -16,26 +16,16 @@ from wirewear.study.reading import study_from_tables
 
 #: Names and parameters that other programs and files rely on.
 FIXED = {
-    "tangential_compliance": ["stiffness_N_per_mm"],
-    "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
-    "free_play": ["gap_um"],
-    "friction_offset": ["friction"],
-    "friction_evolution": ["initial", "final", "cycles"],
-    "roughness_compliance": ["layer_um", "cycles"],
-    "third_body": ["retained_fraction", "modulus_MPa"],
-    "plasticity": ["flattening_um"],
-    "crossing_angle_error": ["angle_deg"],
-    "misalignment": ["angle_deg"],
-    "normal_load_drift": ["fraction_per_100k_cycles"],
-    "wear_rate_offset": ["factor"],
+    "tangential_compliance": ["stiffness_N_per_mm"], "rotational_compliance": ["stiffness_N_mm_per_rad", "arm_mm"],
+    "free_play": ["gap_um"], "friction_offset": ["friction"], "friction_evolution": ["initial", "final", "cycles"],
+    "roughness_compliance": ["layer_um", "cycles"], "third_body": ["retained_fraction", "modulus_MPa"],
+    "plasticity": ["flattening_um"], "crossing_angle_error": ["angle_deg"], "misalignment": ["angle_deg"],
+    "normal_load_drift": ["fraction_per_100k_cycles"], "wear_rate_offset": ["factor"],
     "wear_rate_evolution": ["initial_factor", "final_factor", "cycles"],
-    "contact_oxygenation": ["supply_W", "starved_factor"],
-    "displacement_gain": ["gain"],
-    "displacement_load_coupling": ["linear_um_per_N", "quadratic_um_per_N2"],
-    "force_crosstalk": ["coefficient"],
-    "sensor_lag": ["time_s"],
-    "held_displacement": ["displacement_amplitude_um"],
-}
+    "contact_oxygenation": ["supply_W", "starved_factor"], "displacement_gain": ["gain"],
+    "displacement_load_coupling": ["linear_um_per_N", "quadratic_um_per_N2"], "force_crosstalk": ["coefficient"],
+    "sensor_lag": ["time_s"], "held_displacement": ["displacement_amplitude_um"],
+}  # fmt: skip
 everyone = pytest.mark.parametrize("kind", effects.all_effects().values(), ids=list(effects.all_effects()))
 
 

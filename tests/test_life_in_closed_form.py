@@ -44,13 +44,9 @@ def run() -> RunResult:
 def friction_stress(x: Array, z: Array, force_N_per_mm: float, bulk_MPa: float) -> Array:
     """By friction (n, 6) at first loading to a force, under a bulk stress in phase with it."""
     slip = reference.line_partial_slip_stress(
-        x,
-        z,
-        stick_half_width_mm=max(a_mm * np.sqrt(1.0 - force_N_per_mm / LIMIT_N_per_mm), 1e-9),
-        stick_centre_mm=reference.line_stick_shift(LINE, FRICTION, bulk_MPa),
-        friction=FRICTION,
-        **HERTZ,
-    )
+        x, z, stick_half_width_mm=max(a_mm * np.sqrt(1.0 - force_N_per_mm / LIMIT_N_per_mm), 1e-9),
+        stick_centre_mm=reference.line_stick_shift(LINE, FRICTION, bulk_MPa), friction=FRICTION, **HERTZ,
+    )  # fmt: skip
     return slip - reference.line_stress(x, z, **HERTZ)
 
 

@@ -192,13 +192,9 @@ def test_play_with_chatter_offset_and_unequal_friction_is_measured_at_every_size
     held = []
     for seed, (play, drop, offset, backward) in enumerate(cases):
         loop = replace(
-            SOFT,
-            play_um=play,
-            chatter_drop=drop,
-            force_offset_N=offset,
-            friction_backward_N=backward,
+            SOFT, play_um=play, chatter_drop=drop, force_offset_N=offset, friction_backward_N=backward,
             static_overshoot=0.15,
-        ).scaled(*SIZES[size])
+        ).scaled(*SIZES[size])  # fmt: skip
         figures = figures_of(loop, 512 if seed % 3 else 256, seed)
         assert figures.free_play_um is not None, loop
         assert figures.free_play_um.value == pytest.approx(loop.play_um, rel=0.1), loop

@@ -153,15 +153,10 @@ OPEN = 0.03
 LEFT = 0.005
 #: What a note says of which figures; by other notes none is excused.
 NOTED = {
-    "stiffness is coarse": {"measured_stiffness_N_per_um"},
-    "samples late": {"measured_stiffness_N_per_um"},
-    "passes its later peaks": {"energy_ratio"},
-    "the force falls again and again": {"energy_ratio"},
-    "is clipped": None,
-    "ellipse without a plateau": None,
-    "loop is open by": None,
-    "they were reversed": None,
-}
+    "stiffness is coarse": {"measured_stiffness_N_per_um"}, "samples late": {"measured_stiffness_N_per_um"},
+    "passes its later peaks": {"energy_ratio"}, "the force falls again and again": {"energy_ratio"},
+    "is clipped": None, "ellipse without a plateau": None, "loop is open by": None, "they were reversed": None,
+}  # fmt: skip
 
 KINDS: dict[str, Callable[[Random, int], dict[str, Any]]] = {
     "noise alone": lambda *_: {},
@@ -183,29 +178,21 @@ def drawn_loop(random: Random) -> MasingLoop:
     of_contact = random.uniform(0.02, 0.95)
     rig_um = elastic * (1.0 - of_contact) * amplitude
     return MasingLoop(
-        friction=friction,
-        normal_force_N=load,
-        contact_um=amplitude - rig_um,
-        yield_um=elastic * of_contact * amplitude,
-        power=random.choice([1.0, 1.5, 2.0]),
-        rig_N_per_um=friction * load / rig_um,
-        play_um=random.choice([0.0, random.uniform(0.02, 0.3)]) * amplitude,
+        friction=friction, normal_force_N=load, contact_um=amplitude - rig_um,
+        yield_um=elastic * of_contact * amplitude, power=random.choice([1.0, 1.5, 2.0]),
+        rig_N_per_um=friction * load / rig_um, play_um=random.choice([0.0, random.uniform(0.02, 0.3)]) * amplitude,
         wall=random.choice([0.0, random.uniform(0.0, 0.4)]),
-    )
+    )  # fmt: skip
 
 
 def drawn_disturbance(random: Random) -> Disturbance:
     samples, kind = random.randint(40, 400), random.choice(sorted(KINDS))
     return Disturbance(
-        samples=samples,
-        phase=random.random(),
+        samples=samples, phase=random.random(),
         noise=random.choice([0.003, 0.01] if kind == "clipped" else [0.0, 0.003, 0.01]),
-        sign=random.choice([-1.0, 1.0]),
-        force_offset=random.uniform(-0.3, 0.3),
-        displacement_offset=random.uniform(-2.0, 2.0),
-        seed=random.randrange(10**6),
-        **KINDS[kind](random, samples),
-    )
+        sign=random.choice([-1.0, 1.0]), force_offset=random.uniform(-0.3, 0.3),
+        displacement_offset=random.uniform(-2.0, 2.0), seed=random.randrange(10**6), **KINDS[kind](random, samples),
+    )  # fmt: skip
 
 
 def truths(loop: MasingLoop, disturbance: Disturbance) -> dict[str, float]:

@@ -254,13 +254,9 @@ def test_the_half_planes_stress_by_these_tractions_is_mcewens() -> None:
     places = np.append([edge], 30.0 + 12.0 * np.array([-0.5, 0.0, 0.7, 1.3]))
     found = np.array([loaded._exact(place) for place in places])
     exact = reference.line_stress(
-        np.interp(places, np.arange(float(len(x))), x).clip(-1.0),
-        np.zeros(len(places)),
-        half_width_mm=1.0,
-        peak_pressure_MPa=1.0,
-        peak_shear_MPa=-FRICTION,
-        poissons_ratio=NU,
-    )
+        np.interp(places, np.arange(float(len(x))), x).clip(-1.0), np.zeros(len(places)), half_width_mm=1.0,
+        peak_pressure_MPa=1.0, peak_shear_MPa=-FRICTION, poissons_ratio=NU,
+    )  # fmt: skip
     # The body lies below, its normal points out: the closed form's z axis points in.
     np.testing.assert_allclose(found[:, :4], exact[:, :4], atol=0.03)
     np.testing.assert_allclose(found[:, 5], -exact[:, 5], atol=0.015)

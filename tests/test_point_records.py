@@ -73,13 +73,9 @@ def run_of(kind: str) -> RunResult:
         for name, column in plain.evolution.columns.items()
     }
     return dataclasses.replace(
-        plain,
-        study=study_from_tables(tables, "s.toml").resolved(),
-        contact_kind=kind,
-        bodies=names,
-        scars=scars,
+        plain, study=study_from_tables(tables, "s.toml").resolved(), contact_kind=kind, bodies=names, scars=scars,
         evolution=Evolution(columns),
-    )
+    )  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", SHAPES)

@@ -94,15 +94,9 @@ def test_the_largest_von_mises_stress_lies_where_textbooks_say() -> None:
 def test_in_partial_slip_the_shear_is_full_in_the_annulus_and_nothing_stretches_the_centre_of_a_line() -> None:
     c, friction = 0.6 * A, 0.5
     round_one = reference.partial_slip_stress(
-        np.array([0.0, 0.8 * A]),
-        0.0,
-        0.0,
-        contact_radius_mm=A,
-        stick_radius_mm=c,
-        peak_pressure_MPa=P0,
-        friction=friction,
-        poissons_ratio=NU,
-    )
+        np.array([0.0, 0.8 * A]), 0.0, 0.0, contact_radius_mm=A, stick_radius_mm=c, peak_pressure_MPa=P0,
+        friction=friction, poissons_ratio=NU,
+    )  # fmt: skip
     assert round_one[0, 5] == pytest.approx(-friction * P0 * (1.0 - c / A), rel=1e-6)
     assert round_one[1, 5] == pytest.approx(friction * round_one[1, 2], rel=1e-6)
     x = np.array([0.3 * A, 0.8 * A])

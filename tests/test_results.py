@@ -126,20 +126,14 @@ def results(draw: st.DrawFn) -> RunResult:
     nan_or_finite = st.floats(allow_infinity=False)
     columns = {name: draw(arrays(n, nan_or_finite)) for name in (*EVOLUTION_COLUMNS, "further_mm")}
     return RunResult(
-        name=draw(texts),
-        variant=draw(texts),
-        fidelity=draw(texts),
-        status=draw(st.sampled_from(["complete", "running", "failed"])),
-        message=draw(texts),
-        study=draw(st.dictionaries(texts, json_values, max_size=3)),
-        loops=tuple(draw(st.lists(loops(), max_size=3))),
+        name=draw(texts), variant=draw(texts), fidelity=draw(texts),
+        status=draw(st.sampled_from(["complete", "running", "failed"])), message=draw(texts),
+        study=draw(st.dictionaries(texts, json_values, max_size=3)), loops=tuple(draw(st.lists(loops(), max_size=3))),
         evolution=Evolution({**columns, "cycle": np.arange(1.0, n + 1.0)}),
         scars=tuple(draw(st.lists(scars(), max_size=3))),
-        settings=draw(st.dictionaries(texts, json_values, max_size=3)),
-        quality=draw(numbers),
-        versions=draw(st.dictionaries(texts, texts, max_size=2)),
-        timings_s=draw(numbers),
-    )
+        settings=draw(st.dictionaries(texts, json_values, max_size=3)), quality=draw(numbers),
+        versions=draw(st.dictionaries(texts, texts, max_size=2)), timings_s=draw(numbers),
+    )  # fmt: skip
 
 
 def assert_same(one: object, other: object) -> None:

@@ -106,17 +106,12 @@ def test_a_first_order_lag_reads_a_sine_smaller_and_late() -> None:
 
 
 SENSORS = st.builds(
-    Sensor,
-    remote_compliance_um_per_N=st.floats(0.0, 3.0),
-    displacement_gain=st.floats(0.5, 2.0),
-    linear_um_per_N=st.floats(-2.0, 2.0),
-    quadratic_um_per_N2=st.floats(-1.0, 1.0),
-    tangential_force_gain=st.floats(0.5, 2.0),
-    normal_force_gain=st.floats(0.5, 2.0),
-    force_crosstalk=st.floats(-0.5, 0.5),
-    lag_s=st.floats(0.0, 5e-3),
+    Sensor, remote_compliance_um_per_N=st.floats(0.0, 3.0), displacement_gain=st.floats(0.5, 2.0),
+    linear_um_per_N=st.floats(-2.0, 2.0), quadratic_um_per_N2=st.floats(-1.0, 1.0),
+    tangential_force_gain=st.floats(0.5, 2.0), normal_force_gain=st.floats(0.5, 2.0),
+    force_crosstalk=st.floats(-0.5, 0.5), lag_s=st.floats(0.0, 5e-3),
     lag_kind=st.sampled_from(["first-order", "delay"]),
-)
+)  # fmt: skip
 
 
 @given(SENSORS, st.sampled_from([64, 65, 256]))

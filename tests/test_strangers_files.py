@@ -25,28 +25,17 @@ from wirewear.views.loops_sources import read_loops
 KINDS = strangers.KINDS | LOGGERS | MAPS
 #: Kinds in which the other language is neither English nor German.
 OTHERS = {
-    "blank line before numbers": SPANISH,
-    "no time and no cycle": FRENCH,
-    "xlsx": SPANISH,
-    "column of words": FRENCH,
-    "units written out": FRENCH,
-    "own signs in UTF-8": CHINESE,
-    "own signs in GBK": CHINESE,
-}
+    "blank line before numbers": SPANISH, "no time and no cycle": FRENCH, "xlsx": SPANISH, "column of words": FRENCH,
+    "units written out": FRENCH, "own signs in UTF-8": CHINESE, "own signs in GBK": CHINESE,
+}  # fmt: skip
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 #: Columns of displacement and force as the command takes them; None is to be recognised.
 LOGGED: dict[str, tuple[str | None, str | None]] = {
-    "xlsx": (None, None),
-    "TDMS": (None, None),
-    "LVM, one time": (None, None),
-    "UMT export": (None, None),
+    "xlsx": (None, None), "TDMS": (None, None), "LVM, one time": (None, None), "UMT export": (None, None),
     "MATLAB vectors": ("Displacement:mm", "Friction_force:N"),
-    "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"),
-    "two columns without names": ("2:cm", "1:N"),
-    "clock with a date": (None, None),
-    "names with blanks": (None, None),
-    "steps of a programme": (None, None),
-}
+    "MATLAB channels as rows": ("hyst(1,:):mm", "hyst(2,:):N"), "two columns without names": ("2:cm", "1:N"),
+    "clock with a date": (None, None), "names with blanks": (None, None), "steps of a programme": (None, None),
+}  # fmt: skip
 
 
 def spelled(value: float, digits: int, sign: str, decimal: str) -> str:
@@ -233,13 +222,9 @@ def test_the_force_of_a_contact_that_sticks_keeps_its_sign_if_it_rises_with_moti
 
 OF_STEEL = {"material": "steel"}
 KNOWN = {
-    "length_mm": 10.0,
-    "radius_mm": 6.0,
-    "normal_load_N": 20.0,
-    "displacement_amplitude_um": 60.0,
-    "frequency_Hz": 3.0,
+    "length_mm": 10.0, "radius_mm": 6.0, "normal_load_N": 20.0, "displacement_amplitude_um": 60.0, "frequency_Hz": 3.0,
     "cycles": 100,
-}
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("kind", strangers_profiles.PROFILES)

@@ -222,15 +222,9 @@ def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them()
 
 def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
     study = line_study(log={"loop_cycles": [1]})
-    rows = [
-        run_case(study, {"contact.friction": friction, "conditions.cycles": 1}, "quick", 1, None)
-        for friction in (0.3, 0.6)
-    ]
-    weak, strong = (row.figures or {} for row in rows)
-    assert tuple(weak) == figures_named(study.body_names)
-    load = study.conditions.normal_load_N_per_mm
-    assert weak["max_tangential_force_N"] == pytest.approx(0.3 * load, rel=1e-3)
-    assert strong["max_tangential_force_N"] == pytest.approx(0.6 * load, rel=1e-3)
+    figures = run_case(study, {"contact.friction": 0.3, "conditions.cycles": 1}, "quick", 1, None).figures or {}
+    assert tuple(figures) == figures_named(study.body_names)
+    assert figures["max_tangential_force_N"] == pytest.approx(0.3 * study.conditions.normal_load_N_per_mm, rel=1e-3)
 
 
 @pytest.mark.seconds

@@ -133,21 +133,12 @@ def rig(case: int, scenario: int, *, contact: str = "flat", centre_um: float = 0
     pressure = 100.0 * np.sqrt(np.maximum(1.0 - ((X_um - centre_um) / 500.0) ** 2, 0.0))
     angle = 2.0 * np.pi * np.arange(16) / 16
     return Rig(
-        contact=contact,
-        case=case,
-        scenario=scenario,
-        stiffness=stiffness,
-        regime="partial slip",
-        measured_stiffness_N_per_mm2=6.1e3,
-        largest_tilt_deg=0.0 if scenario == 1 else 0.18,
-        dissipated_energy_mJ_per_mm=0.1,
-        displacement_um=35.0 * np.cos(angle),
-        tangential_force_N_per_mm=200.0 * np.cos(angle - 0.1),
-        x_um=X_um,
-        pressure_MPa=pressure,
-        shear_MPa=0.5 * pressure,
-        slip_amplitude_um=np.where(pressure > 0.0, 2.0, 0.0),
-    )
+        contact=contact, case=case, scenario=scenario, stiffness=stiffness, regime="partial slip",
+        measured_stiffness_N_per_mm2=6.1e3, largest_tilt_deg=0.0 if scenario == 1 else 0.18,
+        dissipated_energy_mJ_per_mm=0.1, displacement_um=35.0 * np.cos(angle),
+        tangential_force_N_per_mm=200.0 * np.cos(angle - 0.1), x_um=X_um, pressure_MPa=pressure,
+        shear_MPa=0.5 * pressure, slip_amplitude_um=np.where(pressure > 0.0, 2.0, 0.0),
+    )  # fmt: skip
 
 
 def coarse(contact: str, name: str, **mesh: float) -> LineStudy:

@@ -94,19 +94,9 @@ def test_on_a_coarse_mesh_too_partial_slip_is_nearly_mindlins() -> None:
 #: Of the reference problems those in plane strain are solved in less than a second.
 PLANE = (line_contact_rows, stuck_line_rows, line_surface_rows, _line_rows)
 SOLID = (
-    hertz_rows,
-    ellipse_rows,
-    block_rows,
-    partial_slip_rows,
-    partial_slip_wear_rows,
-    partial_slip_run_rows,
-    rig_loop_rows,
-    book_keeping_rows,
-    worn_pressure_rows,
-    limit_rows,
-    _wire_rows,
-    surface_rows,
-)
+    hertz_rows, ellipse_rows, block_rows, partial_slip_rows, partial_slip_wear_rows, partial_slip_run_rows,
+    rig_loop_rows, book_keeping_rows, worn_pressure_rows, limit_rows, _wire_rows, surface_rows,
+)  # fmt: skip
 
 
 @pytest.mark.parametrize("rows_of", [*PLANE, *(pytest.param(rows_of, marks=pytest.mark.slow) for rows_of in SOLID)])

@@ -54,13 +54,9 @@ def line_contact(
     """A cylinder of 6 mm radius on a flat, both of steel, in plane strain; its contact is 65 µm wide on each side."""
     upper, lower = _line_bodies(element_mm)
     return solvers.ContactProblem(
-        upper=upper,
-        lower=lower,
-        holder=solvers.Holder(LINE_LOAD_N_per_mm),
-        friction=FRICTION,
-        wear=wear or solvers.WearRates(*RATES),
-        primary_is_upper=primary_is_upper,
-    )
+        upper=upper, lower=lower, holder=solvers.Holder(LINE_LOAD_N_per_mm), friction=FRICTION,
+        wear=wear or solvers.WearRates(*RATES), primary_is_upper=primary_is_upper,
+    )  # fmt: skip
 
 
 def at_the_end(
