@@ -103,19 +103,15 @@ def test_a_wire_worn_alike_on_both_sides_stays_symmetric() -> None:
     assert condense(lopsided.mesh, lopsided.patch, STEEL).folded.planes == (1,)
 
 
-def turned_dense(body: CondensedBody, rotation: Array) -> Array:
-    n = body.patch.size
-    turned: Array = np.einsum("ak,ikjl,bl->iajb", rotation, body.compliance.reshape(n, 3, n, 3), rotation)
-    return turned.reshape(3 * n, 3 * n)
-
-
 @pytest.mark.seconds
 @pytest.mark.parametrize("degrees", [0.0, 90.0, 35.0])
 @pytest.mark.parametrize("upper", [False, True])
 def test_a_placed_body_has_the_turned_compliance(degrees: float, upper: bool) -> None:
     body = condensed_wire(FINE_mm)
     placed = place(body, upper=upper, axis_angle_rad=np.radians(degrees))
-    assert_close(placed.compliance, turned_dense(body, placed.folded.rotation))
+    n, rotation = body.patch.size, placed.folded.rotation
+    turned = np.einsum("ak,ikjl,bl->iajb", rotation, body.compliance.reshape(n, 3, n, 3), rotation)
+    assert_close(placed.compliance, turned.reshape(3 * n, 3 * n))
     assert placed.folded.diagonal() == pytest.approx(placed.compliance.diagonal(), rel=1e-12)
     position = placed.node_positions
     local = np.column_stack([body.patch.grid(), np.zeros(len(position))]) @ placed.folded.rotation.T

@@ -147,12 +147,6 @@ def paired(observed: Observations, **options: bool) -> Pair:
     return pair_of("made_T1_003", "a test", states(), nominal("sensor"), observed, **options)
 
 
-def smallest_share(matrix: Array) -> float:
-    """The least eigenvalue over the largest."""
-    values = np.linalg.eigvalsh(matrix)
-    return float(values[0] / values[-1])
-
-
 def test_a_record_of_the_model_itself_differs_from_it_by_noise_alone(observed: Observations) -> None:
     pair = paired(observed)
     assert np.mean((pair.residual / np.sqrt(np.diag(pair.fixed))) ** 2) < 1.5
@@ -164,7 +158,8 @@ def test_covariances_are_symmetric_and_of_no_negative_variance_and_scatter_adds_
     pair, scattered = paired(observed), paired(observed, scattered=True)
     for matrix in (pair.fixed, scattered.fixed, scattered.fixed - pair.fixed, *pair.parts.values()):
         np.testing.assert_allclose(matrix, matrix.T, atol=1e-12 * np.abs(matrix).max())
-        assert smallest_share(matrix) > -1e-9
+        least, *_, largest = np.linalg.eigvalsh(matrix)
+        assert least > -1e-9 * largest
     assert np.trace(scattered.fixed) > np.trace(pair.fixed)
     assert pair.freedoms.shape[0] == pair.residual.size
     assert np.isfinite(pair.freedoms).all()

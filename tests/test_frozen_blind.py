@@ -12,7 +12,6 @@ from studies.blind.frozen_anew import cases_of
 from studies.blind.generators.finite_element.model import FiniteElementModel
 from studies.blind.generators.generator import Generator
 from studies.blind.generators.independent.model import IndependentModel
-from studies.blind.scoring.answers import Answer
 from studies.blind.scoring.judging import judged
 from tests.blind_batches import answer, perfect
 from wirewear import read_record
@@ -28,11 +27,6 @@ def require_no_lower_score(tier: str, folder: Path) -> None:
     assert sum(one.points for one in records) >= 0.75 * len(records)
     assert sum(map(frozen.points_of, judgements)) >= 0.75 * len(records)
     assert sum(map(frozen.is_wrongly_named, judgements)) <= 2
-
-
-def complained(records: tuple[frozen.FrozenRecord, ...], answers: list[Answer]) -> list[str]:
-    judgements = [judged(one.truth, said) for one, said in zip(records, answers, strict=True)]
-    return frozen.complaints(records, judgements)
 
 
 @pytest.mark.parametrize("tier", TIERS)
@@ -70,6 +64,7 @@ def test_one_new_false_alarm_is_a_complaint() -> None:
     said = [
         answer("explained", {"free_play": 0.9}) if one is alarmed else perfect(one.truth) for one in records
     ]  # fmt: skip
-    assert complained(records, said) == [
+    judgements = [judged(one.truth, own) for one, own in zip(records, said, strict=True)]
+    assert frozen.complaints(records, judgements) == [
         f"{alarmed.name} has no gap, and now a false alarm: explained, free_play 0.90."
     ]

@@ -6,7 +6,6 @@ import math
 import re
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -106,13 +105,6 @@ def test_a_stiffness_that_few_samples_tell_is_noted_by_branch(samples: int, rig_
     assert sum("its stiffness is coarse" in note for note in notes) == coarse
 
 
-def corner_truth(recipe: Recipe) -> float:
-    """Of a spring 1/K_s in series with a contact that gives way by 1.5/K_c until it slides."""
-    contact = 1.5 / recipe.contact_stiffness
-    share = contact / (contact + 1.0 / recipe.rig_stiffness)
-    return 2.0 * share / 15.0 / (1.0 - share / 3.0)
-
-
 @pytest.mark.parametrize("rig_stiffness", [100.0, 400.0, 1600.0])
 @pytest.mark.parametrize("contact_stiffness", [1000.0, 2700.0, 10000.0])
 def test_corner_curvature_tells_a_round_from_a_sharp_corner(rig_stiffness: float, contact_stiffness: float) -> None:
@@ -120,7 +112,10 @@ def test_corner_curvature_tells_a_round_from_a_sharp_corner(rig_stiffness: float
     _, displacement, force = SyntheticLoop(recipe).sampled(256)
     figure = analyse_loop(displacement, force, 2.0).corner_curvature
     assert figure is not None
-    assert figure.value == pytest.approx(corner_truth(recipe), abs=5e-4)
+    # A spring 1/K_s in series with a contact that gives way by 1.5/K_c until it slides.
+    contact = 1.5 / contact_stiffness
+    share = contact / (contact + 1.0 / rig_stiffness)
+    assert figure.value == pytest.approx(2.0 * share / 15.0 / (1.0 - share / 3.0), abs=5e-4)
 
 
 def test_hooks_and_largest_friction_are_those_of_the_scars_ends() -> None:
@@ -249,14 +244,9 @@ def csv(path: Path, **columns: np.ndarray) -> Path:
     return path
 
 
-def loops_of(*arguments: str | Path) -> list[dict[str, Any]]:
-    loops: list[dict[str, Any]] = json.loads(wirewear("loops", *arguments, "--json").stdout)["loops"]
-    return loops
-
-
 def test_json_has_the_fixed_keys_with_value_and_interval(tmp_path: Path) -> None:
     path = csv(tmp_path / "a.csv", displacement_um=DISPLACEMENT_um, tangential_force_N=FORCE_N)
-    (loop,) = loops_of(path, "--normal-load", "2")
+    (loop,) = json.loads(wirewear("loops", path, "--normal-load", "2", "--json").stdout)["loops"]
     assert all(set(loop[key]) == {"value", "interval95"} for key in KEYS)
     assert loop["regime"]["value"] == "gross slip"
     assert loop["slip_amplitude_um"]["value"] == pytest.approx(HOOKED.slip_amplitude_um, rel=0.005)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from geometry import BodyMesh, ContactPatch, Cylinder, EdgeGradedAxis, GeometryError, GradedAxis, Layering
-from geometry.arrays import Array, IntArray
+from geometry.arrays import Array
 from geometry.mesh import lowered
 from geometry.sections import wire_section
 from solvers import place, transferred
@@ -38,15 +38,6 @@ def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float, Layering]:
     return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0)), layering
 
 
-def corner_sines(points: Array, quads: IntArray) -> Array:
-    """Sine of the angle at each corner, (m, 4): positive at all four for a convex counter-clockwise quad."""
-    corners = points[quads]
-    ahead = np.roll(corners, -1, axis=1) - corners
-    behind = np.roll(corners, 1, axis=1) - corners
-    cross = ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0]
-    return np.asarray(cross / np.linalg.norm(ahead, axis=2) / np.linalg.norm(behind, axis=2))
-
-
 @settings(max_examples=60)
 @given(sections())
 def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_patch_lines(
@@ -55,7 +46,11 @@ def test_quads_are_convex_counter_clockwise_and_fill_the_half_disc_below_the_pat
     radius, axis, coarse, layering = parameters
     lines = axis.half_lines()
     points, quads = wire_section(radius, lines, coarse, layering)
-    assert corner_sines(points, quads).min() > 0.2
+    corners = points[quads]
+    ahead, behind = (np.roll(corners, step, axis=1) - corners for step in (-1, 1))
+    cross = ahead[..., 0] * behind[..., 1] - ahead[..., 1] * behind[..., 0]
+    # The sine at each corner.
+    assert (cross / np.linalg.norm(ahead, axis=2) / np.linalg.norm(behind, axis=2)).min() > 0.2
     # The area is that of the polygon of surface nodes: every facet cuts a circular segment off.
     on_rim = np.abs(np.hypot(points[:, 0], points[:, 1] + radius) - radius) < 1e-9 * radius
     angles = np.sort(np.arctan2(points[on_rim, 0], points[on_rim, 1] + radius))

@@ -4,7 +4,6 @@ import dataclasses
 import json
 import re
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -206,22 +205,11 @@ def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("wirewear.simulation.run_study", run_study)
 
 
-def twice_commanded(write: Callable[[ExperimentRecord, Path], list[Path]]) -> ExperimentRecord:
-    """What two commands make of a logger's files of the example, in the folder `record`."""
-    files = [path.name for path in write(read_record(EXAMPLE), Path())]
-    for command in (
-        ["new", "--mapping", *files, "--diameter", "0.45"],
-        ["import", "mapping.toml", "--output", "record"],
-    ):
-        wirewear(*command)
-    return read_record(Path("record"))
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("_no_elements")
 def test_five_commands_lead_from_own_files_to_an_answer(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    twice_commanded(write_german)
+    imported(Path(), [path.relative_to(tmp_path) for path in write_german(read_record(EXAMPLE), tmp_path)])
     commands = (
         ["fit", "record", "--output", "fitted"],
         ["compare", "fitted/run", "record", "--output", "compared"],

@@ -34,13 +34,6 @@ def record() -> ExperimentRecord:
     return read_record(EXAMPLE)
 
 
-def with_column(record: ExperimentRecord, name: str, change: Callable[[dict[str, Array]], Array]) -> ExperimentRecord:
-    evolution = tuple(
-        replace(part, columns={**part.columns, name: change(dict(part.columns))}) for part in record.evolution
-    )
-    return replace(record, evolution=evolution)
-
-
 @pytest.mark.parametrize(
     ("name", "change"),
     [
@@ -53,7 +46,8 @@ def with_column(record: ExperimentRecord, name: str, change: Callable[[dict[str,
 def test_a_column_of_another_definition_is_left_out_alone_with_a_note(
     record: ExperimentRecord, name: str, change: Callable[[dict[str, Array]], Array]
 ) -> None:
-    odd = with_column(record, name, change)
+    parts = (replace(one, columns={**one.columns, name: change(dict(one.columns))}) for one in record.evolution)
+    odd = replace(record, evolution=tuple(parts))
     read, notes = of_own_definitions(odd)
     assert [note.split()[2] for note in notes] == [name]
     for part, before in zip(read.evolution, odd.evolution, strict=True):
