@@ -1,6 +1,7 @@
 """The one design language of all pictures: sizes, fonts, colours, marks. Nothing here touches global plotting state."""
 
 import math
+import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -21,7 +22,6 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import in_one_step, writing
 
-INK = "#1a1a1a"
 GREY = "#8a8a8a"
 
 VARIANT_COLOURS = frame.VARIANT_COLOURS
@@ -38,61 +38,14 @@ SLIP_COLOURS: Colormap = LinearSegmentedColormap.from_list("slip", colormaps["ci
 
 #: Text width of a page, both columns of a journal [inch]: every picture's; and one column, of a single panel on paper.
 WIDTH_in, COLUMN_in = 7.5, 3.54
-DOTS_PER_INCH = 170
 SHOWN_DOTS_PER_INCH = 110
 
 DECADE_in = 0.36  #: Room that the number of a decade takes on an axis of cycles.
 
-_SETTINGS: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8.5,
-    "axes.titlesize": 9,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    # Texts stay texts, which can be edited.
-    "svg.fonttype": "none",
-    "axes.labelsize": 8.5,
-    "axes.edgecolor": INK,
-    "axes.labelcolor": INK,
-    "axes.linewidth": 0.7,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": "#ebebeb",
-    "grid.linewidth": 0.6,
-    "axes.axisbelow": True,
-    "axes.unicode_minus": True,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "xtick.labelsize": 8,
-    "ytick.labelsize": 8,
-    "lines.linewidth": 1.6,
-    "legend.fontsize": 8,
-    "legend.frameon": False,
-    "figure.facecolor": "white",
-    "savefig.facecolor": "white",
-    "savefig.dpi": DOTS_PER_INCH,
-}
-
-#: For a journal of two columns: its letters and thin lines, no grid; photographs' resolution and embedded fonts.
-_PAPER: Any = _SETTINGS | {
-    "font.family": "sans-serif",
-    "font.sans-serif": ["Arial", "Helvetica", "Liberation Sans", "DejaVu Sans"],
-    "font.size": 8,
-    "axes.titlesize": 8,
-    "axes.titleweight": "normal",
-    "axes.labelsize": 8,
-    "axes.linewidth": 0.5,
-    "axes.grid": False,
-    "xtick.labelsize": 7,
-    "ytick.labelsize": 7,
-    "lines.linewidth": 1.0,
-    "legend.fontsize": 7,
-    "legend.title_fontsize": 7,
-    "pdf.fonttype": 42,
-    "savefig.dpi": 600,
-}
+_TABLES = tomllib.loads(Path(__file__).with_name("style.toml").read_text(encoding="utf-8"))
+_SETTINGS: Any = _TABLES["house"]
+_PAPER: Any = _SETTINGS | _TABLES["paper"]
+INK: str = _SETTINGS["text.color"]
 
 _used: ContextVar[Mapping[str, Any]] = ContextVar("used", default=_SETTINGS)
 

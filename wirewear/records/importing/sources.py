@@ -1,6 +1,7 @@
 """The files that a mapping names and their columns in the record's units; usual names of columns."""
 
 import re
+import tomllib
 import unicodedata
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -181,51 +182,10 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
     return pattern
 
 
-#: Usual names of a channel, without their unit and accents, in order of preference: English, German, Spanish, French,
-#: Italian, Portuguese and Chinese, then those that may also name something else.
-USUAL_NAMES: dict[str, tuple[str, ...]] = {
-    "displacement": ("displacement", "relative_displacement", "disp", "delta", "position", "stroke", "lvdt", "x")
-    + ("weg", "verschiebung", "auslenkung", "hub", "position_x", "wegsensor", "relativweg", "schwingweg", "weg_x")
-    + ("x_position", "pos_x", "x_weg", "desplazamiento", "desplazamiento_relativo", "posicion", "posicion_x", "carrera")
-    + ("deplacement", "deplacement_relatif", "debattement", "course", "spostamento", "posizione", "corsa")
-    + ("deslocamento", "posicao", "位移", "相对位移", "displ", "extension", "y"),
-    "force": ("tangential_force", "friction_force", "tangential", "friction", "force", "ft", "q", "fx", "load_cell")
-    + ("reibkraft", "tangentialkraft", "querkraft", "reibungskraft", "kraft", "kraft_x", "f_t", "f_x")
-    + ("lateral_force", "shear_force", "fuerza_tangencial", "fuerza_de_friccion", "fuerza_de_rozamiento")
-    + ("fuerza_friccion", "fuerza", "fuerza_x", "force_tangentielle", "effort_tangentiel", "force_de_frottement")
-    + ("force_frottement", "effort", "forza_tangenziale", "forza_di_attrito", "forza", "forca_tangencial")
-    + ("forca_de_atrito", "forca", "摩擦力", "切向力", "切向载荷", "横向力", "力", "ff"),
-    "normal load": ("normal_force", "normal_load", "fn", "p", "fz", "load")
-    + ("normalkraft", "anpresskraft", "last", "kraft_z", "f_n", "f_z", "normallast", "fuerza_normal", "carga_normal")
-    + ("carga", "force_normale", "charge_normale", "effort_normal", "charge", "forza_normale", "carico_normale")
-    + ("carico", "forca_normal", "法向力", "法向载荷", "正压力", "载荷"),
-    "time": ("time", "t", "elapsed_time", "zeit", "messzeit", "x_value", "timestamp", "uhrzeit", "zeitstempel")
-    + ("tiempo", "hora", "temps", "heure", "tempo", "时间", "datetime", "date_time", "date/time", "horodatage"),
-    "cycle": ("cycle", "cycles", "n", "cycle_number", "zyklus", "zyklen", "zyklusnummer", "lastspiel", "lastspiele")
-    + ("cycle_count", "cycle_no", "lastwechsel", "ciclo", "ciclos", "numero_de_ciclos", "numero_de_ciclo", "cicli")
-    + ("nombre_de_cycles", "numero_de_cycle", "循环", "循环次数", "循环数", "周期", "周次"),
-    "repeat": ("repeat", "test", "specimen", "run", "wiederholung", "versuch", "prufling", "ensayo", "essai", "prova"),
-    "x": ("x", "x_position", "pos_x", "position_x", "position", "distance", "strecke", "messstrecke", "lateral")
-    + ("scan_position", "posicion_x", "distancia", "distanza", "abstand", "longueur", "longitud", "距离", "x坐标")
-    + ("horizontal", "horz_dist", "posicion", "weg"),
-    "y": ("y", "y_position", "pos_y", "position_y", "posicion_y", "y坐标"),
-    "height": ("height", "z", "topography", "hoehe", "hohe", "z_position", "profile", "profil", "total_profile", "raw")
-    + ("altura", "hauteur", "altezza", "perfil", "vertical", "gesamtprofil", "profil_total", "高度", "z坐标", "h"),
-    "depth": ("depth", "wear_depth", "tiefe", "verschleisstiefe", "profundidad", "profondeur", "profondita", "深度")
-    + ("磨损深度",),
-    "displacement amplitude": ("displacement_amplitude", "amplitude", "wegamplitude", "verschiebungsamplitude")
-    + ("amplitud_de_desplazamiento", "amplitude_de_deplacement", "ampiezza_di_spostamento"),
-    "slip amplitude": ("slip_amplitude", "sliding_amplitude", "gleitamplitude", "schlupfamplitude")
-    + ("amplitud_de_deslizamiento", "amplitude_de_glissement"),
-    "largest force": ("max_tangential_force", "maximum_tangential_force", "tangential_force_max", "max_friction_force")
-    + ("tangential_force_amplitude", "friction_force_amplitude", "q_max", "qmax", "f_max", "fmax", "ft_max")
-    + ("max_force", "max_reibkraft", "maximale_reibkraft", "reibkraft_max", "maximale_tangentialkraft")
-    + ("max_tangentialkraft", "fuerza_tangencial_maxima", "fuerza_tangencial_max", "fuerza_maxima")
-    + ("force_tangentielle_maximale", "force_tangentielle_max", "forza_tangenziale_massima"),
-    "energy": ("dissipated_energy", "friction_energy", "energy", "ed", "e_d", "dissipation", "dissipierte_energie")
-    + ("reibenergie", "reibungsenergie", "verlustenergie", "energie", "energia_disipada", "energia")
-    + ("energie_dissipee", "energia_dissipata", "energia_dissipada"),
-}
+#: Usual names of a channel, the most usual first.
+USUAL_NAMES: dict[str, list[str]] = tomllib.loads(
+    Path(__file__).with_name("usual_names.toml").read_text(encoding="utf-8")
+)
 
 #: Unit of the record in which each channel is kept.
 UNIT_OF = {
