@@ -144,7 +144,7 @@ def test_pictures_for_a_journal_are_as_wide_as_one_or_both_of_its_columns(tmp_pa
     ):
         wirewear(*options, "--output", tmp_path / "loops.png")
         widths.append(imread(tmp_path / "loops.png").shape[1])
-    assert widths == [round(600 * style.COLUMN_in), 600 * style.WIDTH_in, style.DOTS_PER_INCH * style.WIDTH_in]
+    assert widths == [round(600 * style.COLUMN_in), 600 * style.WIDTH_in, 170 * style.WIDTH_in]
 
 
 def test_slip_is_averaged_over_what_is_moved_between_two_samples() -> None:
