@@ -290,7 +290,12 @@ def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, length_mm:
 
 def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
     stress = tensors(history)
-    spread = _hemisphere(_DIRECTIONS)
+    # Directions (n, 3) spread evenly over half a sphere, by the golden angle.
+    k = np.arange(_DIRECTIONS)
+    z = (k + 0.5) / _DIRECTIONS
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
+    r = np.sqrt(1.0 - z**2)
+    spread = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
     values = on_planes(stress, np.broadcast_to(spread, (history.shape[1], *spread.shape)))
     best = values.argmax(axis=1)
     normal, parameter = spread[best], values.max(axis=1)
@@ -324,15 +329,6 @@ def normal_stresses(stress: Array, normals: Array) -> Array:
 def stress_vectors(stress: Array, normals: Array) -> Array:
     """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
     return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
-
-
-def _hemisphere(count: int) -> Array:
-    """Directions (count, 3) spread evenly over half a sphere, by the golden angle."""
-    k = np.arange(count)
-    z = (k + 0.5) / count
-    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
-    r = np.sqrt(1.0 - z**2)
-    return np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
 
 
 def _tilted(normal: Array, angle_rad: float) -> Array:

@@ -30,13 +30,6 @@ class MaterialPoints:
     history: Array
     node: IntArray
 
-    def largest_at_nodes(self, values: Array, size: int, by: Array | None = None) -> Array:
-        """Of a value of each point (k, ...), that of the point where it, or `by`, is largest, at so many nodes."""
-        result = np.zeros((size, *values.shape[1:]))
-        order = np.argsort(values if by is None else by, kind="stable")
-        result[self.node[order]] = values[order]
-        return result
-
 
 def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
     """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at points of its edges.
@@ -201,7 +194,10 @@ def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: Streng
         "largest_hydrostatic_MPa": (limits.hydrostatic_MPa, combined),
     }
     for name, (values, by) in fields.items():
-        grid.point_data[name] = points.largest_at_nodes(values, grid.n_points, by)
+        result = np.zeros((grid.n_points, *values.shape[1:]))
+        order = np.argsort(values if by is None else by, kind="stable")
+        result[points.node[order]] = values[order]
+        grid.point_data[name] = result
 
     def where(values: Array, position: int = -1) -> Where:
         k = int(values.argmax())

@@ -230,7 +230,12 @@ def write_record(folder: str | Path, record: AnyRecord) -> Path:
     folder, tables = Path(folder), record.tables
     frames = {"loops": loops_frame(record.loops)} if record.loops else {}
     if record.evolution:
-        frames["evolution"] = evolution_frame(record.evolution)
+        sizes = [part.columns["cycle"].size for part in record.evolution]
+        columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in record.evolution], sizes)}
+        for column in EVOLUTION_COLUMNS[1:]:
+            columns[column.name] = np.concatenate([part.columns[column.name] for part in record.evolution])
+        columns["cycle"] = columns["cycle"].astype(np.int64)
+        frames["evolution"] = frame_of(columns)
     for body in tables.body_names:
         if own := record.scars_of(body):
             frames[f"{tables.worn.name}_{body}"] = _write_surfaces(own)
@@ -265,16 +270,6 @@ def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
     ]
     if any(loop.normal_force_N is not None for loop in loops):
         columns["normal_force_N"] = np.concatenate(normal)
-    return frame_of(columns)
-
-
-def evolution_frame(evolution: Sequence[MeasuredEvolution]) -> "pl.DataFrame":
-    """Evolutions as the table of a record."""
-    sizes = [part.columns["cycle"].size for part in evolution]
-    columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in evolution], sizes)}
-    for column in EVOLUTION_COLUMNS[1:]:
-        columns[column.name] = np.concatenate([part.columns[column.name] for part in evolution])
-    columns["cycle"] = columns["cycle"].astype(np.int64)
     return frame_of(columns)
 
 

@@ -318,7 +318,14 @@ class RunPlan(PlannedRun):
         Raises StudyError, with what would fit, if it takes more memory than there is, or more cycle jumps than can be
         waited for.
         """
-        _require_an_end(self.study)
+        jump = self.study.wear.explicit_jump_cycles if self.study.wear else None
+        cycles = self.study.conditions.cycles
+        if jump is not None and cycles / jump > MOST_JUMPS:
+            raise StudyError(
+                f"explicit_jump_cycles = {jump:g} in [wear] asks for {counted(cycles / jump)} cycle jumps, which take "
+                f'months: give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the '
+                "cycles."
+            )
         needed, free = self.needed_memory, free_memory()
         if needed > free:
             most = max(max(unknowns(stage.moving), unknowns(stage.fixed)) for stage in self.meshes.stages)
@@ -357,17 +364,6 @@ def _of_pair(moving: int, fixed: int) -> float:
     largest = max(moving, fixed)
     compliances = 8.0 / 4.0 * (moving**2 + fixed**2 + largest**2)
     return max(compliances, BYTES_PER_NODE * largest / 3.0)
-
-
-def _require_an_end(study: Study) -> None:
-    jump = study.wear.explicit_jump_cycles if study.wear else None
-    cycles = study.conditions.cycles
-    if jump is not None and cycles / jump > MOST_JUMPS:
-        raise StudyError(
-            f"explicit_jump_cycles = {jump:g} in [wear] asks for {counted(cycles / jump)} cycle jumps, which take "
-            f'months: give at least {cycles / MOST_JUMPS:.2g}, or update = "implicit", whose jumps grow with the '
-            "cycles."
-        )
 
 
 def _what_fits(plan: RunPlan, free: float) -> str:

@@ -331,8 +331,10 @@ def varied(study: AnyStudy[Any], values: Mapping[str, float]) -> AnyStudy[Any]:
     changed: defaultdict[str, dict[str, float]] = defaultdict(dict)
     for key, value in values.items():
         if key.startswith(f"{EFFECTS}."):
-            effect, parameter = _effect_key(key)
-            changed[effect][parameter] = value
+            parts = key.split(".")
+            if len(parts) != 3:
+                raise StudyError(f"{key!r} names no effect's parameter: write effects.<effect>.<parameter>.")
+            changed[parts[1]][parts[2]] = value
     study = study.with_values(plain) if plain else study
     if not changed:
         return study
@@ -353,13 +355,6 @@ def varied(study: AnyStudy[Any], values: Mapping[str, float]) -> AnyStudy[Any]:
             )
         made.append(kind(**given))
     return study.with_effects(*before.values(), *made)
-
-
-def _effect_key(key: str) -> tuple[str, str]:
-    parts = key.split(".")
-    if len(parts) != 3:
-        raise StudyError(f"{key!r} names no effect's parameter: write effects.<effect>.<parameter>.")
-    return parts[1], parts[2]
 
 
 def _whole(value: float) -> float:

@@ -47,7 +47,10 @@ def conditions_of(
     loops: list[MeasuredLoop] = []
     remarks, signs = [], dict[str, float]()
     if {"displacement_um", "tangential_force_N"} <= closed.keys():
-        _require_samples(text, columns)
+        x = columns["displacement_um"]
+        x = x[np.isfinite(x)]
+        if x.size < FEWEST or np.ptp(x) <= 0.0:
+            raise RecordError(f"{text.path}: {x.size} complete samples of a displacement tell no loop.")
         found, doubt = frequency_of(columns, source)
         if "frequency_Hz" not in known and _without_unit(text) and found and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]:
             source["columns"]["time_s"]["unit"] = OPEN
@@ -82,13 +85,6 @@ def _without_unit(text: GuessedFile) -> bool:
 def _open(source: dict[str, Any], key: str) -> bool:
     """Whether what a column's numbers mean is still to be filled in."""
     return OPEN in source["columns"].get(key, {}).values()
-
-
-def _require_samples(text: GuessedFile, columns: dict[str, Array]) -> None:
-    x = columns["displacement_um"]
-    x = x[np.isfinite(x)]
-    if x.size < FEWEST or np.ptp(x) <= 0.0:
-        raise RecordError(f"{text.path}: {x.size} complete samples of a displacement tell no loop.")
 
 
 def _loops(
