@@ -148,7 +148,6 @@ class DelimitedText:
             start = end + 1
 
     def _fields(self, line: str) -> list[str]:
-        """The fields of one line."""
         separator = self.layout.delimiter
         if separator is None or '"' not in line:
             return fields_of(line, separator)
@@ -349,7 +348,6 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
 
 
 def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:
-    """The text down to the last row that is read."""
     if layout.most_rows is None:
         return data
     ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n"))

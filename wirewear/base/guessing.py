@@ -206,7 +206,6 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
 
 
 def _kind(field: str, number: re.Pattern[str]) -> str:
-    """A number, a time of day, text, or nothing."""
     if not field or delimited.MISSING.fullmatch(field):
         return " "
     if number.fullmatch(field):
@@ -311,7 +310,6 @@ def plain(text: str) -> str:
 
 
 def _unit_of_name(name: str) -> str:
-    """The unit at a name's end."""
     name = unicodedata.normalize("NFKC", name)
     match = re.search(r"[\[(]\s*([^\s\[\]()]+)\s*[\])]\s*$", name) or re.search(r"[_\s/]([^\s_/]+)$", name)
     unit = usual_unit(match[1]) if match else ""
@@ -319,7 +317,6 @@ def _unit_of_name(name: str) -> str:
 
 
 def _rate(header: list[str], table: _Table) -> float | None:
-    """Samples per second as the header states them."""
     for line in header:
         fields = delimited.fields_of(line, table.delimiter)
         if fields[0] == "Delta_X" and len(fields) > 1:

@@ -85,7 +85,6 @@ def recognised(path: Path) -> Held | None:
 
 
 def _told_by(tables: Mapping[str, Any]) -> Held | None:
-    """What the tables of a TOML file are."""
     if "kind" not in tables and any(name in tables for name in _SOURCES):
         return Held.MAPPING
     if "files" in tables:

@@ -50,7 +50,6 @@ def refuse_other_sheets(data: bytes, path: Path) -> None:
 
 
 def _lines(sheet: Any, path: Path) -> tuple[int, list[str]]:
-    """How many numbers a sheet holds, and its lines."""
     sheet.reset_dimensions()
     most = free_memory() / CELL_bytes
     cells = numbers = 0

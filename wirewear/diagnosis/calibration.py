@@ -141,7 +141,6 @@ def _tables() -> dict[str, Any]:
 
 
 def _at(name: str) -> dict[str, Any]:
-    """A table or an entry by its dotted name."""
     found = _tables()
     for part in name.split("."):
         found = found[part]

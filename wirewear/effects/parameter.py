@@ -104,7 +104,6 @@ class Parameter:
         return (-math.inf if self.logarithmic and low <= 0.0 else self.coordinate(low)), self.coordinate(high)
 
     def _ends(self) -> tuple[float, float]:
-        """Ends of the range of interest, or their logarithms."""
         low, high = self.interest
         return (math.log(low), math.log(high)) if self.logarithmic else (low, high)
 

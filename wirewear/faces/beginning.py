@@ -177,7 +177,6 @@ def _new_mapping(
 
 
 def _constants(option: str, name: str) -> dict[str, float]:
-    """Elastic constants of a material by its name, as keys of a record."""
     from wirewear.study.materials import material_named
 
     try:

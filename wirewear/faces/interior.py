@@ -202,7 +202,6 @@ def _assessing(
 
 
 def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
-    """Say which recorded cycle stands for one that is not recorded."""
     taken = {result.forces(cycle, one).cycle for one in bodies} - {cycle}
     if taken:
         recorded = ", ".join(map(counted, _recorded(result.contact_forces)))

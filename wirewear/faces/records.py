@@ -209,7 +209,6 @@ def _require_no_measurement(folder: Path) -> None:
 
 
 def _export_tables(result: Any, folder: Path, form: str) -> None:
-    """Write a run's tables and say where they are."""
     from wirewear.results.flat import write_flat_tables, write_netcdf
 
     with busy("writing tables"):

@@ -88,7 +88,6 @@ def effects_command(
 
 
 def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, output: Path) -> None:
-    """Run a study without and with an effect, and draw its signature."""
     from wirewear.effects import effect_named
     from wirewear.simulation import ProgressBar
     from wirewear.study import load_study
@@ -233,7 +232,6 @@ def _require_nothing_lost(folder: Path) -> None:
 
 
 def _status_of(path: Path) -> str | None:
-    """The status of a result of any kind; None of what cannot be read."""
     from wirewear.results import read_result
 
     with suppress(WirewearError):

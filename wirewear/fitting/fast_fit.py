@@ -220,7 +220,6 @@ def fast_fit(states: WearStates, setup: Setup, tests: LoopsOfTests) -> FastFit:
 
 
 def _bounds(count: int, tests: LoopsOfTests) -> tuple[Array, Array]:
-    """The lowest and highest values of so many coordinates."""
     low, high = (np.full(count, np.log(end)) for end in FRICTIONS)
     if count > 2:
         low[2], high[2] = 0.0, np.log(LONGEST_RUNNING_IN * tests.cycles[-1])

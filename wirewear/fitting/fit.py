@@ -215,7 +215,6 @@ def _some_wear(tables: Any) -> wear.Worn:
 def _rough_study(
     record: AnyRecord, contact: ContactStiffness, tests: LoopsOfTests, worn: dict[str, FittedParameter]
 ) -> Any:
-    """The test with what loops and scars say by themselves."""
     friction, tables, first = _friction_of(tests), record.tables, _first(tests)
     compliance = 0.0 if first is None else contact.rig_um_per_N(float(first[1].mean()))
     stiffness = 1e3 / max(compliance, 1e3 / kind_of(record).rigid_N_per_mm)
@@ -313,7 +312,6 @@ def _misfit(fitted: FastFit) -> list[str]:
 
 
 def _missing(record: AnyRecord, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
-    """What the record does not tell, and where to get it."""
     notes = []
     if wear.total_of(record.tables, parameters) is None:
         stated = wear.stated_wear(record.tables)

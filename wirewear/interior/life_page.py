@@ -182,7 +182,6 @@ def _draw_growth(axes: Axes, life: BodyLife) -> None:
 
 
 def _draw_above(axes: Axes, life: BodyLife, largest: Array, limits: tuple[float, float]) -> None:
-    """Over the surface, in the axes of the test."""
     columns = np.column_stack([life.columns_mm, np.zeros(len(life.columns_mm))])
     x, y, _ = 1e3 * life.to_world @ columns.T
     levels = np.geomspace(limits[0], limits[1] * (1.0 + 1e-9), 13)

@@ -36,7 +36,6 @@ class LineBody(SolvedBody[PlanarMesh]):
 
 
 def _worn(result: RunResult, forces: ContactForces, worn: bool) -> LineBody:
-    """The pad or specimen of a run when such forces acted."""
     depth = np.maximum(1e-3 * result.scar(forces.cycle, forces.body).depth_um, 0.0).tobytes() if worn else b""
     return _meshed(_tables(result), result.fidelity, forces.body, depth)
 

@@ -60,7 +60,6 @@ def _has_heights(file: Path) -> bool:
 
 
 def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
-    """Of a body of a contact at a point."""
     told = stated.model_dump(include={"step_um", "height_unit"}, exclude_none=True)
     told |= {"files": file.name, "frame": "wire" if stated.frame == "body" else "test"}
     source = ScarSource.model_validate(told)

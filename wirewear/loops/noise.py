@@ -336,7 +336,6 @@ def clipped(values: Array, beside: Array | None = None) -> Clipped | None:
 
 
 def _longest(same: BoolArray) -> int:
-    """Length of the longest run of a cycle's samples (n,)."""
     if same.all():
         return same.size
     turned = np.roll(same, -int(np.argmin(same)))

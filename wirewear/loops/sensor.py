@@ -186,7 +186,6 @@ def _on_even_grid(values: Array, period_s: float, transfer: Transfer) -> Array:
 
 
 def _interpolated(time: Array, values: Array, period_s: float, at: Array) -> Array:
-    """Periodic values (n,) by a cubic spline at other times."""
     from scipy.interpolate import CubicSpline
 
     spline = CubicSpline(np.append(time, period_s), np.append(values, values[0]), bc_type="periodic")

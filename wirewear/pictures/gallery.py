@@ -197,7 +197,6 @@ def _draw_loop(axes: Axes, loop: Loop, **line: object) -> None:
 
 
 def _widths(count: int) -> list[float]:
-    """One line width for each of `count` cycles, the last the thinnest."""
     shares = np.linspace(WIDEST, THINNEST, count) if count > 1 else [THINNEST]
     return [float(share * mpl.rcParams["lines.linewidth"]) for share in shares]
 

@@ -104,7 +104,6 @@ def body_meshes(
 
 
 def _elements(body: BodyMesh) -> str:
-    """Sizes of the smallest elements of a patch along and across."""
     along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
     return f"{along:.1f} × {across:.1f} µm"
 

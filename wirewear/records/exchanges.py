@@ -144,7 +144,6 @@ def _expected(checked: CheckedRecord, name: str, values: Array, repeat: Numbers,
 
 
 def _medians(values: Array, group: Numbers) -> Array:
-    """The median (n,) of each value's group."""
     return np.array([np.median(values[group == own]) for own in group])
 
 

@@ -232,7 +232,6 @@ def _stroke_um(tables: Any) -> float:
 
 
 def _rows(evolution: MeasuredEvolution, schedule: Schedule[Any], block: int) -> MeasuredEvolution:
-    """The rows of a block."""
     own = np.array([schedule.at(cycle).block == block for cycle in evolution.columns["cycle"]], dtype=bool)
     return replace(evolution, columns={name: column[own] for name, column in evolution.columns.items()})
 

@@ -236,7 +236,6 @@ class Cycler:
         return attempt
 
     def _traced(self, problem: solvers.ContactProblem, state: solvers.ContactState, done: float) -> _Traced:
-        """The cycle after so many cycles, traced once for each state."""
         if self._latest is not None and self.goes_on_from(problem, state):
             return self._latest
         current, motion = self.aged(problem, state, done), self.motion

@@ -230,7 +230,6 @@ class _Run:
     def _on_meshes(
         self, history: MeshHistory, problem: ContactProblem, state: ContactState, done: float
     ) -> tuple[ContactProblem, ContactState]:
-        """The problem and state on other meshes."""
         self.history = history
         onto = self._problem()
         return onto, self.cycler.remeshed(problem, state, onto, done)

@@ -234,7 +234,6 @@ class RunFolder(RunStore):
         return (checkpoint, result) if result.settings.get("identity") == str(self.identity) else None
 
     def _left(self, read: Callable[[], T]) -> T:
-        """What an earlier run has left."""
         try:
             return read()
         except ResultError as problem:

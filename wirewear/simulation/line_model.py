@@ -278,7 +278,6 @@ def require_affordable_lines(name: str, meshes: LinePlan) -> None:
 
 
 def _nodes(meshes: LinePlan) -> int:
-    """Nodes of the larger body's contact at least."""
     return max(_fine_nodes(meshes.pad), _fine_nodes(meshes.specimen))
 
 

@@ -367,7 +367,6 @@ def _of_pair(moving: int, fixed: int) -> float:
 
 
 def _what_fits(plan: RunPlan, free: float) -> str:
-    """What would take no more than that."""
     if len(plan.logged_cycles) > 100:
         return "log fewer cycles, or mesh coarser"
     return _size_that_fits(plan.study, plan.fidelity, 1e3 * plan.discretisation.fixed.transverse.fine_mm, free)

@@ -59,7 +59,6 @@ def checked_tables(
 
 
 def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
-    """Whether `overrides` hold the key at the end of the path `keys`."""
     here: Any = overrides
     for key in keys:
         if not isinstance(here, Mapping) or key not in here:

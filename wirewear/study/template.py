@@ -80,7 +80,6 @@ def study_text(
 def _section(
     name: str, described: FieldInfo, table: type[Table], own: Mapping[str, Any], left_out: tuple[str, ...]
 ) -> list[str]:
-    """A table with its keys, then the tables in it, each with a heading of its own."""
     keys = _keys(table, own, [*HIDDEN, *(place.removeprefix(f"{name}.") for place in left_out)])
     lines = ["", f"[{name}]  # {described.description}", *keys] if keys else []
     for key, inside in table.model_fields.items():
@@ -96,7 +95,6 @@ def _section(
 
 
 def _several(name: str, tables: Iterable[Mapping[str, Any]]) -> list[str]:
-    """Tables of one heading in a row."""
     keys = ((f"{key} = {spelled(value)}" for key, value in one.items() if value != {}) for one in tables)
     return [line for own in keys for line in ("", f"[[{name}]]", *own)]
 

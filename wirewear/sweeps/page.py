@@ -280,7 +280,6 @@ def sentences(result: SweepResult, found: list[Index]) -> list[str]:
 
 
 def _pictures(result: SweepResult, figures: dict[str, Array], found: list[Index]) -> list[tuple[str, str, str]]:
-    """Heading, caption and SVG of each."""
     design = result.sweep.design
     drawn = {name: figures[name] for name in drawn_among(figures)}
     made: list[tuple[str, str, bytes]] = []

@@ -325,7 +325,6 @@ def _drawn(model: Surrogate, drawn: Array, component: int = 0) -> Array:
 
 
 def _bands(results: Sequence[Path], frequency_Hz: float, at: Array, drawn: Array) -> list[LoopBand]:
-    """Bands of the first and the last loop that all runs logged."""
     loops = [{loop.cycle: loop for loop in read_result(path).loops} for path in results]
     common = sorted(set.intersection(*(set(one) for one in loops)))
     bands = []

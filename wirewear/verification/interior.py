@@ -222,7 +222,6 @@ def _exact_tension(share: float) -> float:
 
 
 def _geometries(resolution: float) -> tuple[BodyGeometry, ...]:
-    """A wire, a flat and a ball."""
     a, diameter = CONTACT_RADIUS_mm, 2.0 * _RADIUS_mm
     lines = GradedAxis(a / resolution, 2.0 * a, 2.0 * a / resolution, 3.0 * a)
     layering = Layering.resolving(resolution)

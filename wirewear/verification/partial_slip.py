@@ -125,7 +125,6 @@ def partial_slip_wear_rows(level: Level) -> tuple[Row, ...]:
 
 
 def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
-    """The state at the end of the stroke after all jumps."""
     pressed, _ = solvers.press(problem, solvers.unloaded_state(problem))
     state, done, guide = solvers.first_quarter(problem, pressed, _DRIVE, _INCREMENTS), 1.0, None
     symmetry = solvers.symmetry_of(problem)

@@ -185,7 +185,6 @@ class _Motion:
 
 
 def _quarter_cycle(resolution: float, units: _UnitSystem) -> _Motion:
-    """Pressing, a quarter of a cycle and the reversal after it, in a unit system."""
     problem = _in_units(resolution, units)
     state, report = press(problem, unloaded_state(problem))
     path = AMPLITUDE_mm * np.concatenate([np.linspace(0.1, 1.0, 10), np.linspace(0.95, 0.5, 6)])

@@ -240,7 +240,6 @@ def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
 
 
 def _kept(item: AnalysedLoop, figures: LoopFigures) -> tuple[Array, Array]:
-    """Displacement and force without outliers."""
     keep = np.setdiff1d(np.arange(len(item.loop.displacement_um)), figures.outlier_samples)
     return item.loop.displacement_um[keep], item.loop.tangential_force_N[keep]
 

@@ -139,7 +139,6 @@ def _number(text: str | None) -> float | None:
 def _column(
     file: GuessedFile, recognised: Mapping[str, tuple[str | int, str]], key: str, asked: str | None
 ) -> tuple[str | int, str]:
-    """Name and unit of a channel."""
     (channel, option), known = _CHANNELS[key], FIELD_UNITS[key.rpartition("_")[2]]
     names = [str(name) for name in file.references]
     among = shown(", ".join(names))

@@ -296,7 +296,6 @@ _SCALE = {
 
 
 def _told(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:
-    """The keys that were found; what is said of them goes to the remarks."""
     remarks.append(found[1])
     return found[0]
 
@@ -318,7 +317,6 @@ def body_of(path: Path, names: tuple[str, str], otherwise: str, remarks: list[st
 
 
 def _next(scars: dict[str, Any], touching: Touching) -> str:
-    """The first body without a scar."""
     return touching.names[touching.names[0] in scars]
 
 

@@ -334,7 +334,6 @@ def _split(source: LoopSource, x: Array, force: Array) -> Array:
 
 
 def _cut(file: Path, source: LoopSource, time: Array, frequency_Hz: float) -> Array:
-    """Cycle numbers of a continuous signal."""
     if not np.isfinite(time).all():
         raise RecordError(
             f"{file}: nothing tells the cycles apart: give a column cycle, a name_pattern with a group cycle, or a "

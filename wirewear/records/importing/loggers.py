@@ -232,7 +232,6 @@ def _variable(path: Path, contents: Any, name: str) -> Array:
 
 
 def _whole(name: str | int) -> str:
-    """The variable of which a column or row is named."""
     part = _PART.fullmatch(str(name))
     return part[1] if part else str(name)
 

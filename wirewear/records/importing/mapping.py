@@ -23,7 +23,6 @@ Lines = Annotated[int, PlainValidator(Quantity("1", 0, 100_000, whole=True))]
 
 
 def _checked_delimiter(value: object) -> str:
-    """A delimiter by its name, or the sign itself."""
     names = {sign: name for name, sign in DELIMITERS.items()}
     name = names.get(value, value) if isinstance(value, str) else value
     if name not in DELIMITERS:
