@@ -33,7 +33,7 @@ from tests.test_broken_commands import Silent, killed, killed_maker
 from wirewear.base.engine import results_of
 from wirewear.base.engine import LocalProcesses
 from wirewear.base.errors import WirewearError
-from wirewear.simulation.together import run_side_by_side
+from wirewear.simulation.runs import run_side_by_side
 engine = LocalProcesses(1)
 for begin in (lambda: run_side_by_side([killed], [Silent()], engine), lambda: results_of(engine, [killed_maker])):
     try:

@@ -22,7 +22,7 @@ from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result
-from wirewear.simulation.ending import FIGURES, Ending
+from wirewear.simulation.cycling import FIGURES, Ending
 from wirewear.simulation.runs import run_study, simulate
 from wirewear.study.programme import held_keys
 from wirewear.study.tables import Stop

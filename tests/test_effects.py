@@ -12,7 +12,7 @@ from tests.studies import COARSE, coarse
 from wirewear import StudyError, effects, parse_study
 from wirewear.effects.holder import RotationalCompliance
 from wirewear.loops.sensor import Sensor
-from wirewear.study.reading import study_from_tables
+from wirewear.study.study import study_from_tables
 
 #: Names and parameters that other programs and files rely on.
 FIXED = {

@@ -30,7 +30,7 @@ from wirewear.simulation.line_model import bodies_stiffness_N_per_mm2
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import measured
 from wirewear.study import LineStudy, Study, load_study, study_from_tables
-from wirewear.study.reading import read_study
+from wirewear.study.study import read_study
 from wirewear.study.surfaces import StatedSurface, kept
 
 HALF = 1500

@@ -16,7 +16,7 @@ from wirewear.simulation import run_study, simulate
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.plan import RunPlan
 from wirewear.study import LineStudy, Study, study_from_tables
-from wirewear.study.reading import read_study
+from wirewear.study.study import read_study
 
 R_mm, MODULUS = 6.0, 115_000.0
 STEEL = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}

@@ -4,12 +4,11 @@ This package is the only one to import: ``geometry`` and ``solvers`` beneath it 
 when it is first asked for.
 """
 
+import sys
 from importlib import import_module
+from importlib.util import find_spec
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-from wirewear.base.siblings import require_own_siblings
-
-require_own_siblings()
 
 if TYPE_CHECKING:
     from wirewear import effects, reference
@@ -33,6 +32,46 @@ __all__ = [
     "sensor_held_stroke", "write_record", "write_result",
 ]  # fmt: skip
 
+_SIBLINGS = ("geometry", "solvers")
+
+
+def _require_own_siblings() -> None:
+    """Raise ImportError with one clear sentence unless ``geometry`` and ``solvers`` are those beside this package.
+
+    Where another module of such a name comes first on Python's path, the first symptom would be a puzzling
+    AttributeError far away.
+    """
+    home = Path(__file__).resolve().parents[1]
+    for name in _SIBLINGS:
+        own = home / name
+        found = _location(name)
+        if found is None:
+            raise ImportError(
+                f"wirewear needs its own package '{name}' in {own}, but there is none: install wirewear again."
+            )
+        if found.resolve() not in (own, own / "__init__.py"):
+            raise ImportError(
+                f"wirewear needs its own package '{name}' in {own}, but {found} comes first on Python's path: "
+                f"rename or remove that one, or start Python from another folder."
+            )
+
+
+def _location(name: str) -> Path | None:
+    """File (or, for a package without ``__init__.py``, folder) that ``import name`` would give, or has given."""
+    if name in sys.modules:
+        module = sys.modules[name]
+        file, folders = getattr(module, "__file__", None), list(getattr(module, "__path__", []))
+    else:
+        spec = find_spec(name)
+        if spec is None:
+            return None
+        file, folders = spec.origin, list(spec.submodule_search_locations or [])
+    if file is not None:
+        return Path(file)
+    return Path(folders[0]) if folders else Path(f"<built-in module {name}>")
+
+
+_require_own_siblings()
 _loaded = import_module("geometry.late").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
 
 

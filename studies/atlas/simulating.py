@@ -17,7 +17,7 @@ from wirewear.kinds import any_study
 from wirewear.loops import LoopError, Measured, analyse_loop
 from wirewear.simulation import ProgressBar, run_study
 from wirewear.study.consistency import merged
-from wirewear.study.reading import read_study
+from wirewear.study.study import read_study
 
 
 def simulator(entry: Entry, fidelity: str, output: Path) -> Simulated:

@@ -16,7 +16,7 @@ from wirewear.loops import analyse_loop
 from wirewear.results import RunResult
 from wirewear.simulation import run_study, simulate
 from wirewear.study import LineStudy, study_from_tables
-from wirewear.study.reading import read_study
+from wirewear.study.study import read_study
 
 Array = NDArray[np.float64]
 

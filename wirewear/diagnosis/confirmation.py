@@ -23,7 +23,6 @@ from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
-from wirewear.simulation import Observer, run_study
 from wirewear.study.programme import held_keys
 from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
@@ -67,6 +66,8 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
 
 def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[Array], LoopCourse]:
     """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
+    from wirewear.simulation import Observer, run_study
+
     kind, nominal, length_mm = kind_of(diagnosed.study), diagnosed.study, diagnosed.setup.length_mm
     last = nominal.conditions.cycles
     logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})

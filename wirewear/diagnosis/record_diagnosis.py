@@ -25,7 +25,6 @@ from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.mending import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
-from wirewear.fitting import completed
 from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
@@ -82,7 +81,11 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
             f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
             f"kind {record.contact_kind}."
         )
-    record, unknown = completed(record) if model is None else (record, {})
+    unknown: dict[str, float] = {}
+    if model is None and record.tables.missing:
+        from wirewear.fitting import completed
+
+        record, unknown = completed(record)
     kind, tables = kind_of(record), record.tables
     assumed = _NOT_STATED.format(" and ".join(unknown)) if unknown else ""
     study = nominal_study(record) if model is None else kind.checked_model(record, model)

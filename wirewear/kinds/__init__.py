@@ -39,7 +39,7 @@ def load_any_study(path: str | Path) -> Any:
     """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
     Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of its kind.
     """
-    from wirewear.study.reading import read_study
+    from wirewear.study.study import read_study
 
     return any_study(read_study(path), str(path))
 

@@ -12,10 +12,9 @@ from wirewear.records.of_test import Metadata, OfRecord
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
 from wirewear.results.scar import BODIES
-from wirewear.simulation import bodies_stiffness_N_per_mm2
 from wirewear.study import keys, study_from_tables
 from wirewear.study.bodies import Body
-from wirewear.study.bulk import BULK, BulkTable
+from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
 from wirewear.study.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen
@@ -237,6 +236,8 @@ class LineTest(OfRecord):
 
     def _without_bodies(self, data: Mapping[str, Any]) -> float:
         """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen."""
+        from wirewear.simulation import bodies_stiffness_N_per_mm2
+
         whole = float(self.stated.tangential_stiffness_N_per_mm)
         study = study_from_tables(data, f"the bodies of the record {self.name!r}")
         of_bodies = self.length_mm * bodies_stiffness_N_per_mm2(study)

@@ -21,8 +21,7 @@ from wirewear.base.writing import write_csv, writing
 from wirewear.results.scar import called
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.line_model import line_plan
-from wirewear.simulation.runs import run_study
-from wirewear.simulation.together import ObserverFor
+from wirewear.simulation.runs import ObserverOf, run_study
 from wirewear.study import AnyStudy, LineStudy, Study
 from wirewear.study.any_study import alone
 
@@ -253,7 +252,7 @@ def converge(
     *,
     fidelity: str,
     output: Path,
-    observer_of: ObserverFor | None = None,
+    observer_of: ObserverOf | None = None,
     jobs: int = 1,
     engine: Engine | None = None,
 ) -> list[Converged]:

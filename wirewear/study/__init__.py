@@ -11,8 +11,7 @@ from wirewear.study.fidelity import FIDELITIES
 if TYPE_CHECKING:
     from wirewear.study.any_study import AnyStudy
     from wirewear.study.bodies import Body
-    from wirewear.study.reading import load_study, parse_study, study_from_tables
-    from wirewear.study.study import LineStudy, Study
+    from wirewear.study.study import LineStudy, Study, load_study, parse_study, study_from_tables
     from wirewear.study.tables import FidelitySettings
 
 __all__ = [

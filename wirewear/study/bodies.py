@@ -12,7 +12,7 @@ from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering,
 from geometry.arrays import Array
 from wirewear import reference
 from wirewear.base.errors import StudyError
-from wirewear.study.bulk import BulkTable
+from wirewear.study.drive import BulkTable
 from wirewear.study.faces import Face, half_width_of
 from wirewear.study.layers import LayerTable
 from wirewear.study.surfaces import StatedSurface

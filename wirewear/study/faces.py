@@ -9,7 +9,6 @@ from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry import Cylinder, GeometryError, RoundedFlat, TabledProfile
 from wirewear.base.errors import Quantity, RecordError, shown
-from wirewear.base.guessing import known_columns
 from wirewear.study.keys import Table, pairs_of
 
 Face = Cylinder | RoundedFlat | TabledProfile
@@ -46,6 +45,8 @@ def _checked_profile(value: object) -> tuple[tuple[float, float], ...]:
 
 def _points_of_file(name: object) -> list[tuple[float, float]]:
     """Pairs x and fall below the highest point in mm of a table of heights in µm."""
+    from wirewear.base.guessing import known_columns
+
     if not isinstance(name, str):
         raise ValueError(f'gives profile_file = {shown(name)}, but must give a name such as "pad.csv"')
     try:

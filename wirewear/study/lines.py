@@ -11,8 +11,7 @@ from solvers import Coulomb, Drive, EnergyLaw, Holder, Waveform, WearLaw, WearRa
 from wirewear.base.errors import Quantity
 from wirewear.effects import Effect, Seam
 from wirewear.study import keys
-from wirewear.study.bulk import BULK, BulkTable, bulk_of
-from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
+from wirewear.study.drive import BULK, LOAD_CYCLE, MOTION, BulkTable, LoadCycleKey, MotionKey, bulk_of, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
 from wirewear.study.layers import LAYERS, LayerTable, layers_of

@@ -10,7 +10,7 @@ from wirewear.base.errors import Quantity
 from wirewear.effects import Age, Seam, Specimens, applied
 from wirewear.study import keys
 from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
-from wirewear.study.bulk import BULK, BulkTable
+from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.keys import Inconsistency
 from wirewear.study.layers import LAYERS, LayerTable

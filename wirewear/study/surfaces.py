@@ -12,7 +12,6 @@ from pydantic import Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
 from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError
-from wirewear.base.guessing import known_columns
 from wirewear.study.keys import Table, one_of
 
 #: Lines of a kept map, at most, each way: more than a contact's elements.
@@ -126,6 +125,8 @@ def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
     """Lines x (n_x,) and y (n_y,) and depths (n_x, n_y) of a table, y being 0 where it has no y_um.
     Raises RecordError if it cannot be read, is another table, or its points lie on no grid.
     """
+    from wirewear.base.guessing import known_columns
+
     columns = known_columns(file, COLUMNS)
     if not {"x_um", "depth_um"} <= columns.keys():
         raise RecordError(

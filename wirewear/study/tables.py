@@ -11,8 +11,7 @@ from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Wav
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
-from wirewear.study.bulk import bulk_of
-from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, drive_of
+from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bulk_of, drive_of
 from wirewear.study.layers import LayerTable, layers_of
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock

@@ -9,7 +9,7 @@ from pydantic import AliasChoices, BeforeValidator, Field
 from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
-from wirewear.study.bulk import BULK, BulkTable
+from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.layers import LAYERS, LayerTable
 from wirewear.study.surfaces import StatedSurface
 

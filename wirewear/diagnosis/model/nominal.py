@@ -19,7 +19,6 @@ from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
 from wirewear.records.values import believed_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
 from wirewear.results.scar import called
-from wirewear.simulation import Observer, run_study
 from wirewear.study import AnyStudy, LineStudy, Study
 from wirewear.study.bodies import Gap
 from wirewear.study.programme import held_by, held_keys
@@ -256,6 +255,8 @@ def limits_of(nominal: RunResult, study: AnyStudy[Any]) -> tuple[str, ...]:
 
 
 def _run(nominal: NominalRun, folder: Path, observer_of: ObserverOf | None) -> RunResult:
+    from wirewear.simulation import Observer, run_study
+
     problem: Exception | None = None
     farthest: RunResult | None = None
     study = nominal.study
