@@ -29,7 +29,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.model.nominal import nominal_study, wearing
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.plateau import PlateauForce
+from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.records import ExperimentRecord, read_record

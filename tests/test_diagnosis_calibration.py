@@ -19,7 +19,7 @@ FOLDER = Path(wirewear.diagnosis.__file__).parent
 #: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
 ELSEWHERE = {
     "forward.py", "readings.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
-    "diagnosis_shown.py",
+    "diagnosis_page.py",
 }  # fmt: skip
 
 #: Constants of the code: formats, seeds, unit factors, exponents, closed forms, resolutions of sums, and round-off.

@@ -23,12 +23,11 @@ from wirewear.diagnosis.infer.covariance import (
 )
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe import Observable, Site, channels
+from wirewear.diagnosis.observe.along_branches import BEYOND, PEAK, KneePeak, PlateauForce, ShelfTravel, Stick, peak_N
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import _force_noise, _usual, reduced_loop
-from wirewear.diagnosis.observe.plateau import BEYOND, PEAK, KneePeak, PlateauForce, peak_N
 from wirewear.diagnosis.observe.reduction import Layout, Observations, all_observables, reduce
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.loops.noise import (
     correlated_noise,
     correlation_of,

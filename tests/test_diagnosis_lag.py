@@ -26,8 +26,7 @@ from wirewear.effects.holder import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops import LoopSignals, Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredLoop, record_of_result, write_record
-from wirewear.views.diagnosis_page import ten_lines
-from wirewear.views.diagnosis_shown import residuals
+from wirewear.views.diagnosis_page import residuals, ten_lines
 from wirewear.views.diagnosis_wording import Diagnosed
 
 COUPLING = "displacement_load_coupling"

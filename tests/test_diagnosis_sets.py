@@ -13,8 +13,7 @@ from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
 from wirewear.diagnosis.infer.inference import Fit, Problem
-from wirewear.diagnosis.infer.search import Search, Updated, search, updated
-from wirewear.diagnosis.infer.sets import LEVEL, plausible
+from wirewear.diagnosis.infer.search import LEVEL, Search, Updated, plausible, search, updated
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce

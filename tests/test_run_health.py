@@ -13,7 +13,7 @@ from geometry.arrays import Array
 from solvers import ContactProblem, CycleTrace, Drive, closed_cycle, first_quarter, mirror_error, symmetry_of
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
-from wirewear.diagnosis.observe.mending import of_own_definitions
+from wirewear.diagnosis.observe.reading import of_own_definitions
 from wirewear.records import check_record
 from wirewear.simulation.contact_forces import (
     at_mid_stroke,

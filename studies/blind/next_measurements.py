@@ -27,7 +27,7 @@ from studies.blind.generators.nuisances import Nuisances, drawn_nuisances
 from studies.blind.generators.sizes import drawn_parameters
 from wirewear import WirewearError
 from wirewear.diagnosis import Diagnosis, diagnose
-from wirewear.diagnosis.infer.sets import next_measurement
+from wirewear.diagnosis.infer.search import next_measurement
 from wirewear.effects import Measurement, measurements
 from wirewear.faces.study_script import StudyScript
 from wirewear.records import AnyRecord

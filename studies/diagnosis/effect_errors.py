@@ -27,8 +27,8 @@ from wirewear.diagnosis.model.candidates import nominal_setup
 from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.mending import read_at_corners
 from wirewear.diagnosis.observe.observable import Scale
+from wirewear.diagnosis.observe.reading import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript, understanding, wide_console

@@ -19,7 +19,7 @@ from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
-from wirewear.diagnosis.observe.mending import read_at_corners
+from wirewear.diagnosis.observe.reading import read_at_corners
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
 from wirewear.records import RecordTables
 

@@ -13,8 +13,16 @@ from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.inference import Fit
-from wirewear.diagnosis.infer.search import Search, search, updated
-from wirewear.diagnosis.infer.sets import Classes, joined, masses, next_measurement, plausible
+from wirewear.diagnosis.infer.search import (
+    Classes,
+    Search,
+    joined,
+    masses,
+    next_measurement,
+    plausible,
+    search,
+    updated,
+)
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
@@ -22,7 +30,7 @@ from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.mending import mended
+from wirewear.diagnosis.observe.reading import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.effects import all_effects, measurements
 from wirewear.kinds import kind_of

@@ -39,7 +39,7 @@ from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_ampl
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study
-from wirewear.study.layers import LayerTable
+from wirewear.study.surfaces import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
 

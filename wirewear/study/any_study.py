@@ -13,8 +13,8 @@ from wirewear.base.frame import notebook_table
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.keys import Table, values_in_no_variant
-from wirewear.study.layers import LayerTable
 from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
+from wirewear.study.surfaces import LayerTable
 from wirewear.study.tables import CommonTables, Log
 
 LOGGED = "log.loop_cycles"  #: The key that follows the length of the test where it was left to the program.

@@ -14,8 +14,7 @@ from wirewear import reference
 from wirewear.base.errors import StudyError
 from wirewear.study.drive import BulkTable
 from wirewear.study.faces import Face, half_width_of
-from wirewear.study.layers import LayerTable
-from wirewear.study.surfaces import StatedSurface
+from wirewear.study.surfaces import LayerTable, StatedSurface
 
 _COARSE_PER_DIAMETER = 0.155
 _COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.

@@ -7,11 +7,11 @@ from wirewear.base.errors import StudyError
 from wirewear.study.bodies import Wire
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import NO_PIVOT, Inconsistency
-from wirewear.study.layers import unfit_layers
 from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, validated
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.programme import held_keys, logged_ends, placed, too_many
+from wirewear.study.surfaces import unfit_layers
 from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, CommonTables, ContactTables, StudyTables
 
 

@@ -14,8 +14,7 @@ from wirewear.study import keys
 from wirewear.study.drive import BULK, LOAD_CYCLE, MOTION, BulkTable, LoadCycleKey, MotionKey, bulk_of, drive_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
-from wirewear.study.layers import LAYERS, LayerTable, layers_of
-from wirewear.study.surfaces import StatedSurface
+from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
 from wirewear.study.tables import PLANAR_KINDS, CommonTables, HeldByDrive, StatesItsKind, compliance
 from wirewear.study.template import Template
 

@@ -13,8 +13,7 @@ from wirewear.study.bodies import BlockBody, Body, Wire, touch_along_line
 from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, Extent, PadFaceOrFile, size_of
 from wirewear.study.keys import Inconsistency
-from wirewear.study.layers import LAYERS, LayerTable
-from wirewear.study.surfaces import StatedSurface
+from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface
 from wirewear.study.tables import ContactTables, StatesItsKind
 from wirewear.study.template import COMMON, EXAMPLE, Template
 

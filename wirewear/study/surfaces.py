@@ -1,8 +1,11 @@
-"""Surfaces as they were measured before a test: how deep a body lies below its unworn shape where the test begins."""
+"""What a study states of a body's surface: coatings and hard skins on it, and how it was measured before a test.
+
+A measured surface says how deep a body lies below its unworn shape where the test begins.
+"""
 
 import zlib
 from base64 import b64decode, b64encode
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -11,8 +14,43 @@ import numpy as np
 from pydantic import Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
+from solvers import SurfaceLayer
 from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError
+from wirewear.study import keys
 from wirewear.study.keys import Table, one_of
+
+LAYERS = "coatings and hard skins on it, the outermost first, each with its thickness_um"  #: What the key holds.
+
+Thickness = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e4))]
+WearFactor = Annotated[float, PlainValidator(Quantity("1", 1e-6, 1e6))]
+
+
+class LayerTable(keys.Table):
+    """One layer, as elastic as the body that it lies on."""
+
+    thickness_um: Thickness = Field(description="thickness of the layer", examples=[3.0])
+    wear_factor: WearFactor = Field(1.0, description="its wear coefficient over that of the body below all layers")
+    friction: keys.Friction | None = Field(
+        None, description="coefficient of friction where it lies on the surface; without it that of [contact]"
+    )
+
+
+def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLayer, ...]:
+    """Layers as the solvers take them, on a body of a contact of that coefficient of friction."""
+    return tuple(
+        SurfaceLayer(
+            1e-3 * one.thickness_um, one.wear_factor, None if one.friction is None else one.friction / friction
+        )
+        for one in stated
+    )
+
+
+def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
+    """What is wrong with them, as the rest of a sentence, if anything."""
+    if friction == 0.0 and any(one.friction is not None for one in stated):
+        return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
+    return None
+
 
 #: Lines of a kept map, at most, each way: more than a contact's elements.
 MOST_LINES = 240

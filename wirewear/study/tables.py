@@ -12,9 +12,9 @@ from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bulk_of, drive_of
-from wirewear.study.layers import LayerTable, layers_of
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
+from wirewear.study.surfaces import LayerTable, layers_of
 from wirewear.study.wires import BothWires
 
 Formulation = Literal["augmented-lagrangian", "penalty"]

@@ -10,8 +10,7 @@ from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
 from wirewear.study.drive import BULK, BulkTable
-from wirewear.study.layers import LAYERS, LayerTable
-from wirewear.study.surfaces import StatedSurface
+from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface
 
 
 def _wires_of_bodies(table: Any) -> Any:

@@ -1,20 +1,37 @@
-"""The diagnosis as one HTML page that needs no other file, and as ten lines of text."""
+"""The diagnosis as one HTML page that needs no other file, what it draws, and as ten lines of text."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.frame import numbers
 from wirewear.base.reading import with_checksum
 from wirewear.base.writing import finite, json_text, write_text, writing
+from wirewear.diagnosis.infer.where import Place, places
+from wirewear.diagnosis.model.candidates import effect_of
+from wirewear.diagnosis.model.forward import LoopCourse, simulate
+from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
+from wirewear.diagnosis.model.readings import still_to_come
+from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
+from wirewear.diagnosis.observe.reduction import row_labels
+from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground, read_profile
+from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.records import MeasuredScar
+from wirewear.results.scar import called
 from wirewear.views.diagnosis_values import program
 from wirewear.views.diagnosis_wording import next_measurement, parameters_told, plain, share, steps, told, worth_telling
 
 if TYPE_CHECKING:
     from wirewear.views.diagnosis_values import Diagnosis
     from wirewear.views.diagnosis_wording import Diagnosed
+
 
 TEMPLATE = Path(__file__).with_name("diagnosis.html")
 JSON_FILE_NAME, REPORT_FILE_NAME = "diagnosis.json", "report.html"
@@ -39,24 +56,22 @@ def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
 
 def page(diagnosed: Diagnosed) -> str:
     """The page of a diagnosis, to be opened in any browser."""
-    from wirewear.views import diagnosis_shown as shown
-
     diagnosis, found = diagnosed.diagnosis, diagnosed.search
-    loops = shown.loops(diagnosed)
+    drawn = loops(diagnosed)
     filters = {"plain": plain, "told": told, "parameters": parameters_told, "share": share, "with_unit": _with_unit}
     values = {
         "d": diagnosis,
         "diagnosed": diagnosed,
         "said": VERDICTS[diagnosis.verdict],
-        "map": shown.gap_map(diagnosed),
-        "zones": shown.zone_bars(diagnosed),
+        "map": gap_map(diagnosed),
+        "zones": zone_bars(diagnosed),
         "likely": worth_telling(diagnosis)[:5],
-        "gaps": shown.gap_bars(diagnosed),
+        "gaps": gap_bars(diagnosed),
         "steps": steps(diagnosis),
-        "of_scar": bool(loops["sections"]) and shown.shows_in_scar(diagnosed),
+        "of_scar": bool(drawn["sections"]) and shows_in_scar(diagnosed),
         "next": next_measurement(diagnosis),
-        "sections": loops["sections"],
-        "data": frame.embedded(loops),
+        "sections": drawn["sections"],
+        "data": frame.embedded(drawn),
         "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("diagnosis.js")),
         "fits": sorted((found.none, *found.singles, *found.pairs), key=lambda one: -one.log_evidence)[:15],
         "program": program(),
@@ -89,3 +104,235 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     if diagnosis.undetectable:
         lines.append(f"  could not be seen here: {', '.join(plain(name) for name in diagnosis.undetectable)}")
     return "\n".join(lines[:10])
+
+
+#: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
+PLACES, WITHIN = 60, 1.96
+
+DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
+STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
+
+MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
+CURVES = ("model", MODEL), ("explained", WITH)
+
+Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, colour.
+MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
+MOST_ZONES = 5  #: Zones whose size is shown at most.
+
+#: From so many scatters on, a cell of the map has the next colour, pale to dark red, and the next ink.
+SHADES = (
+    (0, "#fff7e3", "#1a1a1a"), (1, "#fee9b4", "#1a1a1a"), (2, "#fed173", "#1a1a1a"), (3, "#feab49", "#1a1a1a"),
+    (5, "#f97a36", "#1a1a1a"), (8, "#e4401f", "#fff"), (12, "#b10026", "#fff"),
+)  # fmt: skip
+
+
+def residuals(
+    loops: tuple[ReducedLoop, ...], course: LoopCourse, row: int, scatter: Mapping[str, float], load_N: float
+) -> list[dict[str, Array]]:
+    """Measured less computed force on both branches of a cycle's loop, against displacement.
+
+    Each is a table of arrays (n,): `displacement_um`, `force_N`, the mean over repeats less the computed force, and
+    `band_N`, the half-width of what 95 % of tests differ by.  row: of the course.
+    """
+    found = []
+    for place, sign in enumerate(DIRECTIONS):
+        own = [branch for loop in loops for branch in loop.branches if branch.sign == sign]
+        x, q = sign * course.displacement_um[row, place], sign * course.tangential_force_N[row, place]
+        order = still_to_come(x)
+        low = max(float(order[0]), *(float(one.displacement_um.min()) for one in own))
+        high = min(float(order[-1]), *(float(one.displacement_um.max()) for one in own))
+        at = np.linspace(low, high, PLACES)
+        computed = np.interp(at, order, q)
+        measured = np.mean([_force_at(one, at) for one in own], axis=0)
+        # A bump of the loop counts as correlated noise of its force: samples about their neighbours do not know it.
+        noise_N = float(np.mean([loop.sample_noise_N for loop in loops]))
+        found.append(
+            {
+                "displacement_um": sign * at,
+                "force_N": sign * (measured - computed),
+                "band_N": _band(at, computed, scatter, load_N, noise_N),
+            }
+        )
+    return found
+
+
+def _force_at(branch: ObservedBranch, at_um: Array) -> Array:
+    order = np.argsort(branch.displacement_um, kind="stable")
+    return np.asarray(np.interp(at_um, branch.displacement_um[order], branch.force_N[order]))
+
+
+def _band(at_um: Array, force_N: Array, scatter: Mapping[str, float], load_N: float, noise_N: float) -> Array:
+    """Friction and load stretch the force; zeros shift force and displacement; the amplitude stretches the stroke."""
+
+    def size(name: str) -> float:
+        return float(scatter.get(name, 0.0))
+
+    stretched = np.hypot(size("friction"), size("load")) * force_N
+    moved_um = np.hypot(size("displacement_offset_um"), size("amplitude") * at_um)
+    shifted = np.gradient(force_N, at_um) * moved_um
+    return np.asarray(WITHIN * np.sqrt(stretched**2 + shifted**2 + (size("force_offset") * load_N) ** 2 + noise_N**2))
+
+
+def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]:
+    """Place [µm] along the motion about the scar's middle, and depth [µm], of each map that has enough points."""
+    found = []
+    for scar in scars:
+        if scar.depth_um.size < FEWEST_POINTS:
+            continue
+        depth = above_ground(scar)
+        weight = np.maximum(depth, 0.0)
+        if not weight.sum() > 0.0:
+            found.append((scar.x_um, depth.mean(axis=1)))
+            continue
+        middle_x = float(weight.sum(axis=1) @ scar.x_um / weight.sum())
+        middle_y = float(weight.sum(axis=0) @ scar.y_um / weight.sum())
+        near = np.abs(scar.y_um - middle_y)
+        strip = near <= max(STRIP * float(np.ptp(scar.y_um)), float(near.min()))
+        found.append((scar.x_um - middle_x, depth[:, strip].mean(axis=1)))
+    return found
+
+
+def bowl(figures: Array, places: int = 41) -> tuple[Array, Array]:
+    """The section of a paraboloid of a scar's figures (4,): places and depths [µm].
+
+    The section over its whole width goes as (1 − x²/a²)^(3/2), so that the length, measured where that is `SCAR_EDGE`
+    of its largest, is 2 a √(1 − SCAR_EDGE^(2/3)).
+    """
+    depth, length = (float(figures[SCAR_FIGURES.index(name)]) for name in ("depth", "length"))
+    half = 0.5 * length / np.sqrt(1.0 - SCAR_EDGE ** (2.0 / 3.0))
+    x = np.linspace(-half, half, places)
+    return x, depth * (1.0 - (x / max(half, 1e-9)) ** 2)
+
+
+def loops(diagnosed: Diagnosed) -> dict[str, Any]:
+    """Measured and computed loops as plain values."""
+    known = sorted({loop.cycle for loop in diagnosed.observed.loops})
+    kept = np.unique(np.linspace(0, len(known) - 1, min(MOST_LOOPS, len(known))).round().astype(int))
+    cycles = [known[place] for place in kept]
+    at = np.array(cycles or [diagnosed.setup.cycles], dtype=float)
+    best = diagnosed.search.best
+    curves = [("model", MODEL, simulate(diagnosed.states, diagnosed.setup, at))]
+    if _explains(diagnosed):
+        alike = any(effect_of(name) in members for members in diagnosed.diagnosis.equivalent for name in best.names)
+        label = "with " + " and ".join(plain(name) for name in best.names) + (" or its like" if alike else "")
+        curves.append((label, WITH, simulate(diagnosed.states, best.setup, at)))
+    return {
+        "cycles": cycles,
+        "measured": [_measured(diagnosed, cycle) for cycle in cycles],
+        "colour": MEASURED,
+        "left": [[_left(diagnosed, course, row, cycle) for row, cycle in enumerate(cycles)] for _, _, course in curves],
+        "begin": _telling_cycle(diagnosed, cycles) if cycles else 0,
+        "sections": _sections(diagnosed, curves),
+        "curves": [
+            {
+                "name": name,
+                "colour": colour,
+                "loops": [
+                    [numbers(x.ravel()), numbers(q.ravel())]
+                    for x, q in zip(course.displacement_um, course.tangential_force_N, strict=True)
+                    if cycles
+                ],
+            }
+            for name, colour, course in curves
+        ],
+    }
+
+
+def _left(diagnosed: Diagnosed, course: LoopCourse, row: int, cycle: int) -> list[list[list[float | None]]]:
+    """Displacement, measured less computed force, and half-width of the band, of both branches."""
+    own = tuple(loop for loop in diagnosed.observed.loops if loop.cycle == cycle)
+    scatter = diagnosed.search.covariance.scatter
+    branches = residuals(own, course, row, scatter, diagnosed.setup.load_N)
+    return [[numbers(one[name]) for name in ("displacement_um", "force_N", "band_N")] for one in branches]
+
+
+def _telling_cycle(diagnosed: Diagnosed, cycles: Sequence[int]) -> int:
+    """The place of the last cycle at which a gap shows that has a place, else of the last one."""
+    shows = [one.cycles[1] for one in diagnosed.diagnosis.resembles[:1]]
+    shows = shows or [finding.cycles[1] for finding in diagnosed.diagnosis.where[:1]]
+    last = shows[0] if shows else cycles[-1]
+    return max((place for place, cycle in enumerate(cycles) if cycle <= last), default=len(cycles) - 1)
+
+
+def _sections(diagnosed: Diagnosed, curves: Sequence[tuple[str, str, LoopCourse]]) -> list[dict[str, Any]]:
+    """Worn bodies along the motion, measured and computed: profiles, or bowls of the computed depth and length."""
+    found = []
+    for place, body in enumerate(diagnosed.record.tables.body_names):
+        scars, courses = diagnosed.record.scars_of(body), [course for _, _, course in curves]
+        if courses[0].profiles:
+            measured = [(one.x_um, one.depth_um) for one in map(read_profile, scars)]
+            computed = [course.profiles[body] for course in courses]
+        else:
+            measured, computed = measured_section(scars), [bowl(course.scars[place]) for course in courses]
+        if measured:
+            drawn = {"measured": measured, "bowls": computed}
+            heights = {name: [[numbers(x), numbers(-depth)] for x, depth in own] for name, own in drawn.items()}
+            found.append({"wire": called(body), **heights})
+    return found
+
+
+def gap_map(diagnosed: Diagnosed) -> tuple[list[int], list[tuple[str, list[tuple[Place, str, str] | None]]]]:
+    """Cycles, and of every zone its label and a cell at each cycle: what differs, its colour and ink, or nothing."""
+    found = places(diagnosed.search.problem, diagnosed.search.covariance, diagnosed.setup)
+    shades = [next(shade[1:] for shade in reversed(SHADES) if place.in_scatter >= shade[0]) for place in found]
+    cells = {(place.zone, place.cycle): (place, *shade) for place, shade in zip(found, shades, strict=True)}
+    cycles, measured = sorted({cycle for _, cycle in cells}), {zone for zone, _ in cells}
+    zones = [(zone, label) for zone, label in row_labels().items() if zone in measured]
+    return cycles, [(label, [cells.get((zone, cycle)) for cycle in cycles]) for zone, label in zones]
+
+
+def zone_bars(diagnosed: Diagnosed) -> list[tuple[str, bool, list[Bar]]]:
+    """Zones that differ most: label, whether beyond chance, root mean square [scatters], nominal and explained."""
+    found = diagnosed.search
+    setups = [diagnosed.setup, *([found.best.setup] if _explains(diagnosed) else [])]
+    rows = [places(found.problem, found.covariance, setup) for setup in setups]
+    beyond = {place.zone for place in rows[0] if place.flagged}
+    sizes = {
+        zone: [float(np.sqrt(np.mean([one.in_scatter**2 for one in row if one.zone == zone]))) for row in rows]
+        for zone in {place.zone for place in rows[0]}
+    }
+    most = sorted(sizes, key=lambda zone: (zone not in beyond, -sizes[zone][0]))[:MOST_ZONES]
+    longest = max(max(sizes[zone]) for zone in most)
+    bars = {
+        zone: _bars([(*one, size) for one, size in zip(CURVES, sizes[zone], strict=False)], longest) for zone in most
+    }
+    return [(row_labels()[zone], zone in beyond, bars[zone]) for zone in most]
+
+
+def shows_in_scar(diagnosed: Diagnosed) -> bool:
+    """Whether the gap is largest in scars, or there are no loops that could show it."""
+    words = {part.observable.words for part in diagnosed.search.problem.layout if part.observable.of_scars}
+    largest = [finding.observable for finding in diagnosed.diagnosis.where[:1]]
+    return not diagnosed.observed.loops or not words.isdisjoint(largest)
+
+
+def _explains(diagnosed: Diagnosed) -> bool:
+    """Whether the best explanation is said to be one, of all or of a part."""
+    said = diagnosed.diagnosis.verdict in ("explained", "ambiguous") or diagnosed.diagnosis.partial is not None
+    return said and bool(diagnosed.search.best.candidates)
+
+
+def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
+    """The gap before, after, after a full simulation if there was one, and what tests scatter."""
+    shrink, confirmed = diagnosed.diagnosis.shrink, diagnosed.diagnosis.confirmed
+    values = [
+        (*CURVES[0], shrink.before),
+        *([(*CURVES[1], shrink.after)] if _explains(diagnosed) else []),
+        *([("full simulation", CONFIRMED, confirmed.after)] if confirmed else []),
+        ("perfect model", MEASURED, shrink.floor),
+    ]
+    return _bars(values, max((value for _, _, value in values if np.isfinite(value)), default=0.0) or 1.0)
+
+
+def _bars(rows: Iterable[tuple[str, str, float]], longest: float) -> list[Bar]:
+    return [(name, value, 100.0 * value / longest, colour) for name, colour, value in rows]
+
+
+def _measured(diagnosed: Diagnosed, cycle: int) -> list[list[list[float | None]]]:
+    found = []
+    for loop in diagnosed.observed.loops:
+        if loop.cycle == cycle:
+            x = np.concatenate([branch.sign * branch.displacement_um for branch in loop.branches])
+            q = np.concatenate([branch.sign * branch.force_N for branch in loop.branches])
+            found.append([numbers(x), numbers(q)])
+    return found

@@ -20,9 +20,9 @@ from wirewear.diagnosis.infer.inference import Fit, Problem, fit
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.observable import AlongBranch, Scale
-from wirewear.diagnosis.observe.plateau import PlateauForce
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
 from wirewear.diagnosis.observe.scars import ProfileDepths
 from wirewear.results.scar import called

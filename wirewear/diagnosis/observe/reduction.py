@@ -18,13 +18,12 @@ from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import channels
+from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
-from wirewear.diagnosis.observe.plateau import KneePeak, PlateauForce
 from wirewear.diagnosis.observe.reading import Reading, read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
-from wirewear.diagnosis.observe.stick import ShelfTravel, Stick
 from wirewear.records import AnyRecord
 
 #: So many setups are computed together: their arrays are large enough to be worth a call, and stay in a cache.
