@@ -109,7 +109,7 @@ def runs(monkeypatch: pytest.MonkeyPatch) -> list[Study]:
         write_result(output / RESULT_FILE_NAME, synthetic_results.result())
         return [replace(synthetic_results.result(), path=output / RESULT_FILE_NAME)]
 
-    monkeypatch.setattr(nominal, "run_study", run_study)
+    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
     return asked
 
 
@@ -151,7 +151,7 @@ def test_of_runs_that_fail_the_one_that_ends_counts(runs: list[Study], monkeypat
         write_result(output / RESULT_FILE_NAME, complete)
         return [replace(complete, path=output / RESULT_FILE_NAME)]
 
-    monkeypatch.setattr(nominal, "run_study", run_study)
+    monkeypatch.setattr("wirewear.simulation.run_study", run_study)
     found = nominal_run(coarse())
     assert found.status == "complete"
     assert limits_of(found, coarse()) == ()

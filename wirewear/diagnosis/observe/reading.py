@@ -26,7 +26,6 @@ from wirewear.records.checking import analysed
 from wirewear.records.course_checks import other_definitions
 from wirewear.records.remarks import of_equal_times
 
-
 _KNOWN = constants("observe.reading")
 
 #: Logged cycles that are used at most.
