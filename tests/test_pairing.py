@@ -265,6 +265,7 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
         elastic=1e-3,
         active=yes,
         touching=1,
+        fresh=0,
         stick=no,
         near_stick=no,
         follows=yes,

@@ -16,12 +16,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from geometry.arrays import Array, BoolArray, IntArray
+from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled
+from solvers.layers import LayersAtNodes
 from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
 from solvers.wear import Sliding, deposited
@@ -33,39 +34,45 @@ def slid(
     system: Linearisation,
     outcome: NewtonOutcome,
     drive: float,
+    traction: Array,
     forces: tuple[Array, Array],
 ) -> tuple[Sliding, Sliding]:
     """The sliding of an increment from `state` to its outcome at `drive`: at its start and at its end.
 
-    forces: (n, 3) nodal ones on the primary and the secondary patch at its end.
+    traction: (n, 3) at its end.  forces: (n, 3) nodal ones on the primary and the secondary patch there.
     """
     end, start = system.pairing, system.before
     moved_end, moved_start = system.compliance.moved(outcome.traction, forces)
-    step_x = outcome.holder_x - state.holder_x - (drive - state.drive)
-    step_z, step_tilt = outcome.height - state.holder_z, outcome.tilt - state.holder_tilt
-    old_levers = levers(problem, state.drive, state.holder_x)[start.nodes]
-    for moved, lever in ((moved_end, system.lever), (moved_start, old_levers)):
-        _add_holder(moved, lever, step_x, step_z, step_tilt)
-    size = problem.primary.patch.size
-    loaded = np.zeros(size, dtype=bool)
-    loaded[start.nodes] = True
-    pressed = outcome.traction[:, 2] > 0.0
-    still, sticks = np.zeros(size, dtype=bool), np.zeros(size, dtype=bool)
-    still[end.nodes[pressed]] = True
-    sticks[end.nodes[pressed & ~outcome.sliding]] = True
-    pressure, along = normal_of(outcome.traction, end.frames), normal_of(moved_end, end.frames)
+    step = outcome.holder_x - state.holder_x - (drive - state.drive), outcome.height - state.holder_z
+    holder = (*step, outcome.tilt - state.holder_tilt)
+    slides = np.zeros(len(traction), dtype=bool)
+    slides[end.nodes] = outcome.sliding
+
+    old = state.traction[end.nodes]
+    pressure, lifted, _ = _parts(moved_end, moved_end, outcome.traction, end.frames, system.lever, holder)
     if system.layers is not None:
-        old = normal_of(state.traction[end.nodes], end.frames)
-        along += system.layers.closure(pressure)[0] - system.layers.closure(old)[0]
-    last = _sliding(
-        problem,
-        system.friction,
-        end,
-        pressure,
-        0.5 * outcome.slip_length,
-        np.where(outcome.sliding & loaded[end.nodes], 0.5 * along, 0.0),
-    )
-    return _first_half(problem, state, system, outcome, moved_start, still[start.nodes], sticks[start.nodes]), last
+        lifted += _closed(system.layers, outcome.traction, end) - _closed(system.layers, old, end)
+    lifted = np.where(outcome.sliding & (old[:, 2] > 0.0), 0.5 * lifted, 0.0)
+    last = _sliding(problem, system.friction, end, pressure, 0.5 * outcome.slip_length, lifted)
+
+    before, after = state.traction[start.nodes], traction[start.nodes]
+    slip = moved_start + problem.layer_mm_per_MPa * (after - before)
+    if state.bulk_step.any():
+        offset = facing_offset(problem, state, state.drive, state.holder_x)
+        slip += problem.stretched(state.bulk_step, start.nodes, offset)
+    closed: float | Array = 0.0
+    if problem.layers:
+        layers, old_layers = (layers_between(problem, state, start, loads) for loads in (after, before))
+        slip += layers.old_displacement - old_layers.old_displacement
+        closed = _closed(layers, after, start) - _closed(layers, before, start)
+    lever = levers(problem, state.drive, state.holder_x)[start.nodes]
+    pressure, lifted, length = _parts(moved_start, slip, before, start.frames, lever, holder)
+    still = after[:, 2] > 0.0
+    slides_or_opens = slides[start.nodes] | ~still
+    friction = law_at(problem, state, start, state.slip_share, state.drive)
+    lifted = np.where(still & slides_or_opens, 0.5 * (lifted + closed), 0.0)
+    first = _sliding(problem, friction, start, pressure, np.where(slides_or_opens, 0.5 * length, 0.0), lifted)
+    return first, last
 
 
 def _sliding(
@@ -77,54 +84,30 @@ def _sliding(
     return Sliding(pairing, energy, wear_work, length, 0.0 * energy if problem.law.none else pressure * lifted)
 
 
-def _first_half(
-    problem: ContactProblem,
-    state: ContactState,
-    system: Linearisation,
-    outcome: NewtonOutcome,
-    moved: Array,
-    still_loaded: BoolArray,
-    sticks: BoolArray,
-) -> Sliding:
-    """Sliding at the nodes loaded at the increment's start, which move by `moved` (l, 3)."""
-    start = system.before
-    traction, lifted, slip = state.traction[start.nodes], normal_of(moved, start.frames), moved
-    if problem.layers or problem.layer_mm_per_MPa != 0.0:
-        everywhere = np.zeros_like(state.traction)
-        everywhere[system.pairing.nodes] = outcome.traction
-        after = everywhere[start.nodes]
-        slip = moved + problem.layer_mm_per_MPa * (after - traction)
-        if problem.layers:
-            layers, before = (layers_between(problem, state, start, loads) for loads in (after, traction))
-            slip += layers.old_displacement - before.old_displacement
-            closed, closed_before = (layers.closure(normal_of(loads, start.frames))[0] for loads in (after, traction))
-            lifted += closed - closed_before
-    if state.bulk_step.any():
-        offset = facing_offset(problem, state, state.drive, state.holder_x)
-        slip = slip + problem.stretched(state.bulk_step, start.nodes, offset)
-    length = np.where(sticks, 0.0, 0.5 * _tangential_size(slip, start.frames))
-    pressure = np.maximum(normal_of(traction, start.frames), 0.0)
-    friction = law_at(problem, state, start, state.slip_share, state.drive)
-    return _sliding(problem, friction, start, pressure, length, np.where(still_loaded & ~sticks, 0.5 * lifted, 0.0))
+def _closed(layers: LayersAtNodes, traction: Array, pairing: Pairing) -> Array:
+    """Closure (k,) of layers under tractions (k, 3)."""
+    return layers.closure(normal_of(traction, pairing.frames))[0]
 
 
 @compiled
-def _add_holder(moved: Array, lever: Array, x: float, z: float, tilt: float) -> None:
-    """Add a motion of the holder to that of nodes (k, 3)."""
+def _parts(
+    moved: Array, slip: Array, traction: Array, frames: Array, lever: Array, holder: tuple[float, float, float]
+) -> Array:
+    """Pressures of tractions (k, 3), normal parts of motions (k, 3), and sizes of what slips (k, 3) are in the tangent
+    planes, (3, k).
+
+    holder: its motion along x and z and its tilt, which carries the nodes along.
+    """
+    result = np.empty((3, len(moved)))
     for k in range(len(moved)):
-        moved[k, 0] += x
-        moved[k, 2] += z + lever[k] * tilt
-
-
-@compiled
-def _tangential_size(vectors: Array, frames: Array) -> Array:
-    """Sizes (k,) of what vectors (k, 3) are in the tangent planes."""
-    result = np.empty(len(vectors))
-    for k in range(len(vectors)):
         n0, n1, n2 = frames[k, 0, 0], frames[k, 0, 1], frames[k, 0, 2]
-        along = vectors[k, 0] * n0 + vectors[k, 1] * n1 + vectors[k, 2] * n2
-        x, y, z = vectors[k, 0] - along * n0, vectors[k, 1] - along * n1, vectors[k, 2] - along * n2
-        result[k] = np.sqrt(x * x + y * y + z * z)
+        along, up = holder[0], holder[1] + lever[k] * holder[2]
+        result[0, k] = max(traction[k, 0] * n0 + traction[k, 1] * n1 + traction[k, 2] * n2, 0.0)
+        result[1, k] = (moved[k, 0] + along) * n0 + moved[k, 1] * n1 + (moved[k, 2] + up) * n2
+        x, y, z = slip[k, 0] + along, slip[k, 1], slip[k, 2] + up
+        normal = x * n0 + y * n1 + z * n2
+        x, y, z = x - normal * n0, y - normal * n1, z - normal * n2
+        result[2, k] = np.sqrt(x * x + y * y + z * z)
     return result
 
 
@@ -179,7 +162,7 @@ def accepted(
     traction = np.zeros_like(state.traction)
     traction[pairing.nodes] = outcome.traction
     forces = pairing.own.spread(outcome.traction), pairing.opposite.spread(outcome.traction)
-    parts = slid(problem, state, system, outcome, drive, forces)
+    parts = slid(problem, state, system, outcome, drive, traction, forces)
     primary_slid, secondary_slid = _slid_so_far(problem, state, parts)
     wear = deposited(state.wear, parts, cycles, problem.wear, (problem.primary, problem.secondary))
     new = replace(
@@ -245,7 +228,7 @@ def _report(
     position = problem.primary.node_positions[pairing.nodes[pressed]]
     everywhere = np.zeros(problem.primary.patch.size)
     everywhere[pairing.nodes] = pressure
-    half = 0.5 * np.ptp(position, axis=0) if len(position) else np.zeros(2)
+    half = 0.5 * (position.max(axis=0) - position.min(axis=0)) if len(position) else np.zeros(2)
     return IncrementReport(
         drive=drive,
         tangential_force=float(force[0]),

@@ -334,11 +334,6 @@ def _old_displacement(
     return result
 
 
-@compiled
 def normal_of(vectors: Array, frames: Array) -> Array:
     """Normal components (k,) of vectors (k, 3)."""
-    result = np.empty(len(vectors))
-    for k in range(len(vectors)):
-        normal = frames[k, 0]
-        result[k] = vectors[k, 0] * normal[0] + vectors[k, 1] * normal[1] + vectors[k, 2] * normal[2]
-    return result
+    return np.asarray(np.einsum("ij,ij->i", vectors, frames[:, 0]))

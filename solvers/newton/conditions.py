@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
-from solvers.newton.terms import Carried, HolderTerms, Iterate, Linearisation, Nodes, nodes_of
+from solvers.newton.terms import Carried, HolderTerms, Iterate, Linearisation, LinearLaws, Nodes, linear_laws, nodes_of
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full
 # friction on all nodes would cause; beyond, iterating the direction mostly converges fast.
@@ -65,7 +65,13 @@ class ContactConditions:
         """Scaled as for a contact of the loaded nodes (k,)."""
         self.system, self.scales, self.nodes = system, _scales(system, loaded), nodes_of(system)
         self.holders: dict[int, HolderTerms] = {}
-        self._no_layer, self._nowhere = np.zeros(len(loaded)), np.zeros(len(loaded), dtype=bool)
+        self._laws = linear_laws(system, np.zeros(len(loaded)))
+        self._nowhere = np.zeros(len(loaded), dtype=bool)
+
+    def laws(self, about: Array) -> LinearLaws:
+        """Friction and layers, linearised about pressures (k,)."""
+        straight = self.system.layers is None and self.system.friction.law.proportional
+        return self._laws if straight else linear_laws(self.system, about)
 
     def world(self, normal: Array, tangential: Array) -> Array:
         """Tractions (k, 3) in world axes."""
@@ -90,12 +96,13 @@ class ContactConditions:
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
-            closure = softness = shear = self._no_layer
+            closure = softness = shear = self._laws.shear
         else:
             (closure, softness), (shear, _) = layers.closure(normal), layers.shear_compliance(normal)
         compliance = self.system.compliance
         return _judged(
             compliance.displaced(solution.force),
+            compliance.place,
             compliance.layer,
             self.nodes,
             self.scales,
@@ -123,6 +130,7 @@ def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, 
 @compiled
 def _judged(
     elastic: Array,
+    place: IntArray,
     layer: float,
     nodes: Nodes,
     scales: Scales,
@@ -145,7 +153,7 @@ def _judged(
     gap, slip, largest = np.empty(count), np.empty((count, 2)), 0.0
     touch, stick, near, follows, verge = np.zeros((5, count), np.bool_)
     direction, augmentation = np.zeros((count, 2)), np.empty(count)
-    along, most, touching = holder_x - nodes.old_holder_x - nodes.drive_step, 0.0, 0
+    along, most, touching, fresh = holder_x - nodes.old_holder_x - nodes.drive_step, 0.0, 0, 0
     for k in range(count):
         lever = nodes.lever[k]
         moved = nodes.gap_rate[k] * (holder_x - nodes.paired_holder_x)
@@ -164,7 +172,7 @@ def _judged(
             for c in range(3):
                 slip[k, t] -= nodes.old_sheared[k, c] * frames[k, 1 + t, c]
         touch[k] = chosen[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
-        touching += touch[k]
+        touching, fresh = touching + touch[k], fresh + (touch[k] and place[k] < 0)
         most = max(most, limit[k])
     for k in range(count):
         compliance = scales.collective + shear[k]
@@ -197,6 +205,7 @@ def _judged(
         largest,
         touch,
         touching,
+        fresh,
         stick,
         near,
         follows,

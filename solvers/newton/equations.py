@@ -23,7 +23,7 @@ from solvers.newton.conditions import (
     held_place,
     stop_in_play,
 )
-from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, carried_by, holder_terms, linear_laws
+from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, carried_by, holder_terms
 
 
 class Loaded(NamedTuple):
@@ -224,9 +224,10 @@ def newton_step(conditions: ContactConditions, state: Iterate, about: Array) -> 
     compliance, stop = system.compliance, stop_in_play(conditions, state)
     if stop not in conditions.holders:
         conditions.holders[stop] = holder_terms(system, scales.series_compliance, held_place(conditions, stop))
-    compliance.know(state.active.nonzero()[0])
+    if state.fresh:
+        compliance.know(state.active.nonzero()[0])
     loaded = Loaded(compliance.matrix, compliance.known, compliance.place, compliance.layer)
-    laws, holder = linear_laws(system, about), conditions.holders[stop]
+    laws, holder = conditions.laws(about), conditions.holders[stop]
     transposed, rhs = _equations(loaded, nodes, state, laws, holder, scales)
     _, _, solution, info = lapack.dgesv(transposed.T, rhs, overwrite_a=1, overwrite_b=1)
     if info != 0:

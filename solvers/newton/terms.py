@@ -95,10 +95,10 @@ class Iterate(NamedTuple):
     """Tractions (k,) and (k, 2) in local frames, the holder's position, what follows from them, and how nodes stand.
 
     gap, slip: (k,) and (k, 2).  elastic: largest elastic displacement.  Lengths in mm, tractions in MPa.
-    active: (k,) nodes in contact, and touching: their number.  stick, near_stick, follows: (k,) which of them stick,
-    keep tangential unknowns as they are near enough to it, and are far from it.  verge: (k,) nodes at their limit but
-    for round-off, which may stick or slip as well.  direction: (k, 2) of friction.  augmentation: (k,) MPa per mm of
-    slip.  limit: (k,) of friction, MPa.
+    active: (k,) nodes in contact; touching: their number, fresh: that of those whose responses are not known.
+    stick, near_stick, follows: (k,) which of them stick, keep tangential unknowns as they are near enough to it, and
+    are far from it.  verge: (k,) nodes at their limit but for round-off, which may stick or slip as well.
+    direction: (k, 2) of friction.  augmentation: (k,) MPa per mm of slip.  limit: (k,) of friction, MPa.
     """
 
     normal: Array
@@ -111,6 +111,7 @@ class Iterate(NamedTuple):
     elastic: float
     active: BoolArray
     touching: int
+    fresh: int
     stick: BoolArray
     near_stick: BoolArray
     follows: BoolArray
