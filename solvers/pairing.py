@@ -98,15 +98,38 @@ def vertical_gap(
     surface: PrimarySurface, secondary: PlacedBody, offset_mm: Array, primary_depth: Array, secondary_depth: Array
 ) -> Array:
     """Gap along z at the primary's nodes at zero approach, shape (n,); infinite beside the secondary's patch."""
-    local = (surface.body.node_positions - offset_mm) @ secondary.world_to_patch.T
-    patch = secondary.patch
-    depth, inside = field_at(secondary_depth, local, patch)
-    other = secondary.facing * (patch.profile.height(local) - depth)
-    if secondary.incline != 0.0:
-        other += secondary.incline * (surface.body.node_positions[:, 0] - offset_mm[0])
-    # Upper height minus lower height, whichever of the two is the primary.
-    gap = surface.body.facing * (other - surface.body.worn(primary_depth).heights)
-    return np.where(inside, gap, np.inf)
+    body, patch = surface.body, secondary.patch
+    local = (body.node_positions - offset_mm) @ secondary.world_to_patch.T
+    return _vertical_gap(
+        *(local, patch.axial_mm, patch.transverse_mm, patch.profile.height(local), secondary_depth),
+        *(secondary.facing, secondary.incline, offset_mm),
+        *(body.node_positions, body.worn(primary_depth).heights, body.facing),
+    )
+
+
+@compiled
+def _vertical_gap(
+    local: Array,
+    along: Array,
+    across: Array,
+    fresh: Array,
+    depth: Array,
+    other_facing: int,
+    incline: float,
+    offset: Array,
+    positions: Array,
+    heights: Array,
+    facing: int,
+) -> Array:
+    """Gaps (n,) at positions (n, 2), `local` in the secondary's axes, where it is `fresh` (n,) high without wear."""
+    worn, inside = field_at(depth, local, along, across)
+    gap = np.full(len(local), np.inf)
+    for k in range(len(local)):
+        if inside[k]:
+            other = other_facing * (fresh[k] - worn[k]) + incline * (positions[k, 0] - offset[0])
+            # Upper height minus lower height, whichever of the two is the primary.
+            gap[k] = facing * (other - heights[k])
+    return gap
 
 
 def pair(

@@ -62,7 +62,6 @@ def integrals(
     """
     fresh = patch.profile.height(points.positions), patch.profile.slope(points.positions)
     steps = along.lengths, across.lengths, along.lower, across.lower
-    area, height, slope, moment = _sums(nodes, points.first, points.positions, *steps, *fresh)
     if points.axes is None:
         outside, first, columns, weights = _transfer(
             nodes, points.first, points.positions, *steps, patch.axial_mm, patch.transverse_mm
@@ -70,19 +69,14 @@ def integrals(
     else:
         outside, first, columns, weights = transfer_along_axes(nodes, along, across, points.axes, patch)
     transfer = NodalTransfer(first, columns, weights, patch.size)
-    _take_wear(height, slope, first, columns, weights, depth_mm.ravel(), depth_gradient)
-    return Integrals(area, height, slope, moment, transfer, outside)
+    worn = depth_mm.ravel(), depth_gradient
+    sums = _sums(nodes, points.first, points.positions, *steps, *fresh, transfer, *worn)
+    return Integrals(*sums, transfer, outside)
 
 
 def gradient(field: Array, patch: ContactPatch) -> Array:
     """Gradient (along, across) at a patch's nodes of a field (n_a, n_t), shape (size, 2), by central differences."""
     return _gradient(np.ascontiguousarray(field), patch.axial_mm, patch.transverse_mm)
-
-
-def field_at(field: Array, positions: Array, patch: ContactPatch) -> tuple[Array, BoolArray]:
-    """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,)."""
-    axes = patch.axial_mm, patch.transverse_mm
-    return _field_at(np.ascontiguousarray(field).ravel(), np.ascontiguousarray(positions), *axes)
 
 
 def at_points(positions: Array, patch: ContactPatch, weights: Array) -> NodalTransfer:
@@ -189,13 +183,14 @@ def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, A
 
 
 @compiled
-def _field_at(field: Array, positions: Array, along: Array, across: Array) -> tuple[Array, BoolArray]:
+def field_at(field: Array, positions: Array, along: Array, across: Array) -> tuple[Array, BoolArray]:
+    """A patch's nodal field (n_a, n_t) at positions (g, 2) in its axes, and whether they lie on the patch, (g,)."""
     step = np.array([0, 1]) if len(across) == 1 else np.array([0, 1, len(across), len(across) + 1])
     corner, weights, inside = _located(positions, along, across)
-    values = np.zeros(len(positions))
+    values, flat = np.zeros(len(positions)), field.ravel()
     for g in range(len(positions)):
         for c in range(len(step)):
-            values[g] += weights[g, c] * field[corner[g] + step[c]]
+            values[g] += weights[g, c] * flat[corner[g] + step[c]]
     return values, inside
 
 
@@ -210,8 +205,13 @@ def _sums(
     lower_t: Array,
     height_at: Array,
     slope_at: Array,
+    transfer: NodalTransfer,
+    depth: Array,
+    gradient: Array,
 ) -> tuple[Array, Array, Array, Array]:
-    """Area, height, slope and moment of the unworn surface over the supports."""
+    """Area, height, slope and moment over the supports of a surface, fresh at the points, less its depth (n,) and that
+    one's gradient (n, 2), which the transfer averages.
+    """
     own_t = _lines_across(lengths_t)
     count = len(nodes)
     area, height, slope, moment = np.empty(count), np.empty(count), np.empty((count, 2)), np.empty((count, 2))
@@ -233,26 +233,16 @@ def _sums(
                         slope_a += weight * slope_at[g, 0]
                         slope_t += weight * slope_at[g, 1]
                         g += 1
-        area[k], height[k] = covered, up
-        slope[k, 0], slope[k, 1], moment[k, 0], moment[k, 1] = slope_a, slope_t, moment_a, moment_t
-    return area, height, slope, moment
-
-
-@compiled
-def _take_wear(
-    height: Array, slope: Array, first: IntArray, columns: IntArray, weights: Array, depth: Array, gradient: Array
-) -> None:
-    """Lower heights (k,) and slopes (k, 2) by what a transfer makes of a depth (n,) and its gradient (n, 2)."""
-    for k in range(len(height)):
         fallen = steeper_a = steeper_t = 0.0
-        for entry in range(first[k], first[k + 1]):
-            node, weight = columns[entry], weights[entry]
+        for entry in range(transfer.first[k], transfer.first[k + 1]):
+            node, weight = transfer.columns[entry], transfer.weights[entry]
             fallen += weight * depth[node]
             steeper_a += weight * gradient[node, 0]
             steeper_t += weight * gradient[node, 1]
-        height[k] -= fallen
-        slope[k, 0] -= steeper_a
-        slope[k, 1] -= steeper_t
+        up, slope_a, slope_t = up - fallen, slope_a - steeper_a, slope_t - steeper_t
+        area[k], height[k] = covered, up
+        slope[k, 0], slope[k, 1], moment[k, 0], moment[k, 1] = slope_a, slope_t, moment_a, moment_t
+    return area, height, slope, moment
 
 
 @inlined

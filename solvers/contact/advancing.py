@@ -295,14 +295,14 @@ def advance(
     while done < 1.0 - 1e-12:
         share = min(1.0 / pieces, 1.0 - done)
         place, load = start + (done + share) * (drive - start), loaded + (done + share) * more
-        current = replace(current, bulk=stretched + (done + share) * strain, bulk_step=share * strain)
+        bulk, step = stretched + (done + share) * strain, share * strain
         if load < _NO_LOAD:
-            current, report = opened(problem, current, place, cycles)
+            current, report = opened(problem, replace(current, bulk=bulk, bulk_step=step), place, cycles)
             current = replace(current, load_share=load)
             done += share
             reports.append(report)
             continue
-        current = replace(current, load_share=load)
+        current = replace(current, load_share=load, bulk=bulk, bulk_step=step)
         if more != 0.0 and not current.traction.any():
             current = replace(current, holder_z=_height_under_load(replace(problem, friction=0.0), current))
         try:
