@@ -286,7 +286,8 @@ def _signature(own: Any) -> str:
 
 def _parameter(own: inspect.Parameter) -> str:
     stars = "*" if own.kind is own.VAR_POSITIONAL else "**" if own.kind is own.VAR_KEYWORD else ""
-    return f"{stars}{own.name}" + ("" if own.default is own.empty else f"={own.default!r}")
+    default = "…" if inspect.isfunction(own.default) else repr(own.default)
+    return f"{stars}{own.name}" + ("" if own.default is own.empty else f"={default}")
 
 
 def _first(text: str | None) -> str:
