@@ -30,9 +30,8 @@ def solved(similar: SimilarEquations, whole: Array, unknowns: IntArray, scale: f
     part, rhs = whole[np.ix_(unknowns, unknowns)], np.cos(unknowns)
     chance = np.random.default_rng(len(unknowns))
     row, column = scale * chance.uniform(0.5, 2.0, len(rhs)), chance.uniform(0.5, 2.0, len(rhs))
-    scaled = np.asfortranarray(row[:, None] * part * column)
-    solution = similar.solution(unknowns, scaled, row * rhs, row, column)
-    return None if solution is None else solution * column
+    scaled = np.ascontiguousarray((row[:, None] * part * column).T)
+    return similar.solution(unknowns, rhs, lambda some: part @ some, lambda: (scaled, row, column))
 
 
 @pytest.mark.parametrize("change", [0.0, 1e-4, 1e-2, 1.0])

@@ -95,19 +95,23 @@ class CycleEquations:
         states = [position.state for position in cycle.positions]
         loads = [holder.under(state.load_share).load_N(0.0, state.pressed_z) for state in states]
         terms = _Terms(
-            *(cycle.orbits.start, cycle.nodes.rows, on, cycle.influences.store, cycle.influences.at),
-            *(_entries(self.opening.faced), _entries(self.opening.worked), self.opening.faced.shape[1]),
+            *(cycle.orbits.start, cycle.nodes.rows, on, cycle.orbits.position[on]),
+            *(cycle.influences.store, cycle.influences.at),
+            *(_entries(self.opening.faced), _entries(self.opening.worked)),
+            int(self.opening.faced.shape[1]),
             *(opened, work_slope * wearing),
             *(softness, slope, constant, known, np.array(loads if holder.approach_mm is None else [nan] * len(loads))),
             *(holder.approach_mm or 0.0, holder.normal_stiffness_N_per_mm),
         )
-        transposed, rhs, row, column, moved = _equations(terms, facing)
+        moved, rhs = _sides(terms, facing)
         unknowns = np.concatenate([on, len(active) + np.arange(len(cycle.positions))])
-        scaled = cycle.similar.solution(unknowns, transposed.T, rhs, row, column)
-        if scaled is None or not np.all(np.isfinite(scaled)):
+        solution = cycle.similar.solution(
+            unknowns, rhs, lambda some: _product(terms, facing, moved, some), lambda: _matrix(terms, facing, moved)
+        )
+        if solution is None or not np.all(np.isfinite(solution)):
             raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
-        solution = scaled * column
-        new, gap = _solved(terms, facing.upward, solution, moved)
+        new, gap = np.zeros(len(active)), _gaps(terms, facing, moved, solution)
+        new[on] = solution[: len(on)]
         linear = self._layers is None and not constant.any() and not work_constant.any()
         return new, solution[len(on) :], gap, linear
 
@@ -135,15 +139,16 @@ def _entries(matrix: csr_matrix) -> _Entries:
 class _Terms(NamedTuple):
     """What the equations of N unknowns are made of: arrays over the unknowns, and plain numbers.
 
-    start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact.  store, at:
-    see `Influences`.  faced, worked: of `Opening`, over so many nodes; its rows count `opened` times, its columns
-    `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and wear, which
-    gets what constant friction does.  load_N: (positions,) at height 0, NaN under a held approach.
+    start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact, at which
+    position.  store, at: see `Influences`.  faced, worked: of `Opening`, over so many nodes; its rows count `opened`
+    times, its columns `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and
+    wear, which gets what constant friction does.  load_N: (positions,) at height 0, NaN under a held approach.
     """
 
     start: IntArray
     rows: IntArray
     on: IntArray
+    position: IntArray
     store: Array
     at: IntArray
     faced: "_Entries"
@@ -161,43 +166,122 @@ class _Terms(NamedTuple):
 
 
 @compiled
-def _equations(terms: _Terms, facing: Facing) -> tuple[Array, Array, Array, Array, Array]:
-    """The transposed matrix and the right-hand side, scaled to be of order one, and the factors of rows and columns;
-    normal displacement at all unknowns of a position by unit pressure on each in contact, with the friction that
-    follows it, one after another.
+def _sides(terms: _Terms, facing: Facing) -> tuple[Array, Array]:
+    """What makes up both sides of the equations: normal displacement at all unknowns of a position by unit pressure on
+    each in contact, with the friction that follows it, one after another; and the right-hand side.
+
+    What constant friction does is added to the gaps.
     """
-    start, on = terms.start, terms.on
-    size, count = len(on), len(start) - 1
-    transposed, rhs = np.zeros((size + count, size + count)), np.zeros(size + count)
-    place, position = np.full(len(terms.known), -1), np.empty(size, np.int64)
-    k = 0
-    for a in range(size):
-        while on[a] >= start[k + 1]:
-            k += 1
-        place[on[a]], position[a] = a, k
-    moved = _elastic(terms, facing, position, place, transposed)
-    _open(terms, transposed)
+    on, start, size, count, entry = terms.on, terms.start, len(terms.on), len(terms.start) - 1, 0
+    for k in terms.position:
+        entry += start[k + 1] - start[k]
+    moved, rhs, entry = np.empty(entry), np.zeros(size + count), 0
     held = np.isnan(terms.load_N[0])
     for k in range(count):
-        transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
         rhs[size + k] = -terms.approach_mm if held else terms.load_N[k] - facing.stuck_lift[k]
     for a in range(size):
-        i, z = on[a], size + position[a]
-        transposed[a, a] += terms.softness[i]
-        rhs[a] = -terms.known[i]
-        transposed[z, a] = facing.upward[i]
+        j, k = on[a], terms.position[a]
+        slope, constant = terms.slope[j], terms.constant[j]
         if not held:
-            transposed[a, z] = facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]
-            rhs[z] -= facing.lift[1, i] * terms.constant[i]
+            rhs[size + k] -= facing.lift[1, j] * constant
+        normal, friction = facing.normals[terms.rows[j]], facing.frictions[terms.rows[j]]
+        x, y, z = normal[0] + slope * friction[0], normal[1] + slope * friction[1], normal[2] + slope * friction[2]
+        for i in range(start[k], start[k + 1]):
+            block, along = terms.at[j] + 9 * (i - start[k]), facing.normals[terms.rows[i]]
+            moved[entry] = moved_along(terms.store, block, along, x, y, z)
+            if constant != 0.0:
+                rubbed = moved_along(terms.store, block, along, friction[0], friction[1], friction[2])
+                terms.known[i] += constant * rubbed
+            entry += 1
+    rhs[:size] = -terms.known[on]
+    return moved, rhs
+
+
+@compiled
+def _product(terms: _Terms, facing: Facing, moved: Array, solution: Array) -> Array:
+    """The left-hand side under pressures in contact and heights.  moved: as `_sides` returns it."""
+    on, start, size, held = terms.on, terms.start, len(terms.on), np.isnan(terms.load_N[0])
+    work, left, entry = _work(terms, solution), np.empty(len(solution)), 0
+    first = np.searchsorted(terms.position, np.arange(len(start)))
+    for k in range(len(start) - 1):
+        height = solution[size + k]
+        left[size + k] = height if held else -terms.spring_N_per_mm * height
+        for a in range(first[k], first[k + 1]):
+            i, pressure = on[a], solution[a]
+            left[a] = facing.upward[i] * height + _opened(terms, i, work) + terms.softness[i] * pressure
+            if not held:
+                left[size + k] += (facing.lift[0, i] + terms.slope[i] * facing.lift[1, i]) * pressure
+        for a in range(first[k], first[k + 1]):
+            for b in range(first[k], first[k + 1]):
+                left[b] += moved[entry + on[b] - start[k]] * solution[a]
+            entry += start[k + 1] - start[k]
+    return left
+
+
+@compiled
+def _gaps(terms: _Terms, facing: Facing, moved: Array, solution: Array) -> Array:
+    """Gaps (N,) under a solution."""
+    on, start, work = terms.on, terms.start, _work(terms, solution)
+    gap, entry = np.empty(len(terms.known)), 0
+    for k in range(len(start) - 1):
+        for i in range(start[k], start[k + 1]):
+            gap[i] = terms.known[i] + facing.upward[i] * solution[len(on) + k] + _opened(terms, i, work)
+    for a in range(len(on)):
+        k = terms.position[a]
+        gap[on[a]] += terms.softness[on[a]] * solution[a]
+        for i in range(start[k], start[k + 1]):
+            gap[i] += moved[entry] * solution[a]
+            entry += 1
+    return gap
+
+
+@inlined
+def _work(terms: _Terms, solution: Array) -> Array:
+    """Wear work per area on the nodes of both patches under a solution."""
+    worked, work = terms.worked, np.zeros(terms.nodes)
+    for a in range(len(terms.on)):
+        j = terms.on[a]
+        for entry in range(worked.first[j], worked.first[j + 1]):
+            work[worked.columns[entry]] += worked.values[entry] * terms.worn[j] * solution[a]
+    return work
+
+
+@inlined
+def _opened(terms: _Terms, i: int, work: Array) -> float:
+    """By how much the work opens the gap at an unknown."""
+    faced, worn = terms.faced, 0.0
+    for entry in range(faced.first[i], faced.first[i + 1]):
+        worn += faced.values[entry] * work[faced.columns[entry]]
+    return float(terms.opened[i] * worn)
+
+
+@compiled
+def _matrix(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array, Array]:
+    """The matrix of `_product`, transposed and scaled to be of order one, and the factors of its rows and columns."""
+    on, start, size, count = terms.on, terms.start, len(terms.on), len(terms.start) - 1
+    transposed, place = np.zeros((size + count, size + count)), np.full(len(terms.known), -1)
+    place[on] = np.arange(size)
+    held, entry = np.isnan(terms.load_N[0]), 0
+    for k in range(count):
+        transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
+    for a in range(size):
+        j, k, z = on[a], terms.position[a], size + terms.position[a]
+        for i in range(start[k], start[k + 1]):
+            if place[i] >= 0:
+                transposed[a, place[i]] = moved[entry]
+            entry += 1
+        transposed[a, a] += terms.softness[j]
+        transposed[z, a] = facing.upward[j]
+        if not held:
+            transposed[a, z] = facing.lift[0, j] + terms.slope[j] * facing.lift[1, j]
+    _open(terms, transposed)
     row, column = _scaled(transposed, size)
-    for i in range(len(rhs)):
-        rhs[i] *= row[i]
-    return transposed, rhs, row, column, moved
+    return transposed, row, column
 
 
 @inlined
 def _open(terms: _Terms, transposed: Array) -> None:
-    """Add what pressures in contact open at each other by wear to the matrix of `_equations`."""
+    """Add what pressures in contact open at each other by wear to the matrix."""
     faced, worked, on = terms.faced, terms.worked, terms.on
     # Which of the unknowns in contact face each node, and by how much.
     first = np.zeros(terms.nodes + 2, np.int64)
@@ -218,61 +302,6 @@ def _open(terms: _Terms, transposed: Array) -> None:
             node, work = worked.columns[entry], terms.worn[j] * worked.values[entry]
             for place in range(first[node], first[node + 1]):
                 transposed[a, facing[place]] += work * weights[place]
-
-
-@inlined
-def _elastic(terms: _Terms, facing: Facing, position: IntArray, place: IntArray, transposed: Array) -> Array:
-    """Normal displacements as `_equations` returns them, put into its matrix; what constant friction does, into gaps.
-
-    position: (a,) of unknowns in contact.  place: (N,) of unknowns among these, or -1.
-    """
-    entries = 0
-    for k in position:
-        entries += terms.start[k + 1] - terms.start[k]
-    moved, entry = np.empty(entries), 0
-    for a in range(len(position)):
-        j = terms.on[a]
-        begin, end, slope = terms.start[position[a]], terms.start[position[a] + 1], terms.slope[j]
-        normal, friction = facing.normals[terms.rows[j]], facing.frictions[terms.rows[j]]
-        x, y, z = normal[0] + slope * friction[0], normal[1] + slope * friction[1], normal[2] + slope * friction[2]
-        for i in range(begin, end):
-            block, along = terms.at[j] + 9 * (i - begin), facing.normals[terms.rows[i]]
-            moved[entry] = moved_along(terms.store, block, along, x, y, z)
-            if place[i] >= 0:
-                transposed[a, place[i]] = moved[entry]
-            if terms.constant[j] != 0.0:
-                rubbed = moved_along(terms.store, block, along, friction[0], friction[1], friction[2])
-                terms.known[i] += terms.constant[j] * rubbed
-            entry += 1
-    return moved
-
-
-@compiled
-def _solved(terms: _Terms, upward: Array, solution: Array, moved: Array) -> tuple[Array, Array]:
-    """Pressures and gaps (N,) of a solution, of which `moved` is as in `_equations`."""
-    start, on = terms.start, terms.on
-    new, gap = np.zeros(len(upward)), np.empty(len(upward))
-    for a in range(len(on)):
-        new[on[a]] = solution[a]
-    faced, worked, work = terms.faced, terms.worked, np.zeros(terms.nodes)
-    for j in on:
-        for entry in range(worked.first[j], worked.first[j + 1]):
-            work[worked.columns[entry]] += worked.values[entry] * terms.worn[j] * new[j]
-    for k in range(len(start) - 1):
-        for i in range(start[k], start[k + 1]):
-            worn = 0.0
-            for entry in range(faced.first[i], faced.first[i + 1]):
-                worn += faced.values[entry] * work[faced.columns[entry]]
-            gap[i] = terms.known[i] + terms.softness[i] * new[i] + upward[i] * solution[len(on) + k]
-            gap[i] += terms.opened[i] * worn
-    k, entry = 0, 0
-    for a in range(len(on)):
-        while on[a] >= start[k + 1]:
-            k += 1
-        for i in range(start[k], start[k + 1]):
-            gap[i] += moved[entry] * new[on[a]]
-            entry += 1
-    return new, gap
 
 
 @compiled

@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
@@ -35,13 +36,14 @@ _UNKNOWNS_A_PRODUCT = 40  # New factors cost as much as one product for every so
 @dataclass(frozen=True)
 class _Factors:
     """Of a matrix whose rows and columns, those of some unknowns, were scaled: `row * matrix * column`; in single
-    precision, for they only begin what products of the matrix finish.
+    precision, for they only begin what products of the matrix finish.  usual: the median of its diagonal.
     """
 
     unknowns: IntArray
     row: Array
     column: Array
-    lu: Array
+    usual: float
+    lu: NDArray[np.float32]
     pivots: IntArray
 
 
@@ -52,25 +54,34 @@ class SimilarEquations:
         """Nothing is known yet."""
         self._factors: _Factors | None = None
 
-    def solution(self, unknowns: IntArray, matrix: Array, rhs: Array, row: Array, column: Array) -> Array | None:
+    def solution(
+        self,
+        unknowns: IntArray,
+        rhs: Array,
+        product: Callable[[Array], Array],
+        transposed: Callable[[], tuple[Array, Array, Array]],
+    ) -> Array | None:
         """The solution (n,) of equations between unknowns (n,), increasing numbers; None where they are singular.
 
-        matrix: (n, n) in Fortran's order, with rows and columns scaled already by `row` and `column`, (n,) each; it is
-        used up.  rhs: (n,) scaled by `row`.
+        product: of the matrix and a vector (n,).  transposed: the matrix itself (n, n), transposed and with rows and
+        columns scaled, and these factors (n,) and (n,); asked for where factors are needed.
         """
-        found = self._by_known_factors(unknowns, matrix, rhs, row, column)
+        found = self._by_known_factors(unknowns, rhs, product)
         if found is not None:
             return found
-        lu, pivots, info = lapack.dgetrf(matrix, overwrite_a=1)
-        if info != 0:
+        matrix, row, column = transposed()
+        lu, pivots, singular = lapack.sgetrf(matrix.T)
+        if not singular:
+            self._factors = _Factors(unknowns, row, column, float(np.median(matrix.diagonal())), lu, pivots)
+            found = self._by_known_factors(unknowns, rhs, product)
+            if found is not None:
+                return found
+        try:
+            return np.asarray(column * np.linalg.solve(matrix.T, row * rhs))
+        except np.linalg.LinAlgError:
             return None
-        self._factors = _Factors(unknowns, row, column, lu.astype(np.float32), pivots)
-        solution, _ = lapack.dgetrs(lu, pivots, rhs)
-        return np.asarray(solution)
 
-    def _by_known_factors(
-        self, unknowns: IntArray, matrix: Array, rhs: Array, row: Array, column: Array
-    ) -> Array | None:
+    def _by_known_factors(self, unknowns: IntArray, rhs: Array, product: Callable[[Array], Array]) -> Array | None:
         """The solution by the factors of equations before; None where that takes more than new factors."""
         known, size = self._factors, len(rhs)
         most = size // _UNKNOWNS_A_PRODUCT
@@ -79,32 +90,33 @@ class SimilarEquations:
         _, here, there = np.intersect1d(unknowns, known.unknowns, assume_unique=True, return_indices=True)
         if size + len(known.unknowns) - 2 * len(here) > most // 2:
             return None
-        to_known = (known.row[there] / row[here]), (known.column[there] / column[here])
-        beside = np.ones(size, dtype=bool)
-        beside[here] = False
-        diagonal = matrix.diagonal()[beside]
+        # What the known matrix lacks is scaled as its first unknown, and counted as if by itself.
+        row, column = np.ones(size), np.full(size, known.column[0])
+        row[here], column[here] = known.row[there], known.column[there]
 
         def approximate(residual: Array) -> Array:
             """What solves the equations up to what has changed."""
             load = np.zeros(len(known.unknowns), dtype=np.float32)
-            load[there] = to_known[0] * residual[here]
-            answer = np.empty(size)
-            answer[here] = to_known[1] * lapack.sgetrs(known.lu, known.pivots, load)[0][there]
-            answer[beside] = residual[beside] / diagonal
+            load[there] = residual[here]
+            answer = residual / known.usual
+            answer[here] = lapack.sgetrs(known.lu, known.pivots, load)[0][there]
             return answer
 
-        return _minimal_residual(matrix, rhs, approximate, most)
+        found = _minimal_residual(lambda some: row * product(column * some), row * rhs, approximate, most)
+        return None if found is None else column * found
 
 
-def _minimal_residual(matrix: Array, rhs: Array, approximate: Callable[[Array], Array], most: int) -> Array | None:
-    """The solution (n,) by at most so many products of the matrix; None where that does not do."""
+def _minimal_residual(
+    product: Callable[[Array], Array], rhs: Array, approximate: Callable[[Array], Array], most: int
+) -> Array | None:
+    """The solution (n,) by at most so many products of a matrix; None where that does not do."""
     size = float(np.linalg.norm(rhs))
     basis, hessenberg = np.empty((most + 1, len(rhs))), np.zeros((most + 1, most))
     images = np.empty((most, len(rhs)))
     basis[0] = rhs / size
     for k in range(most):
         images[k] = approximate(basis[k])
-        new = matrix @ images[k]
+        new = product(images[k])
         # Twice is enough to be orthogonal to round-off.
         for _ in range(2):
             parts = basis[: k + 1] @ new
