@@ -80,16 +80,13 @@ class EdgeGradedAxis:
 
 @dataclass(frozen=True)
 class Layering:
-    """Layers of elements under a contact patch, down to the first row where columns are joined.
+    """Layers of elements under a contact patch, down to the first row where columns are joined."""
 
-    first: thickness of the uppermost layer over the patch's finest spacing.  growth: from one layer to the next.
-    count: plain layers above each row that joins columns. Refined together with the patch, they reach to the same
-    depth; were their number fixed, refining would make the body coarse ever closer under the contact.
-    """
-
+    #: Plain layers above each row that joins columns. Refined together with the patch, they reach to the same depth;
+    #: were their number fixed, refining would make the body coarse ever closer under the contact.
     count: int = 5
-    growth: float = 1.3
-    first: float = 0.6
+    growth: float = 1.3  #: From one layer to the next.
+    first: float = 0.6  #: Thickness of the uppermost layer over the patch's finest spacing.
 
     @classmethod
     def resolving(cls, per_contact_radius: float, elongation: float = 1.0) -> "Layering":

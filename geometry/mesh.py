@@ -32,14 +32,11 @@ _CORNER_EDGES = np.array(
 
 @dataclass(frozen=True)
 class ElementMesh(ABC):
-    """Elements of one shape, and named parts of their boundary.
+    """Elements of one shape, and named parts of their boundary."""
 
-    points: (n, d) coordinates in mm.  cells: (m, c) node indices.  surfaces: name -> (k, s) nodes of boundary facets.
-    """
-
-    points: Array
-    cells: IntArray
-    surfaces: Mapping[str, IntArray]
+    points: Array  #: (n, d) coordinates in mm.
+    cells: IntArray  #: (m, c) node indices.
+    surfaces: Mapping[str, IntArray]  #: Name -> (k, s) nodes of boundary facets.
 
     #: Names of coordinates; sides (f, s) of a cell that face outwards, as its nodes; what helps a distorted mesh.
     AXES: ClassVar[str]

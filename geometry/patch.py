@@ -16,19 +16,15 @@ from geometry.profiles import Profile
 class ContactPatch:
     """Surface nodes that may come into contact, on a rectilinear grid in the plane that touches the fresh surface.
 
-    axial_mm: (n_a,) and transverse_mm: (n_t,) increasing grid lines in the body's own frame, whose origin is the
-    point of first contact and whose z axis is the outward normal there. A planar body has n_t = 1.
-    nodes: (n_a, n_t) indices into the body's mesh.
-    profile: the unworn surface.
-    repositioned_depth_mm: (n_a, n_t) vertical depth by which the nodes of the mesh have been moved into a worn surface,
-    None on a fresh one.
-    Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them.
+    Facets of the mesh project onto the rectangles of this grid, so the finite elements' trace is bilinear on them. The
+    body's own frame has its origin at the point of first contact and its z axis along the outward normal there.
     """
 
-    axial_mm: Array
-    transverse_mm: Array
-    nodes: IntArray
-    profile: Profile
+    axial_mm: Array  #: (n_a,) increasing grid lines.
+    transverse_mm: Array  #: (n_t,) increasing grid lines; a planar body has one.
+    nodes: IntArray  #: (n_a, n_t) indices into the body's mesh.
+    profile: Profile  #: The unworn surface.
+    #: (n_a, n_t) vertical depth by which nodes of the mesh have been moved into a worn surface, None on a fresh one.
     repositioned_depth_mm: Array | None = None
 
     def __post_init__(self) -> None:

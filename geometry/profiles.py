@@ -133,14 +133,12 @@ class Flat:
 
 @dataclass(frozen=True)
 class RoundedFlat:
-    """A flat face of half-width b along the body's axis whose edges are rounded with a radius.
-
-    cut: the edges are what a flat cut off a cylinder of that radius leaves of it, with a corner at b, in place of arcs
-    that begin level there.
-    """
+    """A flat face of half-width b along the body's axis whose edges are rounded with a radius."""
 
     half_width_mm: float
     edge_radius_mm: float
+    #: The edges are what a flat cut off a cylinder of that radius leaves of it, with a corner at b, in place of arcs
+    #: that begin level there.
     cut: bool = False
 
     def __post_init__(self) -> None:

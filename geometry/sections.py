@@ -94,14 +94,11 @@ def block_section(
 
 @dataclass
 class _Columns:
-    """Columns of elements that go down from the contact, fewer from each transition row on.
-
-    place: adds a point at a level (mm, falling) of a column.  scale: of columns' distances at a level, in mm.
-    """
+    """Columns of elements that go down from the contact, fewer from each transition row on."""
 
     section: _Quads
-    place: Callable[[float, float], int]
-    scale: Callable[[float], float]
+    place: Callable[[float, float], int]  #: Adds a point at a level (mm, falling) of a column.
+    scale: Callable[[float], float]  #: Of columns' distances at a level, in mm.
     layering: Layering
     coarse_mm: float
 

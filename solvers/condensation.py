@@ -133,16 +133,13 @@ def elimination_order(tree: Substructure) -> IntArray:
 
 @dataclass(frozen=True)
 class Front:
-    """What is left of an eliminated substructure: its m unknowns, the b that it leaves behind, and how they couple.
-
-    factor: (m, m) lower.  coupling: (b, m).  held: those of its own that are held at zero.
-    """
+    """What is left of an eliminated substructure: its m unknowns, the b that it leaves behind, and how they couple."""
 
     own: IntArray
     boundary: IntArray
-    factor: Array
-    coupling: Array
-    held: IntArray
+    factor: Array  #: (m, m) lower.
+    coupling: Array  #: (b, m).
+    held: IntArray  #: Those of its own that are held at zero.
 
 
 def eliminate(
@@ -283,20 +280,17 @@ def condense(
 
 @dataclass(frozen=True)
 class Piece:
-    """What has to be condensed of a body: all of it, or what lies on one side of its mirror planes.
+    """What has to be condensed of a body: all of it, or what lies on one side of its mirror planes."""
 
-    planes: the axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
-    mesh: of the piece.  contact: its nodes on the patch, in the patch's order.  inner: its nodes to be eliminated.
-    held: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
-    change.  nodes: of the whole body.
-    """
-
+    #: The axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
-    mesh: HexMesh | QuadMesh
-    contact: IntArray
-    inner: IntArray
+    mesh: HexMesh | QuadMesh  #: Of the piece.
+    contact: IntArray  #: Its nodes on the patch, in the patch's order.
+    inner: IntArray  #: Its nodes to be eliminated.
+    #: (2^p, 3 n) unknowns that are zero on the planes, even about each plane before odd, the last plane first to
+    #: change.
     held: BoolArray
-    nodes: IntArray
+    nodes: IntArray  #: Of the whole body.
 
 
 def bedded(

@@ -26,15 +26,13 @@ from solvers.errors import SolverError
 class BulkStress:
     """Axial, bending and torsion stress at the contact, in MPa: mean + amplitude cos(2π t − phase), with t the share of
     the cycle passed since the drive's rest at +amplitude.
-
-    plane_strain: the body is a section of one that does not stretch across.
     """
 
     material: Elastic
     mean: tuple[float, float, float] = (0.0, 0.0, 0.0)
     amplitude: tuple[float, float, float] = (0.0, 0.0, 0.0)
     phase_rad: float = 0.0
-    plane_strain: bool = False
+    plane_strain: bool = False  #: The body is a section of one that does not stretch across.
 
     @property
     def none(self) -> bool:
@@ -240,17 +238,14 @@ class LoadCycle:
 
 @dataclass(frozen=True)
 class Path:
-    """Where m increments of a cycle end, (m,) each.
+    """Where m increments of a cycle end, (m,) each."""
 
-    drive: mm.  phase: share of its cycle that a cosine from +amplitude has passed there, in (0, 1].  time: share of the
-    cycle passed by the drive's own waveform.  load: over the test's.  bulk: (m, 2, 2, 2) displacement gradients of the
-    lower and the upper body's surface by their bulk stress, see `BulkStress.gradient`.
-    """
-
-    drive: Array
-    phase: Array
-    time: Array
-    load: Array
+    drive: Array  #: In mm.
+    phase: Array  #: Share of its cycle that a cosine from +amplitude has passed there, in (0, 1].
+    time: Array  #: Share of the cycle passed by the drive's own waveform.
+    load: Array  #: Over the test's.
+    #: (m, 2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, see
+    #: `BulkStress.gradient`.
     bulk: Array
 
     def __add__(self, other: "Path") -> "Path":

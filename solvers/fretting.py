@@ -44,28 +44,22 @@ Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every i
 
 @dataclass(frozen=True)
 class CycleTrace:
-    """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments.
+    """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments."""
 
-    phase: share of its cycle that a cosine from +amplitude has passed at that place, in (0, 1].  time: share of the
-    cycle passed, by the drive's waveform.  drive, holder_x in mm, forces in N, work in mJ (of the increment, for one
-    cycle).  guide: first guesses for a similar cycle.  slid: distance that each node of the primary and the secondary
-    patch slid under pressure, mm.  start: the state before.  middle: that when the drive passes zero moving towards +x.
-    states: n, at the same ends.
-    """
-
-    phase: Array
-    time: Array
-    drive: Array
+    phase: Array  #: Share of its cycle that a cosine from +amplitude has passed at that place, in (0, 1].
+    time: Array  #: Share of the cycle passed, by the drive's waveform.
+    drive: Array  #: In mm, as the next; forces in N.
     holder_x: Array
     tangential_force: Array
     normal_force: Array
-    work: Array
+    work: Array  #: Of the increment, for one cycle, in mJ.
     reports: tuple[IncrementReport, ...]
-    guide: Guide
+    guide: Guide  #: First guesses for a similar cycle.
+    #: Distance that each node of the primary and the secondary patch slid under pressure, mm.
     slid: tuple[Array, Array]
-    start: ContactState
-    middle: ContactState
-    states: tuple[ContactState, ...]
+    start: ContactState  #: The state before.
+    middle: ContactState  #: That when the drive passes zero moving towards +x.
+    states: tuple[ContactState, ...]  #: n, at the same ends.
 
     @property
     def friction_work(self) -> float:

@@ -24,18 +24,13 @@ _ENERGY_SHARE = 0.1  # The share of all friction energy that a step may miss, ov
 
 @dataclass(frozen=True)
 class JumpController:
-    """Chooses the size of cycle jumps.
+    """Chooses the size of cycle jumps."""
 
-    tolerance: allowed change of the pressures within a step, squared; the pressures' error is of that order.
-    first_jump: cycles of the first step.  largest_growth: of one step over the one before.  largest_share: of a step
-    over the cycles already done.  least_share: a step is never cut below this share of the cycles already done, so
-    that a noisy estimate cannot stall the run.
-    """
-
-    tolerance: float
-    first_jump: float = 9.0
-    largest_growth: float = 3.0
-    largest_share: float = 1.0
+    tolerance: float  #: Allowed change of the pressures within a step, squared; the pressures' error is of that order.
+    first_jump: float = 9.0  #: Cycles of the first step.
+    largest_growth: float = 3.0  #: Of one step over the one before.
+    largest_share: float = 1.0  #: Of a step over the cycles already done.
+    #: A step is never cut below this share of the cycles already done, so that a noisy estimate cannot stall the run.
     least_share: float = 0.02
 
     def accepted(self, change: float, jump: float, done: float) -> bool:

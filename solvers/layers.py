@@ -45,15 +45,12 @@ class RoughLayer:
 
     Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, for that distribution; the same stiffness in proportion to
     the pressure follows for self-affine roughness (Persson, Phys. Rev. Lett. 99 (2007) 125502).
-
-    decay_mm: s, the closure that raises the pressure e-fold, about the asperities' standard deviation.
-    engagement_pressure_MPa: p_c, at which the stiffness is twice that of first touch.
-    shear_ratio: tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl.
-    Mech. 16 (1949) 259): 1.21 for nu = 0.3.
     """
 
-    decay_mm: float
-    engagement_pressure_MPa: float = 100.0
+    decay_mm: float  #: s, the closure that raises the pressure e-fold, about the asperities' standard deviation.
+    engagement_pressure_MPa: float = 100.0  #: p_c, at which the stiffness is twice that of first touch.
+    #: Tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl. Mech. 16
+    #: (1949) 259): 1.21 for nu = 0.3.
     shear_ratio: float = 1.21
 
     retained_fraction = 0.0
@@ -80,14 +77,11 @@ class ThirdBody:
 
     Of each body's worn depth the same share is filled with debris. The bed of that thickness h, thin against its width,
     gives way by h p / M and shears by h q / G.
-
-    retained_fraction: share of the worn depth that is filled.  modulus_MPa: M, of the laterally confined bed.
-    poissons_ratio: of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
     """
 
-    retained_fraction: float
-    modulus_MPa: float = inf
-    poissons_ratio: float = 0.3
+    retained_fraction: float  #: Share of the worn depth that is filled.
+    modulus_MPa: float = inf  #: M, of the laterally confined bed.
+    poissons_ratio: float = 0.3  #: Of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
 
     def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
         """Linear in the pressure."""
@@ -102,14 +96,11 @@ class ThirdBody:
 
 @dataclass(frozen=True)
 class LayersAtNodes:
-    """All layers in series at k paired nodes during an increment.
-
-    worn: (k,) depth of both bodies together, mm.  old_displacement: (k, 3) by which old tractions shear the layers, mm.
-    """
+    """All layers in series at k paired nodes during an increment."""
 
     layers: tuple[ContactLayer, ...]
-    worn: Array
-    old_displacement: Array
+    worn: Array  #: (k,) depth of both bodies together, mm.
+    old_displacement: Array  #: (k, 3) by which old tractions shear the layers, mm.
 
     def closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (k,) in mm of all layers under the pressure, and its derivative."""
@@ -148,14 +139,11 @@ _FADING = 0.1
 
 @dataclass(frozen=True)
 class SurfaceLayer:
-    """A layer of even thickness.
-
-    wear_factor: its wear coefficient over that of the body.  friction_factor: friction of the contact where it lies on
-    the surface, over that without any layer; None where it is the same.
-    """
+    """A layer of even thickness."""
 
     thickness_mm: float
-    wear_factor: float
+    wear_factor: float  #: Its wear coefficient over that of the body.
+    #: Friction of the contact where it lies on the surface, over that without any layer; None where it is the same.
     friction_factor: float | None = None
 
 

@@ -21,14 +21,12 @@ _DISTANCES = 2000  #: Distances at which shear ahead and behind is summed; their
 
 @dataclass(frozen=True, eq=False)
 class LineSurfaceStress:
-    """A planar body's contact patch whose stresses are to be corrected where its elements are alike.
-
-    layers: thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
-    """
+    """A planar body's contact patch whose stresses are to be corrected where its elements are alike."""
 
     mesh: QuadMesh
     patch: ContactPatch
     material: Elastic
+    #: Thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
     layers: tuple[float, float]
 
     @classmethod

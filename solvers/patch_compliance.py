@@ -39,13 +39,10 @@ _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 
 
 @dataclass(frozen=True)
 class Bricks:
-    """The elements under a contact patch.
-
-    layers: thickness of the uppermost ones in mm, and the factor by which it grows from layer to layer.
-    """
+    """The elements under a contact patch."""
 
     material: Elastic
-    layers: Pair
+    layers: Pair  #: Thickness of the uppermost ones in mm, and the factor by which it grows from layer to layer.
 
 
 def reach(size_mm: Pair) -> tuple[int, int]:
@@ -167,19 +164,16 @@ _ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the 
 
 @dataclass(frozen=True)
 class PatchCompliance:
-    """Displacements of a patch's nodes by forces on them, in mm/N; unknown 3 i + k belongs to node i and axis k.
+    """Displacements of a patch's nodes by forces on them, in mm/N; unknown 3 i + k belongs to node i and axis k."""
 
-    shape: (n_a, n_t) nodes of the patch.
-    planes: the patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
-    blocks: (2^p, 3 q, 3 q) for p planes: how the q nodes on the planes' non-negative sides, in the patch's order, move
-    by forces on themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last
-    plane is the first to change. Each is symmetric.
-    rotation: (3, 3) from the body's axes, in which its planes are given, to those of forces and displacements.
-    """
-
-    shape: tuple[int, int]
+    shape: tuple[int, int]  #: (n_a, n_t) nodes of the patch.
+    #: The patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
     planes: tuple[int, ...]
+    #: (2^p, 3 q, 3 q) for p planes: how the q nodes on the planes' non-negative sides, in the patch's order, move by
+    #: forces on themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last
+    #: plane is the first to change. Each is symmetric.
     blocks: Array
+    #: (3, 3) from the body's axes, in which its planes are given, to those of forces and displacements.
     rotation: Array = field(default_factory=lambda: np.eye(3))
 
     @classmethod

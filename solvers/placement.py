@@ -37,35 +37,24 @@ class SurfaceSample:
 
 @dataclass(frozen=True)
 class WornNodes:
-    """A surface worn by `depth` (n_a, n_t) at its patch's n nodes, in mm.
-
-    heights: (n,) in world z relative to the body's origin.  gradient: (n, 2) of the depth, along the patch's axes.
-    """
+    """A surface worn by `depth` (n_a, n_t) at its patch's n nodes, in mm."""
 
     depth: Array
-    heights: Array
-    gradient: Array
+    heights: Array  #: (n,) in world z relative to the body's origin.
+    gradient: Array  #: (n, 2) of the depth, along the patch's axes.
 
 
 @dataclass(frozen=True)
 class PlacedBody:
-    """A condensed body in the world.
-
-    facing: +1 for the lower body (its patch faces +z), -1 for the upper one.
-    axis_angle_rad: angle of the body's axis against the motion.
-    folded: compliance of the patch in mm/N, world axes.  world_to_patch: (2, 2) turns plane vectors into the patch's
-    axes.
-    incline: rise of the whole surface along x, mm per mm.
-    bricks: the elements under the patch, as of the condensed body.
-    """
+    """A condensed body in the world."""
 
     patch: ContactPatch
-    facing: int
-    axis_angle_rad: float
-    folded: PatchCompliance
-    world_to_patch: Array
-    incline: float = 0.0
-    bricks: Bricks | None = None
+    facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.
+    axis_angle_rad: float  #: Angle of the body's axis against the motion.
+    folded: PatchCompliance  #: Compliance of the patch in mm/N, world axes.
+    world_to_patch: Array  #: (2, 2) turns plane vectors into the patch's axes.
+    incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.
+    bricks: Bricks | None = None  #: The elements under the patch, as of the condensed body.
 
     @property
     def compliance(self) -> Array:

@@ -11,15 +11,11 @@ from solvers.nodal_transfer import ROUND_OFF, CommonAxes, GaussLines, NodalTrans
 
 
 class GaussPoints(NamedTuple):
-    """The Gauss points of all cells about some nodes, seen from another body.
+    """The Gauss points of all cells about some nodes, seen from another body."""
 
-    first: (c_a, c_t) where each cell's points begin, -1 where it has none.  positions: (g, 2) in that body's axes.
-    axes: where the axes of both bodies lie along one another; None where they do not.
-    """
-
-    first: IntArray
-    positions: Array
-    axes: CommonAxes | None
+    first: IntArray  #: (c_a, c_t) where each cell's points begin, -1 where it has none.
+    positions: Array  #: (g, 2) in that body's axes.
+    axes: CommonAxes | None  #: Where the axes of both bodies lie along one another; None where they do not.
 
 
 def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: Array, offset_mm: Array) -> GaussPoints:
@@ -32,18 +28,14 @@ def points_about(nodes: IntArray, along: GaussLines, across: GaussLines, turn: A
 
 
 class Integrals(NamedTuple):
-    """Integrals over the supports of k nodes, weighted with their shape functions.
+    """Integrals over the supports of k nodes, weighted with their shape functions."""
 
-    area: (k,), mm².  height: (k,) of the worn surface, and slope: (k, 2) of it in its patch's axes.  moment: (k, 2) of
-    the positions.  transfer: of nodal fields.  outside: (k,) whether a part of the support lies beside the patch.
-    """
-
-    area: Array
-    height: Array
-    slope: Array
-    moment: Array
-    transfer: NodalTransfer
-    outside: BoolArray
+    area: Array  #: (k,), mm².
+    height: Array  #: (k,) of the worn surface.
+    slope: Array  #: (k, 2) of it in its patch's axes.
+    moment: Array  #: (k, 2) of the positions.
+    transfer: NodalTransfer  #: Of nodal fields.
+    outside: BoolArray  #: (k,) whether a part of the support lies beside the patch.
 
 
 def integrals(

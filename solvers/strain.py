@@ -105,15 +105,12 @@ def turned(stress: Array, rotation: Array) -> Array:
 
 @dataclass(frozen=True)
 class IntegrationPoints:
-    """The q integration points of m cells of c nodes: two in each direction, as the stiffness is integrated.
-
-    gradients: (m, q, c, 3) of the shape functions, 1/mm.  volumes: (m, q), mm³ (of a planar body mm²).  shapes: (q, c).
-    """
+    """The q integration points of m cells of c nodes: two in each direction, as the stiffness is integrated."""
 
     mesh: HexMesh | QuadMesh
-    gradients: Array
-    volumes: Array
-    shapes: Array
+    gradients: Array  #: (m, q, c, 3) of the shape functions, 1/mm.
+    volumes: Array  #: (m, q), mm³ (of a planar body mm²).
+    shapes: Array  #: (q, c).
 
     @cached_property
     def positions(self) -> Array:

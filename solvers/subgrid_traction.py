@@ -146,15 +146,11 @@ def _of_elements(along: Array, across: Array, size: tuple[float, float], layers:
 
 @dataclass(frozen=True, eq=False)
 class _Brick:
-    """A layer of equal bricks under waves of displacement: n waves, two sides (above, below).
+    """A layer of equal bricks under waves of displacement: n waves, two sides (above, below)."""
 
-    stiffness: (n, 2, 2, 3, 3) forces on a side by displacements of a side.  loads: (n, 2, 2, 6, 3) integrals of stress
-    times shape functions.  mass: (n, 2, 2) of products of shape functions.
-    """
-
-    stiffness: ComplexArray
-    loads: ComplexArray
-    mass: ComplexArray
+    stiffness: ComplexArray  #: (n, 2, 2, 3, 3) forces on a side by displacements of a side.
+    loads: ComplexArray  #: (n, 2, 2, 6, 3) integrals of stress times shape functions.
+    mass: ComplexArray  #: (n, 2, 2) of products of shape functions.
 
     @classmethod
     def of(cls, points: IntegrationPoints, material: Elastic, phase: ComplexArray) -> "_Brick":
@@ -215,13 +211,10 @@ _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 @dataclass(frozen=True, eq=False)
 class SubgridTraction:
-    """Tractions on a grid of equal elements: √square times ratio, between nodes bicubic and bilinear.
+    """Tractions on a grid of equal elements: √square times ratio, between nodes bicubic and bilinear."""
 
-    square: (n_a, n_t) in MPa², negative outside.  ratio: (n_a, n_t, 3) of the traction to the pressure.
-    """
-
-    square: Array
-    ratio: Array
+    square: Array  #: (n_a, n_t) in MPa², negative outside.
+    ratio: Array  #: (n_a, n_t, 3) of the traction to the pressure.
 
     @classmethod
     def of_nodes(cls, traction: Array) -> "SubgridTraction":

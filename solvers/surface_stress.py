@@ -37,14 +37,12 @@ _LOADED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class SurfaceStress:
-    """A contact patch whose stresses are to be corrected where its elements are alike, about its middle.
-
-    layers: thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
-    """
+    """A contact patch whose stresses are to be corrected where its elements are alike, about its middle."""
 
     mesh: HexMesh
     patch: ContactPatch
     material: Elastic
+    #: Thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
     layers: tuple[float, float]
 
     @classmethod

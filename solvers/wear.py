@@ -140,15 +140,13 @@ class WearRates:
 
 @dataclass(frozen=True)
 class Sliding:
-    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm.
-
-    lifting: the pressure's work on what moves along the normals, mJ/mm²; positive where it presses the bodies apart.
-    """
+    """What sliding at k paired nodes did: friction energy and wear work per plane area, mJ/mm², and length, mm."""
 
     pairing: Pairing
     energy: Array
     wear_work: Array
     length: Array
+    #: The pressure's work on what moves along the normals, mJ/mm²; positive where it presses the bodies apart.
     lifting: Array
 
     @property

@@ -50,18 +50,14 @@ class WornCycle(Protocol):
 
 @dataclass(frozen=True)
 class WearLaw(ABC):
-    """A law as a study describes it: its parameters are the fields of a frozen dataclass.
+    """A law as a study describes it: its parameters are the fields of a frozen dataclass."""
 
-    name: by which studies choose it.  coefficient: whether the bodies' wear coefficients are per friction energy or, by
-    Archard, per load times sliding.  timed: whether it weighs work by what a cycle is like, which single
-    increments do not know.
-    remembers: whether what counts of wear work depends on the friction energy so far.
-    """
-
-    name: ClassVar[str]
+    name: ClassVar[str]  #: By which studies choose it.
+    #: Whether the bodies' wear coefficients are per friction energy or, by Archard, per load times sliding.
     coefficient: ClassVar[Literal["energy", "archard"]] = "energy"
+    #: Whether it weighs work by what a cycle is like, which single increments do not know.
     timed: ClassVar[bool] = False
-    remembers: ClassVar[bool] = False
+    remembers: ClassVar[bool] = False  #: Whether what counts of wear work depends on the friction energy so far.
 
     def work_per_slip(self, friction: Friction, /) -> Friction:
         """Wear work per area and length of slip, as the limit of a friction law: that of the friction."""

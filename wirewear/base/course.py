@@ -13,20 +13,18 @@ from geometry.arrays import Array
 
 @dataclass(frozen=True)
 class Course:
-    """A value that goes exponentially from the initial to the final one: f + (i − f) exp(−(n/n_c)^m).
-
-    cycles: n_c, after which 63 % of the change has happened. steepness: m, 1 for a plain exponential; below it the
-    change begins earlier and ends later, as where many processes run in side by side (Kohlrausch). order: k, 0 for
-    what goes at a rate proportional to what is left r, else dr ∝ r^(1 + k): with 1 it goes hyperbolically, with −1
-    evenly until it is over, (1 + (e^k − 1)(n/n_c)^m)^(−1/k). lasting: share of the change that never comes.
-    """
+    """A value that goes exponentially from the initial to the final one: f + (i − f) exp(−(n/n_c)^m)."""
 
     initial: float
     final: float
-    cycles: float = 1.0
+    cycles: float = 1.0  #: n_c, after which 63 % of the change has happened.
+    #: m, 1 for a plain exponential; below it the change begins earlier and ends later, as where many processes run in
+    #: side by side (Kohlrausch).
     steepness: float = 1.0
+    #: k, 0 for what goes at a rate proportional to what is left r, else dr ∝ r^(1 + k): with 1 it goes hyperbolically,
+    #: with −1 evenly until it is over, (1 + (e^k − 1)(n/n_c)^m)^(−1/k).
     order: float = 0.0
-    lasting: float = 0.0
+    lasting: float = 0.0  #: Share of the change that never comes.
 
     @classmethod
     def constant(cls, value: float) -> "Course":

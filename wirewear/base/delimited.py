@@ -59,21 +59,16 @@ def in_doubt(field: str) -> bool:
 
 @dataclass(frozen=True)
 class DelimitedLayout:
-    """How a text is laid out.
+    """How a text is laid out."""
 
-    delimiter: between fields, None for any white space.  decimal: sign, "." or ",".  header_lines: before the line of
-    names.  names_line: whether there is one.  lines_after_names: such as one of units.  ragged: whether rows may be
-    shorter than the line of names.  most_rows: lines of numbers that are read, None for all that follow.
-    """
-
-    delimiter: str | None = ","
-    decimal: str = "."
+    delimiter: str | None = ","  #: Between fields, None for any white space.
+    decimal: str = "."  #: Sign, "." or ",".
     encoding: str = _UTF8
-    header_lines: int = 0
-    names_line: bool = True
-    lines_after_names: int = 0
-    ragged: bool = False
-    most_rows: int | None = None
+    header_lines: int = 0  #: Before the line of names.
+    names_line: bool = True  #: Whether there is one.
+    lines_after_names: int = 0  #: Such as one of units.
+    ragged: bool = False  #: Whether rows may be shorter than the line of names.
+    most_rows: int | None = None  #: Lines of numbers that are read, None for all that follow.
 
     @property
     def line_of_names(self) -> int:

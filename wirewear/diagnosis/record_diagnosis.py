@@ -69,15 +69,12 @@ _NOT_STATED = (
 
 @dataclass(frozen=True, eq=False)
 class Beginning:
-    """A nominal model that is yet to be run: the record with what it states, or its loops in its place, and its study.
-
-    assumed: a sentence that says what is not stated; empty where nothing is missing.
-    """
+    """A nominal model that is yet to be run: the record with what it states, or its loops instead, and its study."""
 
     record: AnyRecord
     study: AnyStudy[Any]
     run: Callable[[ObserverOf | None], Nominal]
-    assumed: str = ""
+    assumed: str = ""  #: A sentence that says what is not stated; empty where nothing is missing.
 
 
 def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:

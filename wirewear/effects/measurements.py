@@ -5,15 +5,12 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Measurement:
-    """A measurement that laboratories can make, and why it tells effects apart; its cost in days of a laboratory.
-
-    without_gap: what it shows where nothing but the model is at work; empty if that says nothing.
-    """
+    """A measurement that laboratories can make, and why it tells effects apart; its cost in days of a laboratory."""
 
     what: str
     why: str
     cost_days: float
-    without_gap: str = ""
+    without_gap: str = ""  #: What it shows where nothing but the model is at work; empty if that says nothing.
 
     def shows(self, text: str) -> "Answer":
         """What it would show under an effect; effects of one text are alike to it."""

@@ -27,24 +27,21 @@ _LARGEST_LOGARITHM = math.log(sys.float_info.max)
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of an effect.
-
-    quantity: unit and range. neutral: the value with which the effect changes nothing; None if another parameter's
-    neutral value switches it off already. easy, hard: sizes that the steel-wire test shows plainly and barely.
-    interest: range that holds 95 % of what one expects before looking. logarithmic: whether sizes there are compared
-    by their ratios. share_of: key of a study, such as "contact.friction", of whose value neutral, easy, hard and
-    interest are multiples; empty for plain values. held_by: another parameter and the power of this one that it goes
-    with, where nothing in a record of wires tells the two apart; a diagnosis then leaves this one at its middle.
-    """
+    """One number of an effect."""
 
     meaning: str
-    quantity: Quantity
+    quantity: Quantity  #: Unit and range.
+    #: With it the effect changes nothing; None if another parameter's neutral value switches it off already.
     neutral: float | None
-    easy: float
-    hard: float
-    interest: tuple[float, float]
-    logarithmic: bool = False
+    easy: float  #: Size that the steel-wire test shows plainly.
+    hard: float  #: Size that it shows barely.
+    interest: tuple[float, float]  #: Range that holds 95 % of what one expects before looking.
+    logarithmic: bool = False  #: Whether sizes there are compared by their ratios.
+    #: Key of a study, such as "contact.friction", of whose value neutral, easy, hard and interest are multiples; empty
+    #: for plain values.
     share_of: str = ""
+    #: Another parameter and the power of this one that it goes with, where nothing in a record of wires tells the two
+    #: apart; a diagnosis then leaves this one at its middle.
     held_by: tuple[str, float] | None = None
 
     def beside(self, stated: Stated) -> "Parameter":

@@ -68,13 +68,10 @@ class Control:
 
 @dataclass(frozen=True)
 class Loading:
-    """The load on the holder when the wires have just been pressed together, and its lean.
+    """The load on the holder when the wires have just been pressed together, and its lean."""
 
-    normal_load_N: along the loading axis. misalignment_rad: by which the motion rises out of the contact plane.
-    """
-
-    normal_load_N: float
-    misalignment_rad: float = 0.0
+    normal_load_N: float  #: Along the loading axis.
+    misalignment_rad: float = 0.0  #: By which the motion rises out of the contact plane.
 
 
 class ChangesASeam(Protocol):

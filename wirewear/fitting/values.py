@@ -20,15 +20,12 @@ _OPEN = float(students_t.ppf(0.975, 1))
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A fitted number with the interval that holds the true one with a probability of 95 %.
-
-    unit: a key of `wirewear.base.errors.UNIT_SYMBOLS`.  repeats: tests that it rests on.
-    """
+    """A fitted number with the interval that holds the true one with a probability of 95 %."""
 
     value: float
     interval95: tuple[float, float]
-    unit: str
-    repeats: int
+    unit: str  #: A key of `wirewear.base.errors.UNIT_SYMBOLS`.
+    repeats: int  #: Tests that it rests on.
 
     @classmethod
     def of_repeats(cls, values: ArrayLike, unit: str, deviation: float = 0.0) -> FittedParameter:

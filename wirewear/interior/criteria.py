@@ -26,13 +26,10 @@ _NOISE = 1e-3  #: Ranges below this share of the largest count nothing.
 
 @dataclass(frozen=True)
 class LifeCurve:
-    """A parameter as a sum of powers of the reversals 2N to initiation: Basquin's and Coffin and Manson's terms.
+    """A parameter as a sum of powers of the reversals 2N to initiation: Basquin's and Coffin and Manson's terms."""
 
-    terms: pairs of a positive factor and a negative exponent.  endurance_cycles: longer lives are endless.
-    """
-
-    terms: tuple[tuple[float, float], ...]
-    endurance_cycles: float = np.inf
+    terms: tuple[tuple[float, float], ...]  #: Pairs of a positive factor and a negative exponent.
+    endurance_cycles: float = np.inf  #: Longer lives are endless.
 
     def cycles(self, parameter: Array) -> Array:
         """Cycles to initiation (n,) of cycles with such parameters (n,); endless where there is none."""

@@ -54,27 +54,21 @@ class Sum:
 
 @dataclass(frozen=True)
 class Begun:
-    """A sum that has reached what was asked for first: after how many cycles, in which column, at which level.
-
-    beyond: not while the run lasted, but if it went on as at its end and nothing more was worn.
-    """
+    """A sum that has reached what was asked for first: after how many cycles, in which column, at which level."""
 
     cycles: float
     column: int
     level: int
-    beyond: bool
+    beyond: bool  #: Not while the run lasted, but if it went on as at its end and nothing more was worn.
 
 
 @dataclass(frozen=True, eq=False)
 class Damage:
-    """The damage of columns of a body as it wears.
+    """The damage of columns of a body as it wears."""
 
-    depths_mm: (d,) of the rates below the worn surface, from 0.  worn_mm: depths (c,) worn off at a cycle.
-    """
-
-    depths_mm: Array
+    depths_mm: Array  #: (d,) of the rates below the worn surface, from 0.
     spans: Sequence[Span]
-    worn_mm: Callable[[float], Array]
+    worn_mm: Callable[[float], Array]  #: Depths (c,) worn off at a cycle.
 
     @property
     def end(self) -> float:

@@ -63,18 +63,14 @@ def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
 
 @dataclass(frozen=True, eq=False)
 class LifeState:
-    """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch.
-
-    share: decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
-    normal: (a, t, d, 3) of the critical planes.  worn_mm: (a, t).
-    """
+    """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch."""
 
     cycle: int
     axial_mm: Array
     transverse_mm: Array
-    share: Array
-    normal: Array
-    worn_mm: Array
+    share: Array  #: Decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
+    normal: Array  #: (a, t, d, 3) of the critical planes.
+    worn_mm: Array  #: (a, t).
 
     def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
         """Logarithms (c, d) and worn depths (c,) in columns on other lines; beside its own as at their edge."""

@@ -32,11 +32,9 @@ M = TypeVar("M", BodyMesh, PlanarMesh)
 
 @dataclass(frozen=True, eq=False)
 class SolvedBody(Generic[M]):
-    """A body with its nodes in the worn surface, or where they were when fresh, and its factors.
+    """A body with its nodes in the worn surface, or where they were when fresh, and its factors."""
 
-    corrected: what corrects the stresses at its contact surface between the nodes.
-    """
-
+    #: What corrects the stresses at its contact surface between the nodes.
     corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]
     meshed: M
     material: Elastic
@@ -72,16 +70,13 @@ B = TypeVar("B", bound=SolvedBody[Any])
 
 @dataclass(frozen=True, eq=False)
 class InnerState(Generic[B]):
-    """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa.
-
-    position: its place in `forces`.  displacement: (n, 3) of the nodes.  is_upper: it stands above and is held.
-    """
+    """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa."""
 
     body: B
     forces: ContactForces
-    position: int
-    displacement: Array
-    is_upper: bool
+    position: int  #: Its place in `forces`.
+    displacement: Array  #: (n, 3) of the nodes.
+    is_upper: bool  #: It stands above and is held.
 
     @classmethod
     def of(cls, body: B, forces: ContactForces, positions: Sequence[int], *, is_upper: bool) -> tuple[Self, ...]:
@@ -172,16 +167,13 @@ S = TypeVar("S", bound=InnerState[Any])
 
 @dataclass(frozen=True)
 class Inside(Generic[S]):
-    """How bodies of a kind of contact are looked into.
+    """How bodies of a kind of contact are looked into."""
 
-    state: what a body is at one position.  body: one as it was when such forces acted, with its nodes in the worn
-    surface or where they were when fresh.  least_extent_mm: its thickness.  grid: of a state, in µm.
-    """
-
-    state: type[S]
+    state: type[S]  #: What a body is at one position.
+    #: One as it was when such forces acted, with its nodes in the worn surface or where they were when fresh.
     body: Callable[[RunResult, ContactForces, bool], Any]
-    least_extent_mm: Callable[[RunResult, ContactForces], float]
-    grid: "Callable[[S], pyvista.UnstructuredGrid]"
+    least_extent_mm: Callable[[RunResult, ContactForces], float]  #: Its thickness.
+    grid: "Callable[[S], pyvista.UnstructuredGrid]"  #: Of a state, in µm.
 
     def states(
         self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True

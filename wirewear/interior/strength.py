@@ -68,16 +68,13 @@ def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
 
 @dataclass(frozen=True)
 class Where:
-    """A largest value in MPa and its place in µm, in the axes of the test about the wire's own origin.
-
-    depth_um: below the worn surface.  position: the recorded position at which it occurs, -1 for one of a whole cycle.
-    """
+    """A largest value in MPa and its place in µm, in the axes of the test about the wire's own origin."""
 
     value_MPa: float
     x_um: float
     y_um: float
-    depth_um: float
-    position: int = -1
+    depth_um: float  #: Below the worn surface.
+    position: int = -1  #: The recorded position at which it occurs, -1 for one of a whole cycle.
 
 
 @dataclass(frozen=True)
@@ -163,18 +160,15 @@ def assessable(
 
 @dataclass(frozen=True)
 class Shown:
-    """A body whose strength is assessed: how it is called, turned and drawn.
-
-    grid: of its state at a position.  depth_mm: of a point (3,) below its surface.
-    """
+    """A body whose strength is assessed: how it is called, turned and drawn."""
 
     cycle: int
     wire: str
     to_world: Array
     material: Elastic
     surface: IntArray
-    grid: Callable[[int], pyvista.UnstructuredGrid]
-    depth_mm: Callable[[Array], float]
+    grid: Callable[[int], pyvista.UnstructuredGrid]  #: Of its state at a position.
+    depth_mm: Callable[[Array], float]  #: Of a point (3,) below its surface.
 
 
 def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:

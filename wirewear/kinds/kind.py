@@ -36,53 +36,39 @@ def elsewhere(place: str) -> Any:
 
 
 class Kind:
-    """A kind of contact. Its studies, records and results are its own; whoever has one asks its kind.
+    """A kind of contact. Its studies, records and results are its own; whoever has one asks its kind."""
 
-    Attributes:
-        name: as `kind` in a study and `contact_kind` of studies, records and results say it.
-        names: all that `kind` in a study may be, older names too.
-        inside_options: options of `wirewear fields` and `strength` that not all kinds know.
-        scatters: whether studies state the scatter of their inputs.
-        options: keys of its records alone that `wirewear new --mapping` takes as options.
-        foresees_scars: whether the fast model's worn bodies are as those of a run, so that both are compared.
-        rigid_N_per_mm: a rig as stiff as this takes nothing of any stroke.
-        template: what a new study begins with.
-        refined: what a study of convergence refines and watches.
-        inside: how its bodies are looked into.
-        write_meshes: writes and draws the meshes of both bodies of a study at a fidelity.
-        write_beside: writes what the folder of a study's runs holds beside their results.
-        checked_model: a study that is to be diagnosed against a record; RecordError where it is of another test.
-        touching: the bodies of a mapping by what is known of the test, and the elastic constants of both.
-        surfaces: worn bodies as a profilometer with noise in µm and a seed sees them, by names of files.
-        write_fields: stresses inside both bodies; knows what `inside_options` say as well.
-        drawings: what can be drawn of results, by file name.
-        states: wear states of a finite element run of a study and the tables of a record, which an observer may watch,
-            and what that run says against them; StudyError or SolverError if the study cannot be run, RunError if no
-            loop of the run slides as a whole.
-        setup: the circumstances that a study states of a record's test, for the fast model.
-        with_effects: a study with further effects of the whole contact of a length in mm, and another amplitude in µm,
-            of loops of so many increments.
-    """
-
-    name: ClassVar[str]
-    names: ClassVar[tuple[str, ...]]
-    inside_options: ClassVar[frozenset[str]]
-    scatters: ClassVar[bool]
-    options: ClassVar[frozenset[str]]
+    name: ClassVar[str]  #: As `kind` in a study and `contact_kind` of studies, records and results say it.
+    names: ClassVar[tuple[str, ...]]  #: All that `kind` in a study may be, older names too.
+    inside_options: ClassVar[frozenset[str]]  #: Options of `wirewear fields` and `strength` that not all kinds know.
+    scatters: ClassVar[bool]  #: Whether studies state the scatter of their inputs.
+    options: ClassVar[frozenset[str]]  #: Keys of its records alone that `wirewear new --mapping` takes as options.
+    #: Whether the fast model's worn bodies are as those of a run, so that both are compared.
     foresees_scars: ClassVar[bool]
-    rigid_N_per_mm: ClassVar[float]
-    template: Template
-    refined: Any
-    inside: Inside[Any]
+    rigid_N_per_mm: ClassVar[float]  #: A rig as stiff as this takes nothing of any stroke.
+    template: Template  #: What a new study begins with.
+    refined: Any  #: What a study of convergence refines and watches.
+    inside: Inside[Any]  #: How its bodies are looked into.
+    #: Writes and draws the meshes of both bodies of a study at a fidelity.
     write_meshes: Callable[[Any, str, Path], list[Path]]
+    #: Writes what the folder of a study's runs holds beside their results.
     write_beside: Callable[[Sequence[Any], Path], None]
+    #: A study that is to be diagnosed against a record; RecordError where it is of another test.
     checked_model: Callable[[Any, Any], Any]
+    #: The bodies of a mapping by what is known of the test, and the elastic constants of both.
     touching: Callable[[Mapping[str, Any], Mapping[str, float], Mapping[str, float]], Touching]
+    #: Worn bodies as a profilometer with noise in µm and a seed sees them, by names of files.
     surfaces: Callable[[Any, float, int], Mapping[str, Surface]]
-    write_fields: Callable[..., list[Path]]
+    write_fields: Callable[..., list[Path]]  #: Stresses inside both bodies; knows what `inside_options` say as well.
+    #: What can be drawn of results, by file name.
     drawings: Callable[[Sequence[Any]], Mapping[str, Callable[[], Figure]]]
+    #: Wear states of a finite element run of a study and the tables of a record, which an observer may watch, and what
+    #: that run says against them; StudyError or SolverError if the study cannot be run, RunError if no loop of the run
+    #: slides as a whole.
     states: Callable[[Any, Any, ObserverOf | None], tuple[WearStates, tuple[str, ...]]]
-    setup: Callable[[Any, Any], Setup]
+    setup: Callable[[Any, Any], Setup]  #: The circumstances that a study states of a record's test, for the fast model.
+    #: A study with further effects of the whole contact of a length in mm, and another amplitude in µm, of loops of so
+    #: many increments.
     with_effects: Callable[[Any, Sequence[Any], float, float, int], Any]
 
     def guessed_mapping(

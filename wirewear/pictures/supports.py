@@ -20,28 +20,23 @@ _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to wh
 
 @dataclass(frozen=True, eq=False)
 class HeldBody:
-    """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm.
-
-    elastic: whether the grip gives way.
-    """
+    """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm."""
 
     edge: Array
     grip: Array
-    elastic: bool = False
+    elastic: bool = False  #: Whether the grip gives way.
 
 
 @dataclass(frozen=True)
 class Supports:
-    """What acts on both: texts for load, stroke of the lower body, and springs of the holder, "" for a rigid one.
-
-    pivot_height: of the point about which the holder rotates, in mm above the contact; None where it does not.
-    """
+    """What acts on both: texts for load, stroke of the lower body, and springs of the holder, "" for a rigid one."""
 
     load: str
     stroke: str
     tangential: str = ""
     normal: str = ""
     rotational: str = ""
+    #: Of the point about which the holder rotates, in mm above the contact; None where it does not.
     pivot_height: float | None = None
 
 

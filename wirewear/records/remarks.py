@@ -254,15 +254,12 @@ def unlike_conditions(
 
 @dataclass(frozen=True)
 class Remark:
-    """Something found: a `problem` spoils what depends on it, a `note` should be known.
-
-    refuses: nothing should be concluded from the record before this is cleared up.
-    """
+    """Something found: a `problem` spoils what depends on it, a `note` should be known."""
 
     level: Literal["problem", "note"]
     topic: str
     text: str
-    refuses: bool = False
+    refuses: bool = False  #: Nothing should be concluded from the record before this is cleared up.
 
 
 @dataclass(frozen=True)

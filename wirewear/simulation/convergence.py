@@ -36,15 +36,11 @@ CSV_FILE_NAME = "convergence.csv"
 
 @dataclass(frozen=True)
 class Limit:
-    """Where three values tend to.
-
-    error: of the limit; all that was extrapolated, or all that the values differ where they show no trend.
-    order: with which they tend there, None where they show no trend.
-    """
+    """Where three values tend to."""
 
     value: float
-    error: float
-    order: float | None
+    error: float  #: Of the limit; all that was extrapolated, or all that the values differ where they show no trend.
+    order: float | None  #: With which they tend there, None where they show no trend.
 
 
 def richardson(spacings: Sequence[float], values: Sequence[float]) -> Limit:
@@ -148,15 +144,12 @@ VOLUME = Figure("worn volume", "10⁻³ mm³", lambda result: 1e3 * float(result
 
 @dataclass(frozen=True)
 class Converged:
-    """A figure at the end of the run and where it tends to.
-
-    value: of the run as the study asks for it.  refined: of each refined run, by its name.  limits: by resolution.
-    """
+    """A figure at the end of the run and where it tends to."""
 
     figure: Figure
-    value: float
-    refined: Mapping[str, float]
-    limits: Mapping[str, Limit]
+    value: float  #: Of the run as the study asks for it.
+    refined: Mapping[str, float]  #: Of each refined run, by its name.
+    limits: Mapping[str, Limit]  #: By resolution.
 
     @property
     def limit(self) -> float:
@@ -174,13 +167,10 @@ Changes = dict[str, Any]  #: Tables of a study, nested as in its file.
 
 @dataclass(frozen=True)
 class RefinedSubject:
-    """A kind of contact whose studies are refined.
+    """A kind of contact whose studies are refined."""
 
-    figures: what is watched of bodies of these names.  finer: of a study at a level of fidelity, what makes each
-    resolution that it has finer by a factor.
-    """
-
-    figures: Callable[[tuple[str, ...]], Sequence[Figure]]
+    figures: Callable[[tuple[str, ...]], Sequence[Figure]]  #: What is watched of bodies of these names.
+    #: Of a study at a level of fidelity, what makes each resolution that it has finer by a factor.
     finer: Callable[[Any, str], Mapping[Resolution, Callable[[float], Changes]]]
 
     def refined(self, study: AnyStudy[Any], fidelity: str) -> Any:

@@ -49,20 +49,14 @@ class Motion:
 
 @dataclass(frozen=True)
 class FrettingTest:
-    """A test as a run goes through it, be it of crossed wires or of a line contact.
+    """A test as a run goes through it, be it of crossed wires or of a line contact."""
 
-    motions: each with the cycle up to which it lasts; several in a test by blocks.
-    milestones: cycles at which the loop is measured; the last is the test's end.
-    jump_tolerance: allowed relative error of a cycle jump.  explicit_jump_cycles: size of jumps without error control.
-    stop: what ends the test before.
-    """
-
-    motions: tuple[tuple[float, Motion], ...]
+    motions: tuple[tuple[float, Motion], ...]  #: Each with the cycle up to which it lasts; several in a test by blocks.
     meshes: Meshes
-    milestones: tuple[float, ...]
-    jump_tolerance: float
-    explicit_jump_cycles: float | None = None
-    stop: Stop | None = None
+    milestones: tuple[float, ...]  #: Cycles at which the loop is measured; the last is the test's end.
+    jump_tolerance: float  #: Allowed relative error of a cycle jump.
+    explicit_jump_cycles: float | None = None  #: Size of jumps without error control.
+    stop: Stop | None = None  #: What ends the test before.
 
     @property
     def cycles(self) -> float:
@@ -85,17 +79,14 @@ class FrettingTest:
 
 @dataclass(frozen=True)
 class _Traced:
-    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state.
-
-    reports: of all increments that took.
-    """
+    """A cycle traced with the wear frozen, of a problem without and with its age, from `start`, near a state."""
 
     problem: solvers.ContactProblem
     state: solvers.ContactState
     symmetry: solvers.Symmetry
     start: solvers.ContactState
     trace: solvers.CycleTrace
-    reports: list[solvers.IncrementReport]
+    reports: list[solvers.IncrementReport]  #: Of all increments that took.
 
     @property
     def work_mJ(self) -> float:

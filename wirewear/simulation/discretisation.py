@@ -25,22 +25,18 @@ _AT_EDGES = 2.5
 
 @dataclass(frozen=True)
 class Discretisation:
-    """Meshes of the driven and the held body and the steps of a run; lengths in mm.
-
-    bodies: what they are called.  level: of fidelity, refined as the study asks.
-    expected: the contact and the scar that the meshes are for.
-    coarsening: by how much elements are larger than the level asks for, to keep the patches to its number of unknowns.
-    """
+    """Meshes of the driven and the held body and the steps of a run; lengths in mm."""
 
     moving: BodyGeometry
     fixed: BodyGeometry
-    bodies: tuple[str, str]
+    bodies: tuple[str, str]  #: What they are called.
     increments_per_cycle: int
     increments_per_wear_cycle: int
     jump_tolerance: float
-    level: WireLevel
-    expected: ExpectedContact
+    level: WireLevel  #: Of fidelity, refined as the study asks.
+    expected: ExpectedContact  #: The contact and the scar that the meshes are for.
     predicted_scar_half_width_mm: float
+    #: By how much elements are larger than the level asks for, to keep the patches to its number of unknowns.
     coarsening: float
 
     @property

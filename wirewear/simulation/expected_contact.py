@@ -52,13 +52,10 @@ class Ellipse:
 
 @dataclass(frozen=True)
 class PatchAxis:
-    """One axis of a body's patch.
+    """One axis of a body's patch."""
 
-    angle_rad: from the driven body's axis.  travel_mm: how far the contact's centre moves along it to each side.
-    """
-
-    angle_rad: float
-    travel_mm: float
+    angle_rad: float  #: From the driven body's axis.
+    travel_mm: float  #: How far the contact's centre moves along it to each side.
 
 
 @dataclass(frozen=True)
@@ -149,23 +146,16 @@ def _work(effects: Sequence[Effect[Any]], contact: ContactLaw, loading: Loading,
 
 @dataclass(frozen=True)
 class ExpectedContact:
-    """Contact of the unworn bodies and scar of the worn ones.
+    """Contact of the unworn bodies and scar of the worn ones."""
 
-    gap: of the unworn bodies.  hertz: the fresh contact.  scar: outline of the final scar in gross slip on a rigid rig,
-    None without wear and flattening.  flattened_mm3: volume of both bodies that an effect takes away before the first
-    cycle.  lacking_mm3: that which both lack as they were measured before.  wear_factors: of the effects, over the
-    test.  sticks: whether the middle of the contact sticks for good.
-    face: of a pad, whose gap is that of the ball with as large a contact.
-    """
-
-    gap: GapCurvatures
-    hertz: reference.PointContact
-    scar: Ellipse | None
-    flattened_mm3: float
-    wear_factors: WearFactors
-    sticks: bool = False
-    face: Face | None = None
-    lacking_mm3: float = 0.0
+    gap: GapCurvatures  #: Of the unworn bodies.
+    hertz: reference.PointContact  #: The fresh contact.
+    scar: Ellipse | None  #: Outline of the final scar in gross slip on a rigid rig, None without wear and flattening.
+    flattened_mm3: float  #: Volume of both bodies that an effect takes away before the first cycle.
+    wear_factors: WearFactors  #: Of the effects, over the test.
+    sticks: bool = False  #: Whether the middle of the contact sticks for good.
+    face: Face | None = None  #: Of a pad, whose gap is that of the ball with as large a contact.
+    lacking_mm3: float = 0.0  #: That which both lack as they were measured before.
 
     @property
     def fresh(self) -> Ellipse:

@@ -32,15 +32,13 @@ _FORMAT = 5
 
 @dataclass(frozen=True)
 class MeshHistory:
-    """Which meshes a run has.
+    """Which meshes a run has."""
 
-    stage: index of the stage of the scar's growth.  moved: depth in mm by which the surface nodes of the lower and the
-    upper body have been moved, None while they are where they were when fresh.  changes: what was changed when.
-    """
-
-    stage: int = 0
+    stage: int = 0  #: Index of the stage of the scar's growth.
+    #: Depth in mm by which the surface nodes of the lower and the upper body have been moved, None while they are where
+    #: they were when fresh.
     moved: tuple[Array, Array] | None = None
-    changes: tuple[dict[str, float], ...] = ()
+    changes: tuple[dict[str, float], ...] = ()  #: What was changed when.
 
 
 class Meshes(ABC):
@@ -85,20 +83,15 @@ class OneMesh(Meshes):
 
 @dataclass(frozen=True)
 class Checkpoint:
-    """A run after `done` cycles.
-
-    next_jump: size of the cycle jump to try next.  guide: first guesses for the next cycle.  counters: what the run has
-    counted so far (increments, iterations, seconds).  meshes: which meshes the wires have.  identity: what the run was
-    asked to do; a run goes on only with the same.
-    """
+    """A run after `done` cycles."""
 
     done: float
-    next_jump: float
+    next_jump: float  #: Size of the cycle jump to try next.
     state: ContactState
-    guide: Guide | None
-    counters: dict[str, float]
-    meshes: MeshHistory
-    identity: str
+    guide: Guide | None  #: First guesses for the next cycle.
+    counters: dict[str, float]  #: What the run has counted so far (increments, iterations, seconds).
+    meshes: MeshHistory  #: Which meshes the wires have.
+    identity: str  #: What the run was asked to do; a run goes on only with the same.
 
 
 def _fill(file: h5py.File, checkpoint: Checkpoint) -> None:

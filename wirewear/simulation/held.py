@@ -121,20 +121,17 @@ Measure = Callable[[CycleTrace, Probe | None], float]
 
 @dataclass(frozen=True)
 class HeldFigure:
-    """A figure of the loop that a drive holds by its amplitude, with which the figure grows.
+    """A figure of the loop that a drive holds by its amplitude, with which the figure grows."""
 
-    key: of the study, which states `target`, in `unit`.  largest_mm: amplitude that the drive has at most.
-    slope: how much it is expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in
-    proportion.  first_mm: amplitude to begin with.
-    """
-
-    key: str
+    key: str  #: Of the study, which states `target`, in `unit`.
     target: float
     unit: str
-    largest_mm: float
+    largest_mm: float  #: Amplitude that the drive has at most.
     measure: Measure
+    #: How much it is expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in
+    #: proportion.
     slope: Callable[[CycleTrace], float] | None
-    first_mm: float
+    first_mm: float  #: Amplitude to begin with.
 
     def error(self, trace: CycleTrace) -> float:
         """Relative difference of a measured loop's figure from what is to be held."""

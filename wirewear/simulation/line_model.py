@@ -95,17 +95,14 @@ def middle_of(face: RoundedFlat, reach_mm: float, moved_mm: float = 0.0) -> floa
 
 @dataclass(frozen=True)
 class LinePlan:
-    """Meshes of both bodies and the steps of a run; lengths in mm.
-
-    pressure_length_mm: over which mean pressures are.  hertz: the fresh contact.
-    """
+    """Meshes of both bodies and the steps of a run; lengths in mm."""
 
     pad: PlanarGeometry
     specimen: PlanarGeometry
     increments_per_cycle: int
     jump_tolerance: float
-    pressure_length_mm: float
-    hertz: reference.LineContact
+    pressure_length_mm: float  #: Over which mean pressures are.
+    hertz: reference.LineContact  #: The fresh contact.
 
     def settings(self) -> dict[str, Any]:
         """What a result records of it."""

@@ -103,16 +103,13 @@ def _stage(study: Study, plan: Discretisation, now_mm: float, then_mm: float, *,
 
 @dataclass(frozen=True)
 class PointMeshes(Meshes):
-    """The meshes that a study's run goes through, and when it takes the next.
-
-    stages: planned, taken as the scar grows.  spare: taken one after another where the contact leaves those.
-    move_nodes_at_stages: whether the nodes of every stage but the first are moved into the worn surface when it begins.
-    """
+    """The meshes that a study's run goes through, and when it takes the next."""
 
     study: Study
     expected: ExpectedContact
-    stages: tuple[MeshStage, ...]
-    spare: tuple[MeshStage, ...] = ()
+    stages: tuple[MeshStage, ...]  #: Planned, taken as the scar grows.
+    spare: tuple[MeshStage, ...] = ()  #: Taken one after another where the contact leaves those.
+    #: Whether the nodes of every stage but the first are moved into the worn surface when it begins.
     move_nodes_at_stages: bool = False
 
     def first(self) -> MeshHistory:

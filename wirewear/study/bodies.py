@@ -29,20 +29,17 @@ Found = TypeVar("Found")
 
 @dataclass(frozen=True)
 class Body(ABC):
-    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards.
-
-    surface: as it was measured before the test, None of one that has its unworn shape.  layers: on it, outermost first.
-    bulk: stress that it carries beside the contact.
-    """
+    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards."""
 
     name: str
     youngs_modulus_MPa: float
     poissons_ratio: float
     grip_stiffness_N_per_mm3: float | Literal["rigid"]
     axis_angle_deg: float
+    #: As it was measured before the test, None of one that has its unworn shape.
     surface: StatedSurface | None = field(default=None, kw_only=True)
-    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)
-    bulk: BulkTable | None = field(default=None, kw_only=True)
+    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: On it, outermost first.
+    bulk: BulkTable | None = field(default=None, kw_only=True)  #: Stress that it carries beside the contact.
 
     @property
     def material(self) -> Elastic:
@@ -137,17 +134,14 @@ class Wire(Body):
 
 @dataclass(frozen=True)
 class BlockBody(Body):
-    """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides.
-
-    size_mm: the radius by which its extents are chosen where they are left to the program, its own or the other body's.
-    of_pad: the face of a pad, whose curvatures are 0.
-    """
+    """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides."""
 
     curvatures: tuple[float, float]
     half_width_mm: float | None
     height_mm: float | None
+    #: The radius by which its extents are chosen where they are left to the program, its own or the other body's.
     size_mm: float
-    of_pad: Face | None = None
+    of_pad: Face | None = None  #: The face of a pad, whose curvatures are 0.
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:

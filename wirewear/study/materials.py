@@ -16,16 +16,14 @@ _TABLE = Path(__file__).parent / "materials.toml"
 
 @dataclass(frozen=True)
 class Material:
-    """A material's name, what else it is called, where its elastic constants come from, and whether that was read.
-
-    fatigue: its data of fatigue by the keys of `LifeTable`; whence they come, and whether that was read, stands beside.
-    """
+    """A material's name, what else it is called, where its elastic constants come from, and whether that was read."""
 
     name: str
     elastic: Elastic
     source: str
     also: tuple[str, ...] = ()
     verified: bool = True
+    #: Its data of fatigue by the keys of `LifeTable`; whence they come, and whether that was read, stands beside.
     fatigue: tuple[tuple[str, Any], ...] = ()
     fatigue_source: str = ""
     fatigue_verified: bool = True

@@ -70,28 +70,22 @@ def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str,
 
 @dataclass(frozen=True)
 class Stretch(Generic[AnyStudy]):
-    """The cycles after `start` up to `end` of a test, and the study whose conditions they are under.
-
-    block: its number in the programme, from 1.
-    """
+    """The cycles after `start` up to `end` of a test, and the study whose conditions they are under."""
 
     start: int
     end: int
-    block: int
+    block: int  #: Its number in the programme, from 1.
     study: AnyStudy
 
 
 @dataclass(frozen=True)
 class Schedule(Generic[AnyStudy]):
-    """A test as stretches of cycles, one after another; blocks that follow one another and are alike are one stretch.
-
-    alone: the study without its programme.  under: that study with some values in the tables of a block.
-    """
+    """A test as stretches of cycles, one after another; blocks in a row that are alike are one stretch."""
 
     blocks: tuple[CycleBlock, ...]
     cycles: int
-    alone: AnyStudy
-    under: Callable[[Mapping[str, Values]], AnyStudy]
+    alone: AnyStudy  #: The study without its programme.
+    under: Callable[[Mapping[str, Values]], AnyStudy]  #: That study with some values in the tables of a block.
 
     @cached_property
     def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
@@ -137,13 +131,10 @@ def held_keys(conditions: object) -> list[str]:
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """What a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N).
-
-    value: of the key's contact, a line contact's millimetre.
-    """
+    """What a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N)."""
 
     key: str
-    value: float
+    value: float  #: Of the key's contact, a line contact's millimetre.
 
     @property
     def figure(self) -> str:

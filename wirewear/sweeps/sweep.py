@@ -254,16 +254,13 @@ def figures_of(result: RunResult, life: float | None = None) -> dict[str, float 
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """A study without variants, and the runs that are made of it.
+    """A study without variants, and the runs that are made of it."""
 
-    name: its title.  fidelity: of every run.  keep_results: whether each run's result file is kept.
-    """
-
-    name: str
+    name: str  #: Its title.
     study: AnyStudy[Any]
     design: Design
-    fidelity: str = "quick"
-    keep_results: bool = False
+    fidelity: str = "quick"  #: Of every run.
+    keep_results: bool = False  #: Whether each run's result file is kept.
 
     def __len__(self) -> int:
         """The number of runs."""

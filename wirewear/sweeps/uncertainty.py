@@ -124,13 +124,10 @@ PERCENTILES = (2.5, 50.0, 97.5)
 
 @dataclass(frozen=True, eq=False)
 class Surrogate:
-    """A polynomial of the first or second degree; `error` is the root mean square of what it misses at points left out.
+    """A polynomial of the first or second degree; `error` is the root mean square of what it misses where left out."""
 
-    terms: exponents (m, d).  coefficients: (m,).
-    """
-
-    terms: IntArray
-    coefficients: Array
+    terms: IntArray  #: Exponents (m, d).
+    coefficients: Array  #: (m,).
     error: float
 
     def at(self, points: Array) -> Array:

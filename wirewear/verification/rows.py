@@ -131,20 +131,17 @@ def write_json(path: Path, level: str, rows: "Sequence[Row]") -> None:
 
 @dataclass(frozen=True)
 class Row:
-    """A computed figure beside its closed form; passes when |error| <= tolerance.
-
-    error: (computed - exact) / scale, the scale being |exact| unless the problem names another.
-    raw_error: the same without the correction for the wires' bulk, None where nothing is corrected.
-    order: observed order of convergence from the next coarser mesh, None on the coarsest and where there is but one.
-    """
+    """A computed figure beside its closed form; passes when |error| <= tolerance."""
 
     problem: str
     quantity: str
     computed: float
     exact: float
-    error: float
+    error: float  #: (computed - exact) / scale, the scale being |exact| unless the problem names another.
     tolerance: float
+    #: The same without the correction for the wires' bulk, None where nothing is corrected.
     raw_error: float | None = None
+    #: Observed order of convergence from the next coarser mesh, None on the coarsest and where there is but one.
     order: float | None = None
 
     @property

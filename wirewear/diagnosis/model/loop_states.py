@@ -226,12 +226,9 @@ _LEAST_CORNER = _MOTION.number("least_corner")
 
 @dataclass(frozen=True, eq=False)
 class FastMotion:
-    """A periodic motion by its harmonics: Re Σ c_k exp(ikφ) over a cycle of phases φ, k = 1, 2, …
+    """A periodic motion by its harmonics: Re Σ c_k exp(ikφ) over a cycle of phases φ, k = 1, 2, …"""
 
-    harmonics: (k,) complex.
-    """
-
-    harmonics: Harmonics
+    harmonics: Harmonics  #: (k,) complex.
 
     def before(self, lag: float) -> FastMotion:
         """What moves so behind a first-order filter whose time constant is a phase, its corners sharp.

@@ -152,14 +152,11 @@ def _require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[st
 
 @dataclass(frozen=True)
 class NominalRun:
-    """A study as it is run: it wears, by its coefficients times a margin, the first that the run comes to its end with.
-
-    changes: how it is logged and resolved, as tables of a study.
-    """
+    """A study as it is run: it wears by its coefficients times a margin, the first that a run ends with."""
 
     study: AnyStudy[Any]
     margins: Sequence[float]
-    changes: Mapping[str, Any]
+    changes: Mapping[str, Any]  #: How it is logged and resolved, as tables of a study.
 
 
 def point_run(study: Study) -> NominalRun:

@@ -211,16 +211,13 @@ WORDS = {
 
 @dataclass(frozen=True)
 class Touching:
-    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known.
-
-    length_mm: of a line contact, which has worn profiles in place of scars.
-    """
+    """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known."""
 
     tables: Mapping[str, Any]
     names: tuple[str, str]
     remarks: tuple[str, ...] = ()
     bodies: Mapping[str, Body] = field(default_factory=dict)
-    length_mm: float | None = None
+    length_mm: float | None = None  #: Of a line contact, which has worn profiles in place of scars.
 
 
 def scars_of(

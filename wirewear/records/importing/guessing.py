@@ -138,17 +138,14 @@ def guessed_mapping(files: Sequence[Path], known: dict[str, Any], touching: Touc
 
 @dataclass(frozen=True)
 class RecognisedFiles:
-    """A laboratory's files by what they seem to hold: loops, evolutions, heights and depths in texts, maps.
-
-    unknown: tables of numbers of which the usual names do not tell.  unread: a sentence on each file that is left out.
-    """
+    """A laboratory's files by what they seem to hold: loops, evolutions, heights and depths in texts, maps."""
 
     loops: tuple[GuessedFile, ...]
     evolution: tuple[GuessedFile, ...]
     surfaces: tuple[GuessedFile, ...]
-    unknown: tuple[GuessedFile, ...]
+    unknown: tuple[GuessedFile, ...]  #: Tables of numbers of which the usual names do not tell.
     maps: tuple[Path, ...]
-    unread: tuple[str, ...]
+    unread: tuple[str, ...]  #: A sentence on each file that is left out.
 
 
 def recognised_files(files: Sequence[Path]) -> RecognisedFiles:

@@ -34,16 +34,12 @@ class MapScale:
 
 @dataclass(frozen=True)
 class StatedMap:
-    """A map as its file has it: heights (n_x, n_y) in its unit, not finite where nothing was measured.
-
-    step_um: from point to point along x and y.  unit_um: one unit of the heights.  None where the file does not tell.
-    remark: what else it tells of its scale.
-    """
+    """A map as its file has it: heights (n_x, n_y) in its unit, not finite where nothing was measured."""
 
     heights: Array
-    step_um: tuple[float, float] | None
-    unit_um: float | None
-    remark: str = ""
+    step_um: tuple[float, float] | None  #: From point to point along x and y.
+    unit_um: float | None  #: One unit of the heights.  None where the file does not tell.
+    remark: str = ""  #: What else it tells of its scale.
 
     @property
     def left_open(self) -> list[str]:
