@@ -22,10 +22,7 @@ LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
 @dataclass(frozen=True)
 class NewtonOutcome:
-    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence.
-
-    sliding: (k,) nodes that slide under pressure.  slip_length: (k,), mm, of these.
-    """
+    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
 
     converged: bool
     message: str
@@ -34,8 +31,8 @@ class NewtonOutcome:
     holder_x: float
     height: float
     tilt: float
-    sliding: BoolArray
-    slip_length: Array
+    sliding: BoolArray  #: (k,) nodes that slide under pressure.
+    slip_length: Array  #: (k,), mm, of these.
     sticking: int
     force_error: float
     penetration: float

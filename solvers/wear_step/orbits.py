@@ -90,16 +90,13 @@ def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) ->
 
 @dataclass(frozen=True)
 class _Met:
-    """A position by itself, between the one before it and the next.
-
-    sticks: (n,) which of all the primary's nodes stick there under pressure.  after: (k,) slip of all nodes.
-    """
+    """A position by itself, between the one before it and the next."""
 
     pairing: Pairing
     lever: Array
     before: Array
-    after: Array
-    sticks: BoolArray
+    after: Array  #: (k,) slip of all nodes.
+    sticks: BoolArray  #: (n,) which of all the primary's nodes stick there under pressure.
     direction: Array
     stuck: Array
     moved: float
@@ -208,14 +205,12 @@ _ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on 
 
 
 class Opening(NamedTuple):
-    """Gap along z that opens at each of N unknowns by wear work, over the n nodes of both patches.
+    """Gap along z that opens at each of N unknowns by wear work, over the n nodes of both patches."""
 
-    faced: (N, n) sparse, mean over what faces each other at an unknown, times the wear coefficients, mm³/mJ.  worked:
-    (N, n) sparse, work per area at all places alike by unit work per area at an unknown.  Their product is what one
-    unknown opens at another, of which few entries are ever needed.
-    """
-
+    #: (N, n) sparse, mean over what faces each other at an unknown, times the wear coefficients, mm³/mJ.
     faced: csr_matrix
+    #: (N, n) sparse, work per area at all places alike by unit work per area at an unknown. Their product is what one
+    #: unknown opens at another, of which few entries are ever needed.
     worked: csr_matrix
 
     def by(self, work: Array) -> Array:
@@ -225,23 +220,17 @@ class Opening(NamedTuple):
 
 @dataclass(frozen=True)
 class Orbits:
-    """N unknown pressures: of each position's nodes on one side of the plane across which it is mirrored.
+    """N unknown pressures: of each position's nodes on one side of the plane across which it is mirrored."""
 
-    rows: for each position, which of its nodes are unknowns.  images: for each position, which of its nodes are the
-    mirror images of those, the node itself where it lies on the plane.  twice: (N,) 2 where there is an image, else 1.
-    start: (positions + 1,) where each position's unknowns begin.  areas: (N,), mm².
-    nodes: (N,) of the primary's patch.  secondary: (N, n) sparse, mean over the nodes of the other's patch that each
-    faces.  worked: of `Opening`, the primary's nodes first.
-    """
-
-    rows: tuple[IntArray, ...]
+    rows: tuple[IntArray, ...]  #: For each position, which of its nodes are unknowns.
+    #: For each position, which of its nodes are the mirror images of those, the node itself where it lies on the plane.
     images: tuple[IntArray, ...]
-    twice: Array
-    start: IntArray
-    areas: Array
-    nodes: IntArray
-    secondary: csr_matrix
-    worked: csr_matrix
+    twice: Array  #: (N,) 2 where there is an image, else 1.
+    start: IntArray  #: (positions + 1,) where each position's unknowns begin.
+    areas: Array  #: (N,), mm².
+    nodes: IntArray  #: (N,) of the primary's patch.
+    secondary: csr_matrix  #: (N, n) sparse, mean over the nodes of the other's patch that each faces.
+    worked: csr_matrix  #: Of `Opening`, the primary's nodes first.
 
     @property
     def count(self) -> int:

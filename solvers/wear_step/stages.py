@@ -270,16 +270,13 @@ def _cycle(
 
 @dataclass(frozen=True)
 class _TracedCycle:
-    """What a wear law may know of a traced cycle; see `WornCycle`.
-
-    work_mJ: friction work of the whole cycle.  strokes: how often the positions come by in it.
-    """
+    """What a wear law may know of a traced cycle; see `WornCycle`."""
 
     problem: ContactProblem
     positions: tuple[Position, ...]
     orbits: Orbits
-    work_mJ: float
-    strokes: int
+    work_mJ: float  #: Friction work of the whole cycle.
+    strokes: int  #: How often the positions come by in it.
 
     @property
     def frequency_Hz(self) -> float:
