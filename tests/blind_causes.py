@@ -22,12 +22,9 @@ STEEL = believed_world(Nominal(), "dahl", held_on_sensor=False)
 TURN = np.asarray(2.0 * np.pi * np.arange(1440) / 1440, dtype=np.float64)
 #: A sine of 60 µm at 3 Hz, and a force that is odd over half a cycle.
 LOOP = Signals(
-    np.asarray(TURN / (6.0 * np.pi)),
-    1.0 / 3.0,
-    np.asarray(60.0 * np.sin(TURN)),
-    np.asarray(1.2 * np.tanh(8.0 * np.cos(TURN - 0.3))),
-    np.full(1440, 2.0),
-)
+    np.asarray(TURN / (6.0 * np.pi)), 1.0 / 3.0, np.asarray(60.0 * np.sin(TURN)),
+    np.asarray(1.2 * np.tanh(8.0 * np.cos(TURN - 0.3))), np.full(1440, 2.0),
+)  # fmt: skip
 #: A block that slides on Coulomb friction without any give, and where it does so in either direction.
 BLOCK = replace(LOOP, tangential_force_N=np.asarray(1.2 * np.sign(np.cos(TURN + 1e-9))))
 FORTH, BACK = np.cos(TURN) > 0.05, np.cos(TURN) < -0.05

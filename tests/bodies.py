@@ -73,12 +73,9 @@ def rigid(axial_mm: Array, transverse_mm: Array, *, upper: bool, angle_rad: floa
 def wire_geometry(fine_mm: float, axial_fine_mm: float, axial_half_mm: float) -> WireGeometry:
     """A steel wire 1 mm long with a patch of the given extent along its axis and of 80 um across."""
     return WireGeometry(
-        DIAMETER_mm,
-        1.0,
-        GradedAxis(fine_mm, axial_fine_mm, 2.0 * fine_mm, axial_half_mm),
-        GradedAxis(fine_mm, 0.02, 2.0 * fine_mm, 0.04),
-        0.12,
-    )
+        DIAMETER_mm, 1.0, GradedAxis(fine_mm, axial_fine_mm, 2.0 * fine_mm, axial_half_mm),
+        GradedAxis(fine_mm, 0.02, 2.0 * fine_mm, 0.04), 0.12,
+    )  # fmt: skip
 
 
 @cache

@@ -126,14 +126,11 @@ def recipe_of(
     """Micro-slip takes that part of the amplitude, and the contact that share of it, the rig the rest."""
     travel_mm_per_N = 1e-3 * micro_slip * amplitude_um / (friction * normal_load_N)
     return Recipe(
-        friction=friction,
-        normal_load_N=normal_load_N,
-        amplitude_um=amplitude_um,
+        friction=friction, normal_load_N=normal_load_N, amplitude_um=amplitude_um,
         contact_stiffness=1.5 / (travel_mm_per_N * contact_share),
-        rig_stiffness=1.0 / (travel_mm_per_N * (1.0 - contact_share)),
-        end_slope_rad=end_slope_rad,
+        rig_stiffness=1.0 / (travel_mm_per_N * (1.0 - contact_share)), end_slope_rad=end_slope_rad,
         hook_power=hook_power,
-    )
+    )  # fmt: skip
 
 
 def drawn(count: int, least_micro_slip: float, seed: int) -> Iterator[tuple[Recipe, float, int]]:
@@ -144,14 +141,11 @@ def drawn(count: int, least_micro_slip: float, seed: int) -> Iterator[tuple[Reci
     random = np.random.default_rng(seed)
     while count:
         recipe = recipe_of(
-            friction=random.uniform(0.2, 1.1),
-            normal_load_N=random.uniform(0.5, 20.0),
-            amplitude_um=random.uniform(10.0, 200.0),
-            micro_slip=random.uniform(least_micro_slip, 0.3),
-            contact_share=random.uniform(0.01, 0.9),
-            end_slope_rad=random.uniform(0.0, 0.2),
+            friction=random.uniform(0.2, 1.1), normal_load_N=random.uniform(0.5, 20.0),
+            amplitude_um=random.uniform(10.0, 200.0), micro_slip=random.uniform(least_micro_slip, 0.3),
+            contact_share=random.uniform(0.01, 0.9), end_slope_rad=random.uniform(0.0, 0.2),
             hook_power=random.uniform(1.0, 6.0),
-        )
+        )  # fmt: skip
         if math.tan(math.atan(recipe.friction) + recipe.end_slope_rad) < 1.5 * recipe.friction:
             count -= 1
             yield recipe, random.random(), int(random.integers(10**6))

@@ -82,7 +82,7 @@ def test_records_are_read_without_a_remark(batch: Path) -> None:
         assert record.name == folder.name
 
 
-def test_nothing_readable_names_an_effect_or_the_seed(batch: Path) -> None:
+def test_nothing_readable_names_effect_or_seed_and_the_manifest_binds_key_and_records(batch: Path) -> None:
     for path in batch.rglob("*"):
         if path.is_file() and path.name != "manifest.json":
             text = path.read_bytes()
@@ -90,9 +90,6 @@ def test_nothing_readable_names_an_effect_or_the_seed(batch: Path) -> None:
     manifest = json.loads((batch / "manifest.json").read_text())
     assert set(manifest) == {"format", "tier", "model", "wirewear", "key_sha256", "cases"}
     assert {frozenset(case) for case in manifest["cases"].values()} == {frozenset({"left_out", "sha256"})}
-
-
-def test_the_manifest_binds_key_and_records(batch: Path) -> None:
     manifest, truth = json.loads((batch / "manifest.json").read_text()), truth_in(batch)
     assert fingerprint(truth) == manifest["key_sha256"]
     assert fingerprint({**truth, "seed": 6}) != manifest["key_sha256"]
@@ -187,11 +184,8 @@ def test_what_a_record_looks_like_depends_on_seed_and_place_not_on_its_effect() 
     assert [case.effects for case in planned] != [case.effects for case in others]
     for case, other in zip(planned, others, strict=True):
         assert (case.name, case.nominal, case.nuisances, case.seed) == (
-            other.name,
-            other.nominal,
-            other.nuisances,
-            other.seed,
-        )
+            other.name, other.nominal, other.nuisances, other.seed,
+        )  # fmt: skip
 
 
 def cases() -> list[Case]:
@@ -256,11 +250,8 @@ def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Pa
 @pytest.mark.parametrize("file", sorted(INDEPENDENT.glob("*.py")), ids=lambda file: file.name)
 def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_program(file: Path) -> None:
     allowed = (
-        "studies.blind.generators",
-        "studies.blind.errors",
-        "wirewear.records",
-        "wirewear.base.course",
+        "studies.blind.generators", "studies.blind.errors", "wirewear.records", "wirewear.base.course",
         "wirewear.base.errors",
-    )
+    )  # fmt: skip
     own = reaches(imports_of(file), "wirewear", "studies")
     assert [name for name in own if not reaches({name}, *allowed)] == []

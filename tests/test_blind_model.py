@@ -177,13 +177,10 @@ def test_a_compliance_takes_its_share_of_the_stroke_and_rotation_is_the_same(nom
     assert sprung == pytest.approx(turned, rel=1e-6)
 
 
-def test_play_costs_twice_its_width_times_the_force_each_cycle(nominal: dict[str, float]) -> None:
+def test_play_costs_twice_its_width_times_the_force_and_friction_the_loops_height(nominal: dict[str, float]) -> None:
     loose = figures(with_effect("free_play"), 1000)
     # The reversals of a worn contact are below the plateau's 1.24 N.
     assert nominal["dissipated_energy_mJ"] - loose["dissipated_energy_mJ"] == pytest.approx(2e-3 * 4.0 * 1.24, rel=0.06)
-
-
-def test_friction_sets_the_height_of_the_loop(nominal: dict[str, float]) -> None:
     lower = figures(with_effect("friction_offset"), 1000)
     assert lower["max_tangential_force_N"] / nominal["max_tangential_force_N"] == pytest.approx(0.56 / 0.62, rel=0.02)
 
@@ -196,15 +193,12 @@ def test_misalignment_and_crosstalk_shift_the_force_and_not_the_area(nominal: di
     assert crossed["dissipated_energy_mJ"] == pytest.approx(nominal["dissipated_energy_mJ"], rel=1e-3)
 
 
-def test_load_coupling_of_the_sensor_leaves_the_area_of_an_independent_stroke() -> None:
+def test_load_coupling_leaves_the_area_of_an_independent_stroke_and_the_drive_holds_what_the_sensor_reads() -> None:
     world = replace(STEEL, drive=replace(STEEL.drive, held_on_sensor=False))
     true, false = figures(world, 100), figures(with_effect("displacement_load_coupling", world), 100)
     assert false["dissipated_energy_mJ"] == pytest.approx(true["dissipated_energy_mJ"], rel=2e-3)
     assert false["slip_amplitude_um"] == pytest.approx(true["slip_amplitude_um"], rel=2e-3)
     assert false["displacement_amplitude_um"] == pytest.approx(60.0 + 3.0 * 1.245, abs=0.1)
-
-
-def test_the_drive_holds_what_the_sensor_reads() -> None:
     stretched = figures(with_effect("displacement_gain"), 100)
     assert stretched["displacement_amplitude_um"] == pytest.approx(60.0, rel=1e-3)
 
@@ -252,13 +246,10 @@ def area_mJ(reading: Reading) -> float:
     return abs(float(np.sum(0.5 * (q + np.roll(q, -1)) * (np.roll(x, -1) - x))))
 
 
-def test_an_asymmetric_cell_stretches_one_sign_of_the_force() -> None:
+def test_an_asymmetric_cell_stretches_one_sign_and_one_with_hysteresis_loses_its_play() -> None:
     force = seen("asymmetric_force_cell", asymmetry=0.1).tangential_force_N
     assert force.max() == pytest.approx(1.1 * LOOP.tangential_force_N.max())
     assert force.min() == pytest.approx(0.9 * LOOP.tangential_force_N.min())
-
-
-def test_a_cell_with_hysteresis_loses_its_play_from_end_to_end() -> None:
     force = seen("force_cell_hysteresis", play_N=0.2).tangential_force_N
     assert np.ptp(force) == pytest.approx(np.ptp(LOOP.tangential_force_N) - 0.2, rel=1e-6)
 
@@ -292,11 +283,8 @@ def test_a_parallel_spring_adds_a_force_that_follows_the_place_and_no_area() -> 
     assert area_mJ(sprung) == pytest.approx(area_mJ(plain), rel=1e-9)
 
 
-def test_a_stiffening_holder_costs_area_as_a_compliance_does() -> None:
+def test_a_stiffening_holder_costs_area_and_one_comes_loose_by_the_end_of_the_test_alone() -> None:
     assert area_mJ(loop_of("stiffening_holder", hardening_um_per_N3=4.0)) < 0.99 * area_mJ(loop_of())
-
-
-def test_a_holder_comes_loose_by_the_end_of_the_test_alone() -> None:
     rig = changed(FREE_STROKE, "loosening_holder", {"loosening_um_per_N": 3.0, "cycles": 1e4}).rig
     assert rig.loose_mm_per_N(10.0) < 1e-5
     assert rig.loose_mm_per_N(1e5) == pytest.approx(3e-3, rel=1e-3)

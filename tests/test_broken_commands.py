@@ -128,12 +128,9 @@ def test_no_flipped_bit_of_any_kind_of_file_changes_an_answer_without_a_word() -
 def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
     # In a process of its own: threads of libraries do not survive the forks.
     ended = subprocess.run(
-        [sys.executable, "-m", "studies.benchmarks.fuzz_inputs", "--seed", "3", "--count", "250"],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        check=False,
-    )
+        [sys.executable, "-m", "studies.benchmarks.fuzz_inputs", "--seed", "3", "--count", "250"], cwd=ROOT,
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
     assert ended.returncode == 0, ended.stdout + ended.stderr
     assert sum(int(count) for count in re.findall(r" read (\d+)", ended.stdout)) > 30
     assert len(re.findall(r"^.*; at most ", ended.stdout, re.MULTILINE)) == 47

@@ -168,12 +168,9 @@ def wires(tmp_path: Path) -> list[Path]:
     return paths
 
 
-def test_wires_unused_for_longest_go_first(wires: list[Path]) -> None:
+def test_wires_unused_for_longest_go_first_and_one_that_is_used_stays(wires: list[Path]) -> None:
     keep_within(wires[0].parent, 250.0)
     assert [path.exists() for path in wires] == [False, False, True, True]
-
-
-def test_a_wire_that_is_used_stays(wires: list[Path]) -> None:
     mark_used(wires[0])
     keep_within(wires[0].parent, 200.0)
     assert [path.exists() for path in wires] == [True, False, False, True]

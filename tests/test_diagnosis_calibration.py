@@ -57,7 +57,7 @@ def _is_number(node: ast.AST) -> bool:
     return isinstance(node, ast.Constant) and type(node.value) in (int, float)
 
 
-def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_set_it_by_which_command() -> None:
+def test_every_constant_names_its_unit_commit_and_source_and_no_more_are_tuned_than_were() -> None:
     known = sources()
     for one in all_constants():
         assert one.unit, one.name
@@ -65,9 +65,6 @@ def test_every_constant_names_its_unit_its_commit_and_a_source_that_says_what_se
         assert len(one.commit) == 7, one.name
     assert all(source["what"].strip() and source["command"].strip() for source in known.values())
     assert {one.source for one in all_constants()} == set(known)
-
-
-def test_no_more_numbers_are_tuned_than_were() -> None:
     assert sum([np.size(one.value) for one in all_constants() if one.tuned]) <= TUNED
 
 

@@ -55,13 +55,10 @@ def test_what_a_drive_holds_is_held_at_every_loop_by_its_amplitude(key: str, tar
     assert evolution["displacement_amplitude_um"].max() < 20.0
 
 
-def test_a_held_motion_is_that_of_the_bodies_against_each_other() -> None:
+def test_a_held_motion_is_that_of_the_bodies_and_a_held_reading_is_wrong_by_its_gain() -> None:
     result = simulate(coarse(held("held_motion_um = 9.0")), fidelity="quick")
     for loop in result.loops:
         assert 0.5 * np.ptp(loop.relative_displacement_um) == pytest.approx(9.0, rel=2e-3)
-
-
-def test_a_held_reading_is_wrong_by_the_gain_of_its_sensor() -> None:
     study = coarse(held("held_reading_um = 12.0")).with_effects(DisplacementGain(gain=1.2))
     evolution = simulate(study, fidelity="quick").evolution
     assert evolution["displacement_amplitude_um"] == pytest.approx(10.0, rel=1e-3)

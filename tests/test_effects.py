@@ -39,13 +39,10 @@ def test_the_effects_bear_their_fixed_names_and_parameters() -> None:
 
 DESCRIPTIONS: dict[effects.Seam, Any] = {
     effects.Seam.HOLDER: Holder(2.0, tangential_compliance_mm_per_N=1.0 / 167.0),
-    effects.Seam.CONTACT: effects.ContactLaw(0.62),
-    effects.Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
-    effects.Seam.SPECIMENS: effects.Specimens(90.0),
-    effects.Seam.DRIVE: effects.Control(20.0),
-    effects.Seam.LOADING: effects.Loading(2.0),
-    effects.Seam.SENSOR: Sensor(),
-}
+    effects.Seam.CONTACT: effects.ContactLaw(0.62), effects.Seam.WEAR: WearRates(1.5e-8, 1.5e-8),
+    effects.Seam.SPECIMENS: effects.Specimens(90.0), effects.Seam.DRIVE: effects.Control(20.0),
+    effects.Seam.LOADING: effects.Loading(2.0), effects.Seam.SENSOR: Sensor(),
+}  # fmt: skip
 
 
 @pytest.mark.seconds

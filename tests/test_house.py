@@ -199,11 +199,8 @@ def test_a_simulation_is_asked_for_at_its_door() -> None:
     assert past_the_door == []
 
 
-def test_kinds_of_contact_have_all_that_is_asked_of_them() -> None:
+def test_kinds_of_contact_have_all_that_is_asked_of_them_and_few_modules_stand_loose() -> None:
     assert [(name, own) for name, kind in KINDS.items() for own in Kind.__annotations__ if not hasattr(kind, own)] == []
-
-
-def test_few_modules_stand_loose_at_the_root() -> None:
     loose = [path.name for path in (ROOT / "wirewear").glob("*.py") if path.name != "__init__.py"]
     assert len(loose) <= MOST_AT_THE_ROOT, loose
 

@@ -104,11 +104,8 @@ def test_two_copies_of_the_program_share_a_folder_and_keep_their_own_code(tmp_pa
     assert _answer(first, values, tmp_path / "kept") == (20.0, 1)
 
 
-def test_without_any_folder_that_takes_it_code_is_compiled_and_not_kept(tmp_path: Path) -> None:
+def test_without_a_folder_code_is_compiled_and_a_full_disk_stops_nobody(tmp_path: Path) -> None:
     (tmp_path / "kept").write_text("a file, no folder")
     assert _answer(tmp_path, {"factor": 10.0, "shift": 1.0}) == (20.0, 0)
-
-
-def test_a_full_disk_or_a_vanished_folder_does_not_stop_who_compiled(tmp_path: Path) -> None:
     assert not _written(tmp_path / "gone" / "a.code", b"code")
     assert not _written(Path("/dev/full") / "a.code", b"code")

@@ -28,12 +28,9 @@ def sections(draw: st.DrawFn) -> tuple[float, GradedAxis, float, Layering]:
     half = radius * draw(st.floats(0.03, 0.84))
     fine = half * 10.0 ** draw(st.floats(-2.0, -0.3))
     axis = GradedAxis(
-        fine_mm=fine,
-        fine_half_extent_mm=half * draw(st.floats(0.02, 1.0)),
-        outer_mm=min(fine * draw(st.floats(1.0, 5.0)), half),
-        half_extent_mm=half,
-        growth=draw(st.floats(1.05, 1.5)),
-    )
+        fine_mm=fine, fine_half_extent_mm=half * draw(st.floats(0.02, 1.0)),
+        outer_mm=min(fine * draw(st.floats(1.0, 5.0)), half), half_extent_mm=half, growth=draw(st.floats(1.05, 1.5)),
+    )  # fmt: skip
     layering = Layering(draw(st.integers(3, 10)), draw(st.floats(1.05, 1.35)), draw(st.floats(0.5, 1.0)))
     return radius, axis, radius * 10.0 ** draw(st.floats(-1.0, 0.0)), layering
 
@@ -72,12 +69,9 @@ def axes(draw: st.DrawFn) -> GradedAxis:
     half = draw(st.floats(0.01, 1.0))
     fine = half * draw(st.floats(0.01, 1.0))
     return GradedAxis(
-        fine_mm=fine,
-        fine_half_extent_mm=half * draw(st.floats(0.01, 1.0)),
-        outer_mm=fine * draw(st.floats(1.0, 10.0)),
-        half_extent_mm=half,
-        growth=draw(st.floats(1.0, 2.0)),
-    )
+        fine_mm=fine, fine_half_extent_mm=half * draw(st.floats(0.01, 1.0)),
+        outer_mm=fine * draw(st.floats(1.0, 10.0)), half_extent_mm=half, growth=draw(st.floats(1.0, 2.0)),
+    )  # fmt: skip
 
 
 @given(axes())

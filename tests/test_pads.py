@@ -174,14 +174,11 @@ def study(contact: dict[str, Any], **tables: Any) -> Study:
 
 
 POINTS: dict[str, Any] = {
-    "format": 1,
-    "name": "test",
+    "format": 1, "name": "test",
     "conditions": {"normal_load_N": 50.0, "displacement_amplitude_um": 40.0, "frequency_Hz": 5.0, "cycles": 20},
-    "contact": {"friction": 0.6},
-    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
-    "log": {"loop_cycles": [20]},
-    "fidelity": {"quick": {"increments_per_cycle": 16, "contact_mesh_um": 40.0}},
-}
+    "contact": {"friction": 0.6}, "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
+    "log": {"loop_cycles": [20]}, "fidelity": {"quick": {"increments_per_cycle": 16, "contact_mesh_um": 40.0}},
+}  # fmt: skip
 BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2.0 * BALL_RADIUS_mm, **STEEL}, "flat": STEEL}}
 STEEL_MODULUS = reference.contact_modulus(*(reference.Elastic(*STEEL.values()),) * 2)
 

@@ -20,14 +20,11 @@ from wirewear.sweeps.sweep import figures_of
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
 RADIUS_mm, LOAD_N, FRICTION = 6.35, 50.0, 0.6
 TEST: dict[str, Any] = {
-    "format": 1,
-    "name": "test",
+    "format": 1, "name": "test",
     "conditions": {"normal_load_N": LOAD_N, "displacement_amplitude_um": 40.0, "frequency_Hz": 5.0, "cycles": 20},
-    "contact": {"friction": FRICTION},
-    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
-    "log": {"loop_cycles": [1, 20]},
-    "fidelity": {"quick": {"increments_per_cycle": 16}},
-}
+    "contact": {"friction": FRICTION}, "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.3},
+    "log": {"loop_cycles": [1, 20]}, "fidelity": {"quick": {"increments_per_cycle": 16}},
+}  # fmt: skip
 BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 2 * RADIUS_mm, **STEEL}, "flat": STEEL}}
 
 
@@ -181,7 +178,7 @@ def test_a_run_of_a_ball_wears_both_bodies_by_energy_and_is_its_own_mirror_image
 
 
 @pytest.mark.slow
-def test_a_result_of_a_ball_is_kept_with_its_unworn_shape(ball: RunResult) -> None:
+def test_a_result_of_a_ball_is_kept_with_its_unworn_shape_and_swept_by_its_bodies_names(ball: RunResult) -> None:
     assert ball.path is not None
     again = read_result(ball.path)
     assert again.scar(20, "ball").diameter_along_mm == again.scar(20, "ball").diameter_mm == 2 * RADIUS_mm
@@ -189,10 +186,6 @@ def test_a_result_of_a_ball_is_kept_with_its_unworn_shape(ball: RunResult) -> No
     assert again.forces(20, "ball").meshed == ball.forces(20, "ball").meshed
     r = 100.0
     assert again.scar(20, "ball").unworn_height_um(0.6 * r, 0.8 * r) == pytest.approx(-0.5 * r**2 / 6350.0, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_a_sweep_names_depths_by_the_bodies(ball: RunResult) -> None:
     figures = figures_of(ball)
     assert figures["max_depth_ball_um"] == ball.evolution["max_depth_ball_um"][-1]
     assert figures["max_depth_flat_um"] == ball.evolution["max_depth_flat_um"][-1]
@@ -216,11 +209,8 @@ def test_a_flat_wears_to_what_a_ball_sunk_by_the_approach_sweeps(tmp_path: Path)
     """A cap of the sphere, drawn out along the stroke by its segment; at last next to no load is left to deform it."""
     sunk, slid = 0.010, 0.050
     asked = {
-        "approach_um": 1e3 * sunk,
-        "displacement_amplitude_um": 1e3 * slid,
-        "normal_load_N": 385.0,
-        "cycles": 10000,
-    }
+        "approach_um": 1e3 * sunk, "displacement_amplitude_um": 1e3 * slid, "normal_load_N": 385.0, "cycles": 10000,
+    }  # fmt: skip
     mesh = {"contact_mesh_um": 40.0, "outer_mesh_um": 40.0}
     found, *_ = run_study(
         study(

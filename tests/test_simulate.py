@@ -93,14 +93,11 @@ def test_a_run_logs_the_asked_cycles_and_leaves_no_checkpoint(unbroken: RunResul
     assert not (unbroken.path.parent / CHECKPOINT_FILE_NAME).exists()
 
 
-def test_worn_volume_of_each_wire_is_its_share_of_alpha_times_energy(unbroken: RunResult) -> None:
+def test_wires_wear_by_their_shares_of_the_energy_and_their_descent_relaxes_the_spring(unbroken: RunResult) -> None:
     energy = unbroken.evolution["accumulated_energy_J"][-1]
     assert unbroken.scar(300, "moving").volume_mm3 == pytest.approx(0.3 * 3.0e-5 * energy, rel=1e-6)
     assert unbroken.scar(300, "fixed").volume_mm3 == pytest.approx(0.7 * 3.0e-5 * energy, rel=1e-6)
     assert unbroken.quality["volume_against_energy"] < 1e-6
-
-
-def test_the_loading_spring_relaxes_by_its_stiffness_times_the_descent(unbroken: RunResult) -> None:
     last = unbroken.loops[-1].normal_force_N
     descent_mm = 1e-3 * (unbroken.evolution["max_depth_moving_um"][-1] + unbroken.evolution["max_depth_fixed_um"][-1])
     assert 2.0 - 2.0 * descent_mm < last.mean() < 2.0
@@ -129,12 +126,9 @@ def test_variants_run_side_by_side_give_the_same_results_as_one_after_the_other(
     recorders = {"compliant": Recorder(), "rigid": Recorder()}
     alone = run_study(study, fidelity="quick", output=tmp_path / "alone")
     together = run_study(
-        study,
-        fidelity="quick",
-        output=tmp_path / "together",
-        observer_of=lambda label: nullcontext(recorders[label]),
+        study, fidelity="quick", output=tmp_path / "together", observer_of=lambda label: nullcontext(recorders[label]),
         jobs=2,
-    )
+    )  # fmt: skip
     for mine, theirs in zip(together, alone, strict=True):
         assert mine.variant == theirs.variant
         for name, column in theirs.evolution.items():

@@ -30,7 +30,7 @@ paths = st.sampled_from(
 )
 
 
-def test_a_minimal_study_means_no_wear_a_rigid_holder_and_a_dead_weight() -> None:
+def test_a_minimal_study_has_no_wear_a_rigid_holder_a_dead_weight_and_loops_at_1_2_5_per_decade() -> None:
     study = parse_study(MINIMAL, "study.toml")
     assert study.wear is None
     assert study.holder.tangential_stiffness_N_per_mm == "rigid"
@@ -38,9 +38,6 @@ def test_a_minimal_study_means_no_wear_a_rigid_holder_and_a_dead_weight() -> Non
     assert study.wires.crossing_angle_deg == 90.0
     assert study.variant_names == ()
     assert study.fidelity("quick").contact_mesh_um is None
-
-
-def test_loops_are_recorded_at_1_2_5_per_decade_and_at_the_end_unless_stated() -> None:
     assert parse_study(MINIMAL, "study.toml").log.loop_cycles == (1, 2, 5, 10, 20, 50, 100, 200, 500, 700)
     assert default_loop_cycles(1) == (1,)
     assert default_loop_cycles(1000) == (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
