@@ -96,15 +96,12 @@ def test_nothing_readable_names_effect_or_seed_and_the_manifest_binds_key_and_re
     assert {name: case["sha256"] for name, case in manifest["cases"].items()} == contents(batch)
 
 
-def test_the_hash_tells_nothing_to_somebody_who_guesses_the_seed(tmp_path: Path) -> None:
+def test_the_hash_tells_nothing_to_who_guesses_the_seed_and_the_key_file_is_its_owners_alone(tmp_path: Path) -> None:
     for name in ("one", "two"):
         make_batch(tmp_path / name, cases=4, seed=9, generator=PlainModel())
     assert contents(tmp_path / "one") == contents(tmp_path / "two")
     hashes = [json.loads((tmp_path / name / "manifest.json").read_text())["key_sha256"] for name in ("one", "two")]
     assert hashes[0] != hashes[1]
-
-
-def test_the_key_file_is_its_owners_alone_and_not_among_the_records(tmp_path: Path) -> None:
     make_batch(tmp_path / "b", cases=2, seed=1, generator=PlainModel())
     assert stat.S_IMODE((tmp_path / "b.key").stat().st_mode) == 0o600
     with pytest.raises(BlindError, match="among the records"):

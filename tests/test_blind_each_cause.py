@@ -27,13 +27,10 @@ def test_a_leaking_charge_holds_no_force() -> None:
     assert force[1040] / force[400] == pytest.approx(np.exp(-640 / 1440 / 3.0 / 0.5), rel=0.01)
 
 
-def test_a_heavy_holder_rings_at_its_own_frequency() -> None:
+def test_a_heavy_holder_rings_at_its_own_frequency_and_hysteresis_is_widest_in_mid_stroke() -> None:
     rung = seen("ringing_force_cell", natural_frequency_Hz=45.0, damping=0.05).tangential_force_N
     gained = np.abs(np.fft.rfft(rung))[[1, 15]] / np.abs(np.fft.rfft(LOOP.tangential_force_N))[[1, 15]]
     assert gained == pytest.approx([1.0 / (1.0 - 1.0 / 225.0), 10.0], rel=1e-3)
-
-
-def test_hysteresis_of_the_displacement_is_widest_in_mid_stroke_and_nothing_at_the_ends() -> None:
     lag = LOOP.displacement_um - seen("hysteretic_displacement", share=0.1).displacement_um
     assert lag[[0, 720]] == pytest.approx([6.0, -6.0])
     assert lag[[360, 1080]] == pytest.approx(0.0, abs=1e-9)
@@ -54,13 +51,10 @@ def test_a_guide_drags_with_its_force_and_takes_its_work() -> None:
     assert (dragged.normal_force_N == LOOP.normal_force_N).all()
 
 
-def test_a_lever_that_sticks_loads_one_way_more_than_the_other_and_takes_no_work() -> None:
+def test_a_sticking_lever_loads_one_way_more_and_takes_no_work_and_weights_bounce_twice_a_cycle() -> None:
     stuck = seen("sticking_lever", share=0.1, over_um=6.0)
     assert stuck.normal_force_N[[0, 720]] == pytest.approx([2.2, 1.8])
     assert area_mJ(stuck) == pytest.approx(area_mJ(LOOP), rel=1e-6)
-
-
-def test_weights_bounce_twice_a_cycle() -> None:
     load = np.abs(np.fft.rfft(seen("bouncing_weight", share=0.2, phase_rad=1.0).normal_force_N)) / 720
     assert load[1:5] == pytest.approx([0.0, 0.4, 0.0, 0.0], abs=1e-9)
 

@@ -22,14 +22,11 @@ def test_wear_that_follows_the_pressure_is_another_in_a_small_scar(exponent: flo
     assert np.sign(exponent) * (other.worn_mm3 / worn()[0].worn_mm3 - 1.0) > 0.1
 
 
-def test_a_one_sided_holder_shortens_one_side_of_the_loop_alone() -> None:
+def test_a_one_sided_holder_shortens_one_side_of_the_loop_alone_and_thicker_wires_wear_shallower() -> None:
     low, high = worn()[0].loop.reach_mm
     for size, sides in ((4.0, (0.0, -4e-3)), (-4.0, (4e-3, 0.0))):
         found = worn("one_sided_holder", um_per_N=size)[0].loop.reach_mm
         assert (found[0] - low, found[1] - high) == pytest.approx(sides, abs=2e-3)
-
-
-def test_thicker_wires_wear_shallower() -> None:
     thick, _ = worn("other_gauge", diameter_factor=1.4)
     assert thick.shapes.fixed.max() < 0.95 * worn()[0].shapes.fixed.max()
 

@@ -124,14 +124,11 @@ def test_every_friction_law_starts_with_the_contacts_stiffness_and_ends_mobilise
     assert share(np.array([50.0]))[0] == pytest.approx(1.0)
 
 
-def test_boucs_law_solves_its_differential_equation() -> None:
+def test_boucs_law_solves_its_differential_equation_and_none_is_coulombs_behind_half_spaces() -> None:
     """dz/dx = 1 below no force, 1 - z² above, from z = -1: integrated by Runge and Kutta, x the travel times K/(µP)."""
     travel = np.linspace(0.0, 4.0, 41)
     solved = solve_ivp(lambda _, z: 1.0 - np.maximum(z, 0.0) ** 2, (0.0, 4.0), [-1.0], t_eval=travel, rtol=1e-8)
     np.testing.assert_allclose(2.0 * LAWS["bouc"].share(0.5 * travel) - 1.0, solved.y[0], atol=1e-5)
-
-
-def test_no_friction_law_is_coulombs_behind_half_spaces() -> None:
     reduced = np.linspace(0.0, 1.5, 50)
     mindlin = 1.0 - (1.0 - reduced / 1.5) ** 1.5
     for law in LAWS.values():
@@ -254,14 +251,11 @@ def test_an_asymmetric_cell_stretches_one_sign_and_one_with_hysteresis_loses_its
     assert np.ptp(force) == pytest.approx(np.ptp(LOOP.tangential_force_N) - 0.2, rel=1e-6)
 
 
-def test_a_creeping_zero_moves_the_whole_loop_over_the_test() -> None:
+def test_a_creeping_zero_moves_the_whole_loop_and_a_bent_sensor_is_right_at_ends_and_middle() -> None:
     late = seen("creeping_force_zero", cycle=1e6, zero_N=0.1, cycles=1000.0).tangential_force_N
     early = seen("creeping_force_zero", cycle=1.0, zero_N=0.1, cycles=1000.0).tangential_force_N
     assert late - LOOP.tangential_force_N == pytest.approx(0.1, abs=1e-6)
     assert np.abs(early - LOOP.tangential_force_N).max() < 1e-3
-
-
-def test_a_bent_sensor_is_right_at_both_ends_and_in_the_middle() -> None:
     moved = 1e3 * (seen("bent_displacement_sensor", bend=0.1).displacement_mm - LOOP.displacement_mm)
     for place in (0.0, 0.06, -0.06):
         assert moved[np.argmin(np.abs(LOOP.displacement_mm - place))] == pytest.approx(0.0, abs=0.02)

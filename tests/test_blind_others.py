@@ -47,17 +47,14 @@ def paraboloid(count: int, half_mm: float) -> tuple[np.ndarray, float]:
     return (x[:, None] ** 2 + x**2) / (2.0 * RADIUS_mm), float(x[1] - x[0])
 
 
-def test_half_spaces_have_the_pressure_and_approach_of_hertz() -> None:
+def test_half_spaces_have_the_pressure_and_approach_of_hertz_also_if_solved_at_once() -> None:
     gap, step = paraboloid(65, 0.1)
     pressure, approach = HalfSpaces((65, 65), (step, step), E_MPa).press(gap, LOAD_N, 0.0)
     radius = (0.75 * LOAD_N * RADIUS_mm / E_MPa) ** (1.0 / 3.0)
     assert approach == pytest.approx(radius**2 / RADIUS_mm, rel=3e-3)
     assert pressure.max() == pytest.approx(1.5 * LOAD_N / (pi * radius**2), rel=1e-2)
     assert pressure.sum() * step**2 == pytest.approx(LOAD_N)
-
-
-def test_half_spaces_that_are_solved_at_once_have_a_pressure() -> None:
-    """Four cells of a soft layer on rigid bodies carry the load evenly: nothing is left to be improved."""
+    # Four cells of a soft layer on rigid bodies carry the load evenly: nothing is left to be improved.
     gap = np.ones((24, 24))
     gap[11:13, 11:13] = 0.0
     pressure, _ = HalfSpaces((24, 24), (0.01, 0.01), np.inf).press(gap, LOAD_N, 1e-9)

@@ -88,13 +88,10 @@ def course_of_flattening(flattening_um: float) -> LoopCourse:
     return simulate(replace(states(), stroke_um=60.0), flat, CYCLES_OF_FLATTENING)
 
 
-def test_the_flats_have_the_volumes_of_their_closed_forms() -> None:
+def test_flats_have_the_volumes_of_closed_forms_and_no_hooks_at_first_but_steep_ends_later() -> None:
     deepest, stroke = wires_of_flattening().flattenings[-1], 60.0 / 52.0
     cap, groove = 0.5 * np.pi * deepest**2, 4.0 / 3.0 * stroke * deepest * np.sqrt(2.0 * deepest)
     assert wires_of_flattening().table.volume[-1] == pytest.approx([groove + cap, cap], rel=0.03)
-
-
-def test_flattened_wires_have_no_hooks_at_first_steep_ends_later_and_none_in_mid_stroke() -> None:
     slope = wires_of_flattening().at(np.full(3, 0.17), np.array([0.0, 0.3, 20.0])).slope
     inner = wires_of_flattening().positions < 0.6
     assert np.all(np.abs(slope[0]) < 0.02)
@@ -159,14 +156,10 @@ def bend_um(loop: Loop) -> float:
 
 
 @pytest.mark.slow
-def test_a_wire_that_climbs_presses_the_loading_spring() -> None:
+def test_a_wire_that_climbs_presses_the_spring_and_the_holder_yields_to_force_along_the_motion() -> None:
     model, rig = (ripple_N_per_um(of(leaning=False), of(leaning=True)) for of in (foreseen, independent))
     assert rig > 3e-5
     assert model == pytest.approx(rig, rel=0.1)
-
-
-@pytest.mark.slow
-def test_the_holder_yields_to_the_force_along_the_motion_not_to_that_along_the_plane() -> None:
-    """Without it, branches of a misaligned contact look as if the reading leant with the square of the force."""
+    # Without it, branches of a misaligned contact look as if the reading leant with the square of the force.
     model, rig = (bend_um(of(leaning=True)) - bend_um(of(leaning=False)) for of in (foreseen, independent))
     assert model == pytest.approx(rig, abs=0.1)

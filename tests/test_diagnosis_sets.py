@@ -217,15 +217,12 @@ def test_a_gap_that_a_further_record_does_not_show_is_no_effect_of_the_rig() -> 
     assert answer.verdict != "explained"
 
 
-def test_a_search_holds_every_further_record() -> None:
+def test_a_search_holds_every_further_record_but_the_same_loops_are_none() -> None:
     found, other = searched(one_loop("spring", "sensor", 1, 100)), one_loop("none", "sensor", 2, 100)
     for count in (1, 2):
         found = updated(found, states(), nominal(other.tables.conditions.drive), reduce(other))
         assert isinstance(found, Updated)
         assert len(found.further) == len(found.before) == count
-
-
-def test_the_same_loops_are_no_further_measurement() -> None:
     first = one_loop("none", "sensor", 1, 100)
     with pytest.raises(RecordError, match="is diagnosed alone"):
         require_of_one_rig(first, [first])

@@ -64,12 +64,9 @@ def test_a_held_motion_is_that_of_the_bodies_and_a_held_reading_is_wrong_by_its_
     assert evolution["displacement_amplitude_um"] == pytest.approx(10.0, rel=1e-3)
 
 
-def test_line_contacts_hold_too() -> None:
+def test_line_contacts_hold_too_and_a_force_above_friction_cannot_be_held() -> None:
     study = line_study(conditions={"cycles": 200, "held_energy_mJ_per_mm": 0.3}, log={"loop_cycles": [1, 200]})
     assert simulate(study, fidelity="quick").evolution["dissipated_energy_mJ"] == pytest.approx(0.3, rel=3e-3)
-
-
-def test_a_force_above_friction_cannot_be_held_and_the_run_says_so() -> None:
     with pytest.raises(
         SolverError, match=r"cannot hold held_tangential_force_N = 1.5: at its largest amplitude, 20 um"
     ):
@@ -102,12 +99,10 @@ def grown(figures: dict[float, float], target: float) -> Ending:
     return ending
 
 
-def test_the_end_is_foreseen_where_a_figure_grows_by_a_power_of_the_cycles() -> None:
+def test_the_end_is_foreseen_of_a_power_of_the_cycles_and_its_interval_holds_a_power_that_changes() -> None:
     ending = grown({float(n): 0.1 * n**0.5 for n in (1, 10, 100, 400, 1000, 2000, 4000)}, 20.0)
     assert ending.foreseen() == "; depth_um = 20 is expected after 40\u2009000 cycles (40\u2009000 to 40\u2009000)"
 
-
-def test_the_interval_of_a_foreseen_end_holds_that_of_a_power_that_changes() -> None:
     def depth(n: float) -> float:
         return float(0.1 * n**0.5 / (1.0 + n / 2e4))
 

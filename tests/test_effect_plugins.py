@@ -286,15 +286,12 @@ def test_an_effect_changes_one_column_as_its_closed_form_says(
     assert found[1] == pytest.approx(np.broadcast_to(expected, 4), rel=1e-12)
 
 
-def test_debris_softens_the_contact_the_more_the_larger_the_scar_up_to_a_limit() -> None:
+def test_debris_softens_the_contact_the_more_the_larger_the_scar_and_a_layer_is_worn_in() -> None:
     found = changes(effect("third_body", retained_fraction=0.4, modulus_MPa=500.0))
     added = found["compliance_um_per_N"] - 6.0
     assert np.all(np.diff(added) > 0.0)
     assert added[-1] == pytest.approx(0.5 * 0.4 / (np.pi * 225.0 * 0.286e-6 * 500.0), rel=1e-3)
     assert found["retained_fraction"] == pytest.approx(np.full(4, 0.4))
-
-
-def test_a_rough_layer_is_worn_in_by_its_course() -> None:
     (layer,) = effect("roughness_compliance", layer_um=5.0, cycles=3e3).changed(ContactLaw(0.62), Age(3e3, 0.0)).layers
     assert layer.decay_mm == pytest.approx(5e-3 * np.exp(-1.0))
 

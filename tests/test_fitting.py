@@ -52,16 +52,12 @@ def holds(parameter: FittedParameter, truth: float) -> bool:
 
 
 @pytest.mark.slow
-def test_friction_and_rig_of_another_codes_test_lie_in_their_intervals() -> None:
+def test_friction_and_rig_lie_in_their_intervals_and_wear_is_volume_over_the_whole_tests_energy() -> None:
     fit = fitted("as stated")
     assert holds(known(fit, "friction"), 0.62)
     assert known(fit, "friction").value == pytest.approx(0.62, rel=0.03)
     assert holds(known(fit, "tangential_stiffness_N_per_mm"), 167.0)
     assert known(fit, "tangential_stiffness_N_per_mm").value == pytest.approx(167.0, rel=0.05)
-
-
-@pytest.mark.slow
-def test_the_wear_coefficient_is_the_scars_volume_over_the_energy_of_the_whole_test() -> None:
     fit = fitted("as stated")
     assert holds(known(fit, "energy_wear_coefficient_mm3_per_J"), 3.0e-5)
     assert known(fit, "moving_share").value == pytest.approx(0.5, abs=0.03)

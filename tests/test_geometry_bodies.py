@@ -261,15 +261,12 @@ def test_a_barrel_straight_one_way_is_a_cylinder(along: bool) -> None:
     assert barrel.slope(POINTS_mm) == pytest.approx(cylinder.slope(POINTS_mm))
 
 
-def test_slopes_of_a_barrel_are_those_of_its_height() -> None:
+def test_slopes_of_a_barrel_are_those_of_its_height_and_a_patch_on_its_flank_is_refused() -> None:
     barrel, step = Barrel(0.7, 1.1), 1e-6
     for axis in (0, 1):
         aside = step * np.eye(2)[axis]
         rise = (barrel.height(POINTS_mm + aside) - barrel.height(POINTS_mm - aside)) / (2.0 * step)
         assert barrel.slope(POINTS_mm)[:, axis] == pytest.approx(rise, abs=1e-7)
-
-
-def test_a_patch_that_reaches_the_flank_is_refused() -> None:
     Barrel(0.5, 0.5).require_within(1.0, 1.0)
     with pytest.raises(GeometryError, match="does not fit"):
         Barrel(0.5, 0.5).require_within(1.5, 1.5)

@@ -199,13 +199,10 @@ def test_a_simulation_is_asked_for_at_its_door() -> None:
     assert past_the_door == []
 
 
-def test_kinds_of_contact_have_all_that_is_asked_of_them_and_few_modules_stand_loose() -> None:
+def test_kinds_of_contact_have_all_that_is_asked_few_modules_stand_loose_and_named_files_exist() -> None:
     assert [(name, own) for name, kind in KINDS.items() for own in Kind.__annotations__ if not hasattr(kind, own)] == []
     loose = [path.name for path in (ROOT / "wirewear").glob("*.py") if path.name != "__init__.py"]
     assert len(loose) <= MOST_AT_THE_ROOT, loose
-
-
-def test_the_files_that_the_page_for_developers_names_exist() -> None:
     page = (ROOT / "docs" / "developers.md").read_text(encoding="utf-8")
     named = set(re.findall(r"`([\w./]+(?:\.py|/))`", page))
     assert len(named) > 20

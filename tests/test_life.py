@@ -52,14 +52,11 @@ def test_a_bar_pulled_to_and_fro_lasts_as_basquin_has_it(criterion: str) -> None
     assert life(criterion, pulled(500.0)) == pytest.approx(0.5 * (500.0 / STRENGTH) ** (1.0 / B), rel=0.05)
 
 
-def test_mean_stress_shortens_a_life_as_by_morrow_and_by_smith_watson_and_topper() -> None:
+def test_mean_stress_shortens_a_life_as_by_morrow_smith_watson_and_topper_and_fatemi_and_socie() -> None:
     reversed_MPa = 400.0 / (1.0 - 300.0 / STRENGTH)
     assert life("stress-life", pulled(400.0, 300.0)) == pytest.approx(life("stress-life", pulled(reversed_MPa)), 0.01)
     alike = life("smith-watson-topper", pulled(np.sqrt(400.0 * 700.0)))
     assert life("smith-watson-topper", pulled(400.0, 300.0)) == pytest.approx(alike, rel=0.01)
-
-
-def test_fatemi_and_socie_are_as_the_planes_of_a_bar_have_it() -> None:
     angle = np.linspace(0.0, np.pi / 2.0, 20001)
     shear, normal = 0.5 * 500.0 * np.sin(2.0 * angle), 500.0 * np.cos(angle) ** 2
     parameter = (shear / STEEL.shear_modulus_MPa * (1.0 + normal / STRENGTH)).max()
@@ -74,16 +71,13 @@ def test_a_cycle_that_goes_to_and_fro_twice_takes_twice_the_life(criterion: str)
     assert once == pytest.approx(2.0 * twice, rel=1e-6)
 
 
-def test_data_that_are_lacking_are_named_and_estimated_ones_scatter_more() -> None:
+def test_lacking_data_are_named_estimated_ones_scatter_more_and_others_follow_from_fatigue_limits() -> None:
     with pytest.raises(StudyError, match=r"needs fatigue_strength_coefficient_MPa, .* --material"):
         criterion_of(LifeTable(), STEEL)
     estimated = LifeTable().of_material("steel")
     assert estimated.fatigue_strength_coefficient_MPa == pytest.approx(1.5 * 1960.0)
     assert estimated.scatter > LifeTable().scatter
     assert LifeTable(**OWN, material="Ti-6Al-4V").of_material("steel").fatigue_strength_exponent == B
-
-
-def test_crosslands_slope_and_el_haddads_length_follow_from_fatigue_limits() -> None:
     table = LifeTable(fatigue_limit_MPa=500.0, torsion_fatigue_limit_MPa=350.0, threshold_MPa_sqrt_m=8.0)
     assert 500.0 / 3.0**0.5 + table.slope * 500.0 / 3.0 == pytest.approx(350.0)
     assert table.distance_um == pytest.approx(1e6 * (8.0 / 1000.0) ** 2 / np.pi)

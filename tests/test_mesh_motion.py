@@ -116,14 +116,11 @@ def scar(of: BodyMesh, deepest_mm: float) -> Array:
     return np.asarray(deepest_mm * np.outer(np.maximum(1.0 - a**2, 0.0), np.maximum(1.0 - t**2, 0.0)))
 
 
-def test_the_volume_of_the_body_shrinks_by_the_worn_volume(fresh: BodyMesh) -> None:
+def test_the_body_shrinks_by_the_worn_volume_and_nothing_but_the_patch_of_its_boundary_moves(fresh: BodyMesh) -> None:
     depth = scar(fresh, 0.008)
     worn = fresh.worn(depth)
     lost = fresh.mesh.volume_mm3() - worn.mesh.volume_mm3()
     assert lost == pytest.approx(float(depth.ravel() @ fresh.patch.node_areas()), rel=1e-9)
-
-
-def test_the_patch_describes_the_moved_nodes_and_nothing_else_of_the_boundary_moves(fresh: BodyMesh) -> None:
     worn = fresh.worn(scar(fresh, 0.008))
     points = worn.mesh.points[worn.patch.nodes.ravel()]
     assert points[:, :2] == pytest.approx(worn.patch.grid(), abs=1e-12)

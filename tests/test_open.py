@@ -93,7 +93,7 @@ def test_nothing_outside_the_folder_is_served_or_written(server: DeskServer, tmp
     assert asked(server.url + "files/..", "PUT", b"1")[0] == 409
 
 
-def test_what_is_made_anew_is_put_aside(desk: Desk) -> None:
+def test_what_is_made_anew_is_put_aside_and_a_step_waits_for_what_it_needs(desk: Desk) -> None:
     for text in ("first", "second", "third"):
         desk.write_mapping(text)
     desk.add("a.csv", b"1")
@@ -101,9 +101,6 @@ def test_what_is_made_anew_is_put_aside(desk: Desk) -> None:
     kept = sorted(path.read_text(encoding="utf-8") for path in (desk.folder / "earlier").iterdir())
     assert kept == ["1", "first", "second"]
     assert desk.state()["mapping"] == "third"
-
-
-def test_a_step_waits_for_what_it_needs(desk: Desk) -> None:
     assert not step(desk, "check")["ready"]
     with pytest.raises(RunError, match="record is not there yet"):
         desk.start("check", {})

@@ -50,13 +50,10 @@ def refusal(contact: dict[str, Any], **tables: Any) -> str:
     return str(caught.value)
 
 
-def test_a_ball_on_a_flat_is_the_short_form_of_its_two_shapes() -> None:
+def test_a_ball_on_a_flat_is_the_short_form_of_two_shapes_and_touches_as_crossed_cylinders() -> None:
     spelled = bodies({"shape": "flat", **STEEL}, {"shape": "ball", "diameter_mm": 2 * RADIUS_mm, **STEEL})
     short, long = (discretise(study(contact), "standard") for contact in (BALL, spelled))
     assert (short.moving, short.fixed, short.expected) == (long.moving, long.fixed, long.expected)
-
-
-def test_its_hertz_contact_is_that_of_a_sphere_and_of_crossed_cylinders() -> None:
     steel = reference.Elastic(210000.0, 0.3)
     sphere = reference.hertz_point(LOAD_N, RADIUS_mm, reference.contact_modulus(steel, steel))
     for contact in (BALL, CROSSED):

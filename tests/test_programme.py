@@ -42,14 +42,11 @@ def test_blocks_come_in_turn_up_to_the_tests_end_and_equal_neighbours_are_one() 
     assert {100, 150, 180, 330, 360, 400} <= set(of_three.log.loop_cycles)
 
 
-def test_meshes_are_for_the_largest_load_and_stroke_and_for_what_all_blocks_wear() -> None:
+def test_meshes_are_for_the_largest_load_and_stroke_and_the_wear_of_all_blocks_in_any_process() -> None:
     largest = coarse(LONG + SHORTER).envelope
     assert largest.conditions.displacement_amplitude_um == 20.0
     assert largest.conditions.normal_load_N == 2.0
     assert largest.conditions.cycles == 250 + 50 + int(np.ceil(100 * 12.0 * 1.5 / (20.0 * 2.0)))
-
-
-def test_studies_with_a_programme_go_to_other_processes() -> None:
     study = coarse(LONG + SHORTER)
     assert len(study.schedule.stretches) == 5
     assert len(pickle.loads(pickle.dumps(study)).schedule.stretches) == 5

@@ -46,16 +46,13 @@ def test_the_worn_annulus_just_touches(radius_mm: float) -> None:
     assert SHAPE.depth(radius_mm) > 0.0
 
 
-def test_the_stuck_centre_carries_the_load() -> None:
+def test_the_stuck_centre_carries_the_load_and_steel_wires_wear_as_evaluated_independently() -> None:
     def ring(angle: float) -> float:
         s = SHAPE.stick_radius_mm * np.sin(angle)
         return float(2.0 * pi * s * SHAPE.pressure(s, MODULUS) * SHAPE.stick_radius_mm * np.cos(angle))
 
     carried = quad(ring, 0.0, 0.5 * pi * (1.0 - 1e-12))[0]
     assert carried == pytest.approx(SHAPE.load_N(MODULUS), rel=1e-6)
-
-
-def test_steel_wires_wear_as_an_independent_evaluation_of_the_formula_says() -> None:
     assert 1e3 * SHAPE.deepest_mm[0] == pytest.approx(0.154, abs=1e-3)
     assert 1e3 * SHAPE.edge_radius_mm == pytest.approx(16.6, abs=0.1)
     assert 1e9 * SHAPE.volume_mm3 == pytest.approx(61.0, abs=0.7)

@@ -270,14 +270,11 @@ def test_loops_that_were_refused_or_not_looked_at_support_no_conclusion(
     assert "How loops change" not in supported
 
 
-def test_a_normal_force_that_presses_negatively_is_said_to_be_turned(sound: ExperimentRecord, tmp_path: Path) -> None:
+def test_a_normal_force_turned_is_said_and_one_in_another_unit_refused(sound: ExperimentRecord, tmp_path: Path) -> None:
     read = read_record(write_record(tmp_path / "record", channel(NORMAL, scaled(-1.0))(sound)))
     for loop, own in zip(read.loops, sound.loops, strict=True):
         np.testing.assert_array_equal(loop.normal_force_N, own.normal_force_N)
     assert any("factor = -1" in remark.text for remark in check_record(read).remarks)
-
-
-def test_loops_of_a_record_in_another_unit_of_normal_force_are_refused(sound: ExperimentRecord, tmp_path: Path) -> None:
     folder = write_record(tmp_path / "record", channel(NORMAL, scaled(1e3))(sound))
     with pytest.raises(RecordError, match="looks like millinewtons"):
         read_loops(folder)

@@ -210,7 +210,7 @@ def wires() -> Calibration:
 
 
 @pytest.mark.slow
-def test_the_moving_wires_compliance_is_half_of_mindlins_and_the_stated_one_comes_on_top(wires: Calibration) -> None:
+def test_a_wires_compliance_is_half_of_mindlins_and_between_the_holders_lies_the_rigs(wires: Calibration) -> None:
     """Two alike wires share Mindlin's 1/(2G*a); the gripped wire is no half-space and adds some per cent."""
     steel = Elastic(210000.0, 0.3)
     radius = hertz_point(2.0, 0.225, contact_modulus(steel, steel)).contact_radius_mm
@@ -218,10 +218,6 @@ def test_the_moving_wires_compliance_is_half_of_mindlins_and_the_stated_one_come
     assert wires.polynomial.linear_um_per_N.value - 0.3 == pytest.approx(0.5e3 / contact, rel=0.15)
     assert abs(wires.polynomial.quadratic_um_per_N2.value) < 1e-3
     np.testing.assert_allclose(wires.motions[0].tangential_force_N.max(), 0.62 * 2.0, rtol=0.02)
-
-
-@pytest.mark.slow
-def test_between_the_holders_lies_the_rigs_compliance(wires: Calibration) -> None:
     found = calibrate(study(), normal_loads_N=[2.0], near="between-holders", fidelity="quick").polynomial
     assert found.linear_um_per_N.value == pytest.approx(1e3 / 167.0, rel=1e-6)
     assert abs(found.quadratic_um_per_N2.value) < 1e-6

@@ -224,12 +224,9 @@ def test_what_laboratories_rub_is_found_by_every_name_that_it_goes_by(names: tup
     assert len({material_named(name) for name in names}) == 1
 
 
-def test_the_list_of_materials_says_of_which_the_source_was_not_read() -> None:
+def test_a_study_takes_a_material_by_any_name_and_the_list_says_whose_source_was_not_read() -> None:
     listed = CliRunner().invoke(cli, ["materials"]).output
     assert listed.count("unverified:") == sum(not item.verified for item in materials()) > 0
-
-
-def test_a_study_takes_a_material_by_any_of_its_names_and_reads_back_the_same() -> None:
     study, titanium = parse_study(NAMED, "study.toml"), material_named("Ti-6Al-4V").elastic
     assert [body.material for body in study.bodies] == [titanium, titanium]
     assert study.wires.material == "Ti-6Al-4V"

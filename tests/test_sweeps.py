@@ -203,21 +203,18 @@ def test_sobol_indices_are_those_of_the_closed_form() -> None:
     assert found[2].total == pytest.approx(0.2437, abs=0.03)
 
 
-def test_the_front_holds_the_runs_that_no_other_beats() -> None:
+def test_the_front_holds_runs_that_no_other_beats_and_lines_of_a_grid_go_through_its_runs() -> None:
     slip, depth = np.array([1.0, 3.0, 2.0, 3.0]), np.array([1.0, 3.0, 2.5, 4.0])
     assert front(slip, depth).tolist() == [0, 2, 1]
-
-
-# Whole
-
-
-def test_lines_of_a_grid_go_through_its_runs_and_no_median_stands_between_them() -> None:
     points = np.array([[x, z] for x in (1.0, 2.0, 3.0) for z in (0.0, 10.0)])
     y = points[:, 0] + points[:, 1]
     lines = _lines(points, 0, y)
     assert [line[1].tolist() for line in lines] == [[1.0, 2.0, 3.0], [11.0, 12.0, 13.0]]
     scattered = np.random.default_rng(0).random((40, 2))
     assert len(_lines(scattered, 0, scattered[:, 0])) == 1
+
+
+# Whole
 
 
 def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
