@@ -256,8 +256,8 @@ def test_slip_that_is_round_off_has_no_direction_that_friction_could_miss(
     no, yes, zero = np.array([False]), np.array([True]), np.zeros(1)
     state = Iterate(
         normal=np.array([1000.0]), tangential=np.array([[600.0, 0.0]]), height=0.0, holder_x=0.0, tilt=0.0, gap=zero,
-        slip=slip_mm * np.array([[np.cos(0.1), np.sin(0.1)]]), elastic=1e-3, active=yes, touching=1, fresh=0,
-        stick=no, near_stick=no, follows=yes, verge=no, direction=np.array([[-1.0, 0.0]]), augmentation=zero, limit=zero,
+        slip=slip_mm * np.array([[np.cos(0.1), np.sin(0.1)]]), elastic=1e-3, active=yes, touching=1, fresh=0, stick=no,
+        near_stick=no, follows=yes, verge=no, direction=np.array([[-1.0, 0.0]]), augmentation=zero, limit=zero,
     )  # fmt: skip
     found = iteration.converged_outcome(cast("Any", conditions), state, state, 3)
     assert found.slip_direction_error == pytest.approx(told, abs=1e-9)
