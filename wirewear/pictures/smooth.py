@@ -1,7 +1,7 @@
 """Scars and loops on finer grids, so that pictures show surfaces and fields, not the elements they were computed on.
 
-Between grid points a field follows monotone cubics, along one axis after the other: smooth, through every computed
-value, and nowhere beyond its neighbours. The area where
+Between grid points a field follows monotone cubics (F. N. Fritsch & R. E. Carlson, SIAM J. Numer. Anal. 17 (1980) 238),
+along one axis after the other: smooth, through every computed value, and nowhere beyond its neighbours. The area where
 it is not zero ends somewhere between two grid points; there a depth is carried on as a thin plate bends, other fields
 as they came.
 """
@@ -14,6 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 from scipy import sparse
+from scipy.interpolate import PchipInterpolator
 from scipy.sparse.linalg import spsolve
 
 from geometry.arrays import Array, BoolArray
@@ -71,37 +72,9 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
     at = np.concatenate([[0.0], np.cumsum(lengths)])
     around = np.concatenate([at[-4:-1] - at[-1], at, at[-1] + at[1:4]])
     fine = np.unique(np.concatenate([np.linspace(0.0, at[-1], points), at]))
-    curves = (monotone_cubic(around, np.concatenate([v[-4:-1], v, v[1:4]]), fine) for v in (x, q))
-    one, other = curves
+    one, other = (PchipInterpolator(around, np.concatenate([v[-4:-1], v, v[1:4]]))(fine) for v in (x, q))
     one[-1], other[-1] = one[0], other[0]
     return one, other
-
-
-def monotone_cubic(lines: Array, values: Array, at: Array) -> Array:
-    """Monotone cubics through values (n, ...) at lines (n,), n ≥ 3, evaluated at places (m,) between them: (m, ...).
-
-    Slopes at the lines are harmonic means of those beside them (F. N. Fritsch & J. Butland, SIAM J. Sci. Stat. Comput.
-    5 (1984) 300), at the ends those of parabolas, held to the chord's sign and three times its size.
-    """
-    step = np.diff(lines).reshape(-1, *[1] * (values.ndim - 1))
-    chord = np.diff(values, axis=0) / step
-    slope = np.zeros_like(values)
-    alike = chord[:-1] * chord[1:] > 0.0
-    before, after = step[:-1] + 2.0 * step[1:], 2.0 * step[:-1] + step[1:]
-    np.divide(
-        (before + after) * chord[:-1] * chord[1:], before * chord[1:] + after * chord[:-1], slope[1:-1], where=alike
-    )
-    for end, beside in ((0, 1), (-1, -2)):
-        first, second = chord[end], chord[beside]
-        parabola = first + (first - second) * step[end] / (step[end] + step[beside])
-        most = np.where(first * second > 0.0, np.inf, 3.0 * np.abs(first))
-        slope[end] = np.where(parabola * first > 0.0, np.clip(parabola, -most, most), 0.0)
-    cell = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
-    wide, rise = step[cell], chord[cell]
-    part = (at - lines[cell]).reshape(wide.shape) / wide
-    start, end_slope = slope[cell] - rise, slope[cell + 1] - rise
-    bow = start * (1.0 - part) - end_slope * part
-    return np.asarray(values[cell] + wide * part * (rise + (1.0 - part) * bow))
 
 
 def extended(first: Array, second: Array, values: Array, inside: Mask) -> Array:
@@ -211,8 +184,8 @@ def _finer(line: Array) -> Array:
 
 
 def _interpolated(scar: Scar, values: Array, axial: Array, transverse: Array) -> Array:
-    along = monotone_cubic(scar.axial_um, values, axial)
-    return monotone_cubic(scar.transverse_um, along.T, transverse).T
+    along = PchipInterpolator(scar.axial_um, values, axis=0)(axial)
+    return np.asarray(PchipInterpolator(scar.transverse_um, along, axis=1)(transverse))
 
 
 def _carried_on(scar: Scar, values: Array, least: float) -> tuple[BoolArray, Array, Array]:
