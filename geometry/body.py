@@ -109,19 +109,13 @@ def _collect(gmsh: Any) -> tuple[Array, IntArray]:
 
 
 class BodyGeometry(ABC):
-    """What a body's mesh is built from; lengths in mm. Its axis is x, its contact the origin, facing +z.
+    """What a body's mesh is built from; lengths in mm. Its axis is x, its contact the origin, facing +z."""
 
-    axial, transverse: gradings of the contact patch along and across the body.
-    coarse_mm: largest element far from the contact.
-    layering: of the elements under the patch.
-    grip_stiffness_N_per_mm3: of an elastic grip per area, None of a rigid one.
-    """
-
-    axial: GradedAxis
-    transverse: GradedAxis
-    coarse_mm: float
-    layering: Layering
-    grip_stiffness_N_per_mm3: float | None
+    axial: GradedAxis  #: Grading of the contact patch along the body.
+    transverse: GradedAxis  #: That across it.
+    coarse_mm: float  #: Largest element far from the contact.
+    layering: Layering  #: Of the elements under the patch.
+    grip_stiffness_N_per_mm3: float | None  #: Of an elastic grip per area, None of a rigid one.
 
     @property
     @abstractmethod

@@ -17,27 +17,19 @@ from geometry.sections import block_section, wire_section
 
 @dataclass(frozen=True)
 class WireGeometry(BodyGeometry):
-    """What a wire's mesh is built from; lengths in mm.
-
-    axial, transverse: gradings of the contact patch along and across the wire.
-    coarse_mm: largest element far from the contact.
-    layering: of the elements under the patch.
-    grip_half_angle_rad: half of the sector of the lateral surface, measured from the back, that the holder grips.
-    gripped_at_ends: whether the holder grips both ends in its place.
-    bore_mm: a tube's inner diameter.
-    """
+    """What a wire's mesh is built from; see `BodyGeometry`."""
 
     diameter_mm: float
     length_mm: float
     axial: GradedAxis
     transverse: GradedAxis
     coarse_mm: float
-    grip_half_angle_rad: float = pi / 4
+    grip_half_angle_rad: float = pi / 4  #: Half of the sector of the lateral surface, from the back, that is gripped.
     grip_half_length_mm: float | None = None
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
-    gripped_at_ends: bool = False
-    bore_mm: float = 0.0
+    gripped_at_ends: bool = False  #: Whether the holder grips both ends in its place.
+    bore_mm: float = 0.0  #: A tube's inner diameter.
 
     def __post_init__(self) -> None:
         if not 0.0 <= self.bore_mm < self.diameter_mm:
@@ -95,24 +87,19 @@ class WireGeometry(BodyGeometry):
 
 @dataclass(frozen=True)
 class BlockGeometry(BodyGeometry):
-    """A block with a barrel's face, held at its back and its sides; lengths in mm.
+    """A block with a barrel's face, held at its back and its sides; lengths in mm."""
 
-    curvature_along_per_mm, curvature_across_per_mm: one over the face's radii, 0 where it is straight.
-    half_width_along_mm, half_width_across_mm: to each side of the contact.  height_mm: from the contact to the back.
-    face: that of a pad, which lies below the mesh's.
-    """
-
-    curvature_along_per_mm: float
+    curvature_along_per_mm: float  #: One over the face's radius, 0 where it is straight, as the next.
     curvature_across_per_mm: float
-    half_width_along_mm: float
+    half_width_along_mm: float  #: To each side of the contact, as the next.
     half_width_across_mm: float
-    height_mm: float
+    height_mm: float  #: From the contact to the back.
     axial: GradedAxis
     transverse: GradedAxis
     coarse_mm: float
     grip_stiffness_N_per_mm3: float | None = None
     layering: Layering = field(default_factory=Layering)
-    face: Turned | None = None
+    face: Turned | None = None  #: That of a pad, which lies below the mesh's.
 
     def __post_init__(self) -> None:
         widths = self.half_width_along_mm, self.half_width_across_mm
@@ -167,22 +154,16 @@ _LEAST_QUALITY = 0.2
 
 @dataclass(frozen=True)
 class PlanarGeometry:
-    """A body of unit thickness below a contact surface, held at its back.
+    """A body of unit thickness below a contact surface, held at its back."""
 
-    profile: the contact surface.  half_width_mm, height_mm: of the body around and below the point of first contact.
-    along: mesh lines of the contact patch.  far_mm: largest element far away.  growth: of elements from one to the
-    next on the way there.  grip_half_width_mm: of the part of the back that is held, about the middle; all without it.
-    grip_stiffness_N_per_mm3: of an elastic grip per area; without it the grip is rigid.
-    """
-
-    profile: Profile
-    half_width_mm: float
-    height_mm: float
-    along: GradedAxis | EdgeGradedAxis
-    far_mm: float = 1.0
-    growth: float = 1.3
-    grip_half_width_mm: float | None = None
-    grip_stiffness_N_per_mm3: float | None = None
+    profile: Profile  #: The contact surface.
+    half_width_mm: float  #: Of the body around the point of first contact.
+    height_mm: float  #: Below that point.
+    along: GradedAxis | EdgeGradedAxis  #: Mesh lines of the contact patch.
+    far_mm: float = 1.0  #: Largest element far away.
+    growth: float = 1.3  #: Of elements from one to the next on the way there.
+    grip_half_width_mm: float | None = None  #: Of the held part of the back, about the middle; all without it.
+    grip_stiffness_N_per_mm3: float | None = None  #: Of an elastic grip per area; without it the grip is rigid.
 
     def __post_init__(self) -> None:
         if not self.half_width_mm > self.along.half_extent_mm:

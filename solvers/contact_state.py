@@ -42,78 +42,56 @@ class Stroke:
 
 @dataclass(frozen=True)
 class ContactState:
-    """State at the end of an increment; lengths in mm, forces in N.
-
-    drive: displacement of the lower body along x.  holder_x, holder_z: position of the upper body's holder.
-    holder_tilt: rotation of the holder about its pivot, rad, positive when it moves the contact towards +x.
-    holder_rate: holder's motion per drive's motion over the increment, which tells sticking (1) from sliding.
-    overlap_area: plane area on which the undeformed bodies overlap, mm².
-    pressed_z: its height when the bodies had just been pressed together (NaN before).
-    traction: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
-    primary_force, secondary_force: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force
-    on the upper body.
-    primary_slid, secondary_slid: (n,) distance that each node of a patch has slid under pressure so far, mm.
-    core: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
-    pressed_ahead: drive less holder_x when they were.
-    slip_share: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
-    load_share: what presses the holder down, but for its loading spring, over the test's normal load.
-    bulk: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
-    body's axes, see `BulkStress.gradient`.  bulk_step: by how much they changed over the last increment.
-    """
+    """State at the end of an increment; lengths in mm, forces in N."""
 
     wear: WearState
-    drive: float
-    holder_x: float
+    drive: float  #: Displacement of the lower body along x.
+    holder_x: float  #: Position of the upper body's holder, as the next.
     holder_z: float
-    holder_tilt: float
-    holder_rate: float
-    overlap_area: float
-    pressed_z: float
-    traction: Array
+    holder_tilt: float  #: Of the holder about its pivot, rad, positive when it moves the contact towards +x.
+    holder_rate: float  #: Holder's motion per drive's over the increment: tells sticking (1) from sliding.
+    overlap_area: float  #: Plane area on which the undeformed bodies overlap, mm².
+    pressed_z: float  #: Holder's height when the bodies had just been pressed together (NaN before).
+    traction: Array  #: (n, 3) on the upper body at the primary's nodes, world axes, per plane area.
+    #: (n, 3) the tractions as nodal forces of each patch, both with the sign of the force on the upper body.
     primary_force: Array
     secondary_force: Array
-    primary_slid: Array
+    primary_slid: Array  #: (n,) distance that each node of a patch has slid under pressure so far.
     secondary_slid: Array
+    #: (n,) nodes of the primary under pressure that have stuck ever since the bodies were pressed together.
     core: BoolArray
-    pressed_ahead: float
-    slip_share: Array
-    load_share: float = 1.0
+    pressed_ahead: float  #: drive less holder_x when they were.
+    slip_share: Array  #: (n,) slip of the primary's nodes over the last increment over the drive's signed motion.
+    load_share: float = 1.0  #: What presses the holder down, but for its loading spring, over the test's normal load.
+    #: (2, 2, 2) displacement gradients of the lower and the upper body's surface by their bulk stress, each in its
+    #: body's axes, see `BulkStress.gradient`.
     bulk: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
+    #: By how much they changed over the last increment.
     bulk_step: Array = field(default_factory=lambda: np.zeros((2, 2, 2)))
 
 
 @dataclass(frozen=True)
 class IncrementReport:
-    """What one increment did and how well it was solved; all but the drive is nothing where the bodies do not touch.
+    """What one increment did and how well it was solved; all but the drive is nothing where the bodies do not touch."""
 
-    drive: at its end, mm.  tangential_force, normal_force: on the upper body along x and z, N.  friction_work: mJ.
-    iterations: Newton steps.  pairings: times that the surfaces were paired.  active: nodes in contact.
-    sticking: of these.  contact_area: mm² in the plane.  max_pressure: at any node, MPa.  inner_pressure: the largest
-    away from the contact's rim, MPa, see `solvers.contact.acceptance`.  half_width_x, half_width_y: half extents of the
-    contact, mm.
-    force_error: |unbalanced force| / normal force.  penetration: largest overlap over the largest elastic displacement.
-    complementarity: largest |gap| of nodes that carry pressure, likewise scaled.  slip_direction_error: largest angle
-    between friction and slip of nodes that slide, rad.  elastic_slip: largest slip that a penalty formulation allows to
-    sticking nodes, likewise scaled; 0 otherwise.
-    """
-
-    drive: float
-    tangential_force: float = 0.0
-    normal_force: float = 0.0
-    friction_work: float = 0.0
-    iterations: int = 0
-    pairings: int = 0
-    active: int = 0
-    sticking: int = 0
-    contact_area: float = 0.0
-    max_pressure: float = 0.0
-    inner_pressure: float = 0.0
-    half_width_x: float = 0.0
+    drive: float  #: At its end, mm.
+    tangential_force: float = 0.0  #: On the upper body along x, N.
+    normal_force: float = 0.0  #: On it along z, N.
+    friction_work: float = 0.0  #: In mJ.
+    iterations: int = 0  #: Newton steps.
+    pairings: int = 0  #: Times that the surfaces were paired.
+    active: int = 0  #: Nodes in contact.
+    sticking: int = 0  #: Of these.
+    contact_area: float = 0.0  #: In the plane, mm².
+    max_pressure: float = 0.0  #: At any node, MPa.
+    inner_pressure: float = 0.0  #: The largest away from the contact's rim, MPa, see `solvers.contact.acceptance`.
+    half_width_x: float = 0.0  #: Half extent of the contact, mm, as the next.
     half_width_y: float = 0.0
-    force_error: float = 0.0
-    penetration: float = 0.0
-    complementarity: float = 0.0
-    slip_direction_error: float = 0.0
+    force_error: float = 0.0  #: |unbalanced force| / normal force.
+    penetration: float = 0.0  #: Largest overlap over the largest elastic displacement.
+    complementarity: float = 0.0  #: Largest |gap| of nodes that carry pressure, likewise scaled.
+    slip_direction_error: float = 0.0  #: Largest angle between friction and slip of nodes that slide, rad.
+    #: Largest slip that a penalty formulation allows to sticking nodes, likewise scaled; else 0.
     elastic_slip: float = 0.0
 
 
@@ -128,17 +106,13 @@ class FirstGuess:
 
 @dataclass(frozen=True)
 class Guide:
-    """What m increments of a cycle ended with.
+    """What m increments of a cycle ended with."""
 
-    phase: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].  drive, holder_x: (m,), mm.
-    overlap_area: (m,), mm².  traction: (m, n, 3), MPa.
-    """
-
-    phase: Array
-    drive: Array
+    phase: Array  #: (m,) increasing share of the cycle passed since its +amplitude, in (0, 1].
+    drive: Array  #: (m,), mm, as the next.
     holder_x: Array
-    overlap_area: Array
-    traction: Array
+    overlap_area: Array  #: (m,), mm².
+    traction: Array  #: (m, n, 3), MPa.
 
     def at(self, phase: float, drive: float) -> FirstGuess | None:
         """The guess for an increment that ends at a drive, on the stroke to which a phase of the cycle belongs: where
@@ -187,25 +161,22 @@ def guide_from(phases: Array, states: list[ContactState]) -> Guide:
 class Holder:
     """A holder that moves along the motion (x) and the normal (z) and may rotate about a pivot above the contact.
 
-    normal_load_N: load when the bodies have just been pressed together.
-    tangential_compliance_mm_per_N: of the spring to ground on the motion axis; 0 is a rigid rig.
-    normal_stiffness_N_per_mm: of the loading spring; the load falls by this much per mm that the holder descends
-    afterwards; 0 is a dead weight.
-    rotational_compliance_rad_per_N_mm: of the spring that resists rotation about y; 0 holds it upright.
-    pivot_height_mm: of the pivot above the contact plane.  The load acts through the pivot: when rotation carries the
-    contact aside, it pushes it further, which takes normal_load_N times the height off the rotational stiffness.
-    play_mm: total width of the free play in series with the springs: the holder floats without force between two stops.
-    approach_mm: if given, the holder is lowered by this much after first touch and held there, whatever force that
-    takes; normal_load_N is then only the force to be expected, which sets scales.
+    The load acts through the pivot: when rotation carries the contact aside, it pushes it further, which takes
+    normal_load_N times the pivot's height off the rotational stiffness.
     Raises SolverError for a load, compliance, stiffness or play that cannot be, as effects may leave it.
     """
 
-    normal_load_N: float
-    tangential_compliance_mm_per_N: float = 0.0
+    normal_load_N: float  #: When the bodies have just been pressed together.
+    tangential_compliance_mm_per_N: float = 0.0  #: Of the spring to ground on the motion axis; 0 is a rigid rig.
+    #: Of the loading spring; the load falls by this much per mm that the holder descends afterwards; 0 is a dead
+    #: weight.
     normal_stiffness_N_per_mm: float = 0.0
-    rotational_compliance_rad_per_N_mm: float = 0.0
-    pivot_height_mm: float = 0.0
+    rotational_compliance_rad_per_N_mm: float = 0.0  #: Of the spring that resists rotation about y; 0: upright.
+    pivot_height_mm: float = 0.0  #: Of the pivot above the contact plane.
+    #: If given, the holder is lowered by this much after first touch and held there, whatever force that takes;
+    #: normal_load_N is then only the force to be expected, which sets scales.
     approach_mm: float | None = None
+    #: Total width of the free play in series with the springs: between two stops it floats without force.
     play_mm: float = 0.0
 
     def __post_init__(self) -> None:
@@ -258,16 +229,12 @@ class DriveTiming:
 
 @dataclass(frozen=True)
 class LocalState:
-    """k nodes of the primary as they face the secondary; nothing is worked out before a law asks for it.
+    """k nodes of the primary as they face the secondary; nothing is worked out before a law asks for it."""
 
-    wear: of both bodies.  of_primary, of_secondary: take a field (n,) of either patch to the nodes, (k,).
-    sliding: their speeds (k,), mm/s.  primary_is_upper: which body is which.
-    """
-
-    wear: WearState
-    of_primary: Callable[[Array], Array]
+    wear: WearState  #: Of both bodies.
+    of_primary: Callable[[Array], Array]  #: Takes a field (n,) of its patch to the nodes, (k,), as the next.
     of_secondary: Callable[[Array], Array]
-    sliding: Callable[[], Array]
+    sliding: Callable[[], Array]  #: Their speeds (k,), mm/s.
     primary_is_upper: bool
 
     @property

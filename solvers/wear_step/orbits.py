@@ -23,26 +23,18 @@ from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored
 
 @dataclass(frozen=True)
 class Position:
-    """One position of a cycle, with the k nodes of the primary that may touch there.
+    """One position of a cycle, with the k nodes of the primary that may touch there."""
 
-    state: of the traced cycle.  pairing: of the nodes.  lever: (k,) distance ahead of the holder's pivot, mm.
-    direction: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
-    stuck: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
-    before, after: (k,) slip, mm, of the increment that ends here and of the next one; zero where a node sticks.
-    moved, moves: relative motion of the rigid bodies along x over the two increments, mm.  driven: the drive's, their
-    mean, mm.
-    """
-
-    state: ContactState
-    pairing: Pairing
-    lever: Array
-    direction: Array
-    stuck: Array
-    before: Array
-    after: Array
-    moved: float
-    moves: float
-    driven: float
+    state: ContactState  #: Of the traced cycle.
+    pairing: Pairing  #: Of the nodes.
+    lever: Array  #: (k,) distance ahead of the holder's pivot, mm.
+    direction: Array  #: (k, 2) unit vector of friction in the local tangents, zero where a node sticks.
+    stuck: Array  #: (k, 2) tangential traction of nodes that stick, in the local tangents, MPa.
+    before: Array  #: (k,) slip, mm, of the increment that ends here; zero where a node sticks.
+    after: Array  #: That of the next one.
+    moved: float  #: Relative motion of the rigid bodies along x over the former, mm.
+    moves: float  #: That over the latter.
+    driven: float  #: The drive's, mean of both, mm.
 
     @property
     def nodes(self) -> IntArray:

@@ -197,24 +197,18 @@ _MOST_SEARCHES = 6
 
 @dataclass(frozen=True)
 class CycleJump:
-    """What a jump came to.
+    """What a jump came to."""
 
-    state: after it, at the end of the stroke where the traced cycle, or half of it, ended.
-    pressure_change: by how much pressures of the two stages, or local coefficients of friction, differ: half the mean
-    difference over the load, 0 to 1.
-    friction_work: of a cycle on the surfaces after the jump, mJ.  uncertain: whether a
-    cycle traced on them may well have another.
-    unknowns, active: pressures solved for, and how many of them are not zero.  iterations: of active sets.
-    """
-
-    state: ContactState
+    state: ContactState  #: After it, at the end of the stroke where the traced cycle, or half of it, ended.
     guide: Guide
+    #: By how much pressures of the two stages, or local coefficients of friction, differ: half the mean difference over
+    #: the load, 0 to 1.
     pressure_change: float
-    friction_work: float
-    uncertain: bool
-    unknowns: int
-    active: int
-    iterations: int
+    friction_work: float  #: Of a cycle on the surfaces after the jump, mJ.
+    uncertain: bool  #: Whether a cycle traced on them may well have another.
+    unknowns: int  #: Pressures solved for.
+    active: int  #: How many of them are not zero.
+    iterations: int  #: Of active sets.
 
 
 def jump_cycles(

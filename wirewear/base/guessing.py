@@ -72,21 +72,18 @@ class NoTableError(RecordError):
 
 @dataclass(frozen=True)
 class GuessedLayout:
-    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not).
-
-    width: fields of a row, as a text without names has them, too.  sample_rate_Hz, step_um: as the header states them;
-    the latter from point to point of a line of heights.  clocks: whether a column holds times of day.  tables: layouts
-    of each, where several stand below the same names, or the one whose rows end before the text does; else empty.
-    """
+    """A layout with the names of its columns, and the units where a line or the names tell them ("" where not)."""
 
     layout: delimited.DelimitedLayout
     names: tuple[str, ...]
     units: tuple[str, ...]
-    width: int = 0
-    sample_rate_Hz: float | None = None
-    clocks: bool = False
+    width: int = 0  #: Fields of a row, as a text without names has them, too.
+    sample_rate_Hz: float | None = None  #: As the header states it.
+    clocks: bool = False  #: Whether a column holds times of day.
+    #: Layouts of each, where several stand below the same names, or the one whose rows end before the text does; else
+    #: empty.
     tables: tuple[delimited.DelimitedLayout, ...] = ()
-    step_um: float | None = None
+    step_um: float | None = None  #: From point to point of a line of heights, as the header states it.
 
     @property
     def plain(self) -> bool:

@@ -33,56 +33,36 @@ class UnforeseenError(StudyError):
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,).
+    """A test of crossed wires, or of a cylinder on a flat, at n moments; arrays are (n,)."""
 
-    Attributes:
-        radius_um, fresh_area_um2: of a gap alike in all directions or a cylinder, and of the contact before any wear.
-        cycles, energy_J: how far the test has come.
-        worn_um3: volume that both wires have lost.
-        amplitude_um: of the displacement that the drive holds, NaN where it holds another figure of the loop.
-        load_N, misalignment_rad: the load when nothing is worn, and by which the motion rises out of the contact plane.
-        friction: coefficient.
-        wear_um3_per_mJ: worn volume of both wires per friction energy.
-        retained_fraction, bed_MPa: share of the worn volume that stays in the scars as debris, and the bed's modulus,
-            zero of one that does not give way.
-        oxygen_W, starved_factor: supply of oxygen, zero for enough everywhere, and the factor on wear where it lacks.
-        compliance_um_per_N, free_play_um: of all that lies in series with the contact along the motion.
-        flattening_um: approach of the wires by flattening before any wear.
-        rough_um, bed_um: heights of rough layers that spread the contact's pressures: of asperities, and of one that
-            gives way like a bed of debris.
-        crossing_error_rad: of the wires' axes from the right angle.
-        gain, linear_um_per_N, quadratic_um_per_N2, crosstalk, lag_s, force_lag_s, force_zero_N: of the sensors.
-        length_um: of a line contact; zero for crossed wires.
-    """
-
-    radius_um: float
-    fresh_area_um2: float
-    cycles: Array
+    radius_um: float  #: Of a gap alike in all directions or a cylinder.
+    fresh_area_um2: float  #: Of the contact before any wear.
+    cycles: Array  #: How far the test has come, as the next.
     energy_J: Array
-    worn_um3: Array
-    amplitude_um: Array
-    load_N: Array
-    misalignment_rad: Array
-    friction: Array
-    wear_um3_per_mJ: Array
-    retained_fraction: Array
-    bed_MPa: Array
-    oxygen_W: Array
-    starved_factor: Array
-    compliance_um_per_N: Array
+    worn_um3: Array  #: Volume that both wires have lost.
+    amplitude_um: Array  #: That the drive holds, NaN where it holds another figure of the loop.
+    load_N: Array  #: When nothing is worn.
+    misalignment_rad: Array  #: By which the motion rises out of the contact plane.
+    friction: Array  #: Coefficient.
+    wear_um3_per_mJ: Array  #: Worn volume of both wires per friction energy.
+    retained_fraction: Array  #: Share of the worn volume that stays in the scars as debris.
+    bed_MPa: Array  #: The debris' modulus, zero of a bed that does not give way.
+    oxygen_W: Array  #: Supply of oxygen, zero for enough everywhere.
+    starved_factor: Array  #: On wear where oxygen lacks.
+    compliance_um_per_N: Array  #: Of all that lies in series with the contact along the motion, as the next.
     free_play_um: Array
-    flattening_um: Array
-    rough_um: Array
-    bed_um: Array
-    crossing_error_rad: Array
-    gain: Array
+    flattening_um: Array  #: Approach of the wires by flattening before any wear.
+    rough_um: Array  #: Height of a layer of asperities that spreads the contact's pressures.
+    bed_um: Array  #: That of one that gives way like a bed of debris.
+    crossing_error_rad: Array  #: Of the wires' axes from the right angle.
+    gain: Array  #: Of the sensors, as the next six.
     linear_um_per_N: Array
     quadratic_um_per_N2: Array
     crosstalk: Array
     lag_s: Array
     force_lag_s: Array
     force_zero_N: Array
-    length_um: float = 0.0
+    length_um: float = 0.0  #: Of a line contact; zero for crossed wires.
 
     @property
     def worn_area2_um4(self) -> Array:

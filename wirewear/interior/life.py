@@ -123,21 +123,16 @@ def wear_state(
 
 @dataclass(frozen=True, eq=False)
 class BodyLife:
-    """How long a body lasts until a crack begins in it.
-
-    table: what was asked, with all data.  states: wear states, in order.  damage: its sums in columns on the lines of
-    the last of them.  begun, low, high: the crack, and between what 95 % of lives lie by the scatter of data alone; a
-    crack that never begins is None.  to_world: from the body's axes to those of the test.
-    """
+    """How long a body lasts until a crack begins in it, which is None where it never does."""
 
     body: str
-    table: LifeTable
-    states: tuple[LifeState, ...]
-    damage: Damage
-    begun: Begun | None
-    low: Begun | None
+    table: LifeTable  #: What was asked, with all data.
+    states: tuple[LifeState, ...]  #: Wear states, in order.
+    damage: Damage  #: Its sums in columns on the lines of the last of them.
+    begun: Begun | None  #: The crack.
+    low: Begun | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
     high: Begun | None
-    to_world: Array
+    to_world: Array  #: From the body's axes to those of the test.
     plane: bool
 
     @property

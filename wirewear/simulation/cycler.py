@@ -28,23 +28,18 @@ _FINER = 4
 
 @dataclass(frozen=True)
 class Motion:
-    """How a contact is moved, and how it ages.
-
-    increments, wear_increments: of a measured cycle, and of one that only wears.  follows_force: whether a measured
-    cycle has more of them where its force bends, which leaves `increments` to set the longest.
-    fresh: the state of bodies that just touch.  under: the problem of these bodies under the load, on the rig and with
-    the laws of these cycles.  aged: that as effects have made it at an age of the test.  held: what the drive holds by
-    its amplitude, where that is not its own.
-    """
+    """How a contact is moved, and how it ages."""
 
     drive: solvers.Drive
-    increments: int
-    wear_increments: int
-    follows_force: bool
-    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]
+    increments: int  #: Of a measured cycle; the longest where it follows the force.
+    wear_increments: int  #: Of a cycle that only wears.
+    follows_force: bool  #: Whether a measured cycle has more of them where its force bends.
+    fresh: Callable[[solvers.ContactProblem], solvers.ContactState]  #: The state of bodies that just touch.
+    #: A problem as effects have made it at an age of the test.
     aged: Callable[[solvers.ContactProblem, Age], solvers.ContactProblem]
+    #: The problem of these bodies under the load, on the rig and with the laws of these cycles.
     under: Callable[[solvers.ContactProblem], solvers.ContactProblem]
-    held: HeldFigure | None = None
+    held: HeldFigure | None = None  #: What the drive holds by its amplitude, where that is not its own.
 
 
 @dataclass(frozen=True)

@@ -155,20 +155,14 @@ _COARSENING_STEP = 1.05
 
 @dataclass(frozen=True)
 class ElementSizes:
-    """What patches have to resolve and to hold; lengths in mm.
+    """What patches have to resolve and to hold; lengths in mm."""
 
-    contact: the fresh one.  scar: held by the patch, None without wear.
-    fresh: whether the contact is still about as small as the fresh one, which is then resolved where it goes.
-    widening: of the patch beyond its need.
-    contact_mm, outer_mm: element sizes that the study gives, the former across the contact's narrowest axis.
-    """
-
-    contact: Ellipse
-    scar: Ellipse | None
-    fresh: bool = True
-    widening: float = 1.0
-    contact_mm: float | None = None
-    outer_mm: float | None = None
+    contact: Ellipse  #: The fresh one.
+    scar: Ellipse | None  #: Held by the patch, None without wear.
+    fresh: bool = True  #: Whether the contact is still about as small, which is then resolved where it goes.
+    widening: float = 1.0  #: Of the patch beyond its need.
+    contact_mm: float | None = None  #: Element size that the study gives across the contact's narrowest axis.
+    outer_mm: float | None = None  #: The largest that it gives.
 
 
 def unknowns(body: BodyGeometry) -> int:

@@ -122,16 +122,12 @@ def _deliver(mailbox: Queue[Any], observers: Sequence[Observer]) -> None:
 
 @dataclass(frozen=True)
 class Task:
-    """One run of a study.
+    """One run of a study."""
 
-    label: what it is called beside others.  simulate: does it in a folder, watched by an observer; can be sent to
-    another process.  prepare: does what runs side by side would all have to do, such as meshes that they share; is told
-    of each part.
-    """
-
-    label: str
+    label: str  #: What it is called beside others.
     folder: RunFolder
-    simulate: Callable[..., RunResult]
+    simulate: Callable[..., RunResult]  #: Does it in a folder, watched by an observer; can be sent to another process.
+    #: Does what runs side by side would all have to do, such as meshes that they share; is told of each part.
     prepare: Callable[[Callable[[str], None]], None]
 
 

@@ -22,32 +22,25 @@ def level_of(levels: Mapping[str, Level], name: str) -> Level:
 
 @dataclass(frozen=True)
 class WireLevel:
-    """Resolution of crossed wires.
+    """Resolution of crossed wires."""
 
-    per_contact_radius: elements per radius of the fresh contact, in all directions.
-    per_sticking_radius: the same where its middle sticks for good and the annulus around it wears until it carries
-    nothing: a hundredth of the radius that sticks is a tenth of the worn volume (studies/atlas/partial_slip).
-    along_motion, across_motion: elements per half-width of the scar. The worn wires touch in a band across the motion
-    that travels over the whole scar and is narrowest at its edges, so elements along the motion are the shorter ones.
-    Neither direction is meshed finer than the fresh contact.
-    most_unknowns: displacements of a wire's patch beyond which these numbers are lowered together.
-    wear_increments: number of positions at which surfaces wear in a cycle, as a share of a loop's increments.
-    loop_spacing: loops are also measured between those to be logged where that leaves this ratio of cycles.
-    move_nodes_at_stages: whether the nodes are moved into the worn surface whenever a mesh for a larger scar begins.
-    sticking: whether the middle of the contact sticks for good. Equal wires at right angles then get equal mesh lines:
-    nodes that stick face nodes that stick.
-    """
-
-    per_contact_radius: float
+    per_contact_radius: float  #: Elements per radius of the fresh contact, in all directions.
+    #: The same where its middle sticks for good and the annulus around it wears until it carries nothing: a hundredth
+    #: of the radius that sticks is a tenth of the worn volume (studies/atlas/partial_slip).
     per_sticking_radius: float
+    #: Elements per half-width of the scar. The worn wires touch in a band across the motion that travels over the whole
+    #: scar and is narrowest at its edges, so elements along the motion are the shorter ones. Neither direction is
+    #: meshed finer than the fresh contact.
     along_motion: float
     across_motion: float
     increments_per_cycle: int
-    wear_increments: float
+    wear_increments: float  #: Positions at which surfaces wear in a cycle, as a share of a loop's increments.
     jump_tolerance: float
-    most_unknowns: int
-    loop_spacing: float
-    move_nodes_at_stages: bool = False
+    most_unknowns: int  #: Displacements of a wire's patch beyond which these numbers are lowered together.
+    loop_spacing: float  #: Loops are also measured between those to be logged where that leaves this ratio.
+    move_nodes_at_stages: bool = False  #: Into the worn surface, whenever a mesh for a larger scar begins.
+    #: Whether the middle of the contact sticks for good. Equal wires at right angles then get equal mesh lines: nodes
+    #: that stick face nodes that stick.
     sticking: bool = False
 
     def for_sticking(self) -> "WireLevel":

@@ -18,43 +18,29 @@ from wirewear.base.writing import json_text, prepared_folder, write_text, writin
 
 @dataclass(frozen=True)
 class Level:
-    """Meshes and tolerances.
-
-    fidelity: of bodies that are meshed as runs have them.
-    hertz_resolutions: elements per contact radius of the three meshes, from coarse to fine; the last is used for the
-    ellipse and partial slip as well, under loads that enlarge the contact by `enlarged`.
-    loop_resolution: elements per contact radius where the contact slides.
-    line_resolution: elements per half-width of the line contact, which is planar and cheap.
-    slip_increments: increments per loading branch in partial slip.
-    stress_tolerance: of the largest stress beneath a contact.
-    surface_resolution, surface_tolerance: elements per contact radius, and tolerance, for stresses at a contact's edge.
-    line_surface_resolution, line_surface_tolerance: the same of a line contact, per half-width.
-    partial_slip_wear_resolution, partial_slip_wear_tolerance: elements per contact radius where partial slip wears a
-    contact out, and tolerance of the worn volume.
-    partial_slip_run_resolution, partial_slip_run_tolerance: the same of a whole run.
-    worn_line_cycles: for how long a line contact is worn whose pressures are looked at.
-    Tolerances are relative.
-    """
+    """Meshes and tolerances, which are relative."""
 
     name: str
-    fidelity: str
+    fidelity: str  #: Of bodies that are meshed as runs have them.
+    #: Elements per contact radius of the three meshes, from coarse to fine; the last is used for the ellipse and
+    #: partial slip as well, under loads that enlarge the contact by `enlarged`.
     hertz_resolutions: tuple[float, float, float]
     enlarged: float
-    loop_resolution: float
-    line_resolution: float
-    slip_increments: int
-    partial_slip_wear_resolution: float
-    partial_slip_wear_tolerance: float
-    partial_slip_run_resolution: float
+    loop_resolution: float  #: Elements per contact radius where the contact slides.
+    line_resolution: float  #: Elements per half-width of the line contact, which is planar and cheap.
+    slip_increments: int  #: Per loading branch in partial slip.
+    partial_slip_wear_resolution: float  #: Elements per contact radius where partial slip wears a contact out.
+    partial_slip_wear_tolerance: float  #: Of the worn volume.
+    partial_slip_run_resolution: float  #: The same of a whole run, as the next.
     partial_slip_run_tolerance: float
-    worn_line_cycles: int
+    worn_line_cycles: int  #: For how long a line contact is worn whose pressures are looked at.
     hertz_tolerances: tuple[float, float, float]
     ellipse_tolerance: float
     slip_energy_tolerance: float
-    stress_tolerance: float
-    surface_resolution: float
+    stress_tolerance: float  #: Of the largest stress beneath a contact.
+    surface_resolution: float  #: Elements per contact radius for stresses at a contact's edge.
     surface_tolerance: float
-    line_surface_resolution: float
+    line_surface_resolution: float  #: The same of a line contact, per half-width.
     line_surface_tolerance: float
 
 

@@ -53,24 +53,20 @@ _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
 
 @dataclass(frozen=True)
 class GuessedFile:
-    """A file with how it is spelled and the columns that were recognised.
-
-    spelling: keys of a mapping.  references: names or numbers by which a mapping names its columns.  titles, units: of
-    them, as the file has them.  columns: reference and unit ("" where none is told) by key of the record.  elsewhere:
-    the file that holds a column, where it is another one.  step_um: from point to point, as the header states it.
-    """
+    """A file with how it is spelled and the columns that were recognised."""
 
     path: Path
     holds: str
-    spelling: dict[str, Any]
-    references: tuple[str | int, ...]
-    titles: tuple[str, ...]
+    spelling: dict[str, Any]  #: Keys of a mapping.
+    references: tuple[str | int, ...]  #: Names or numbers by which a mapping names its columns.
+    titles: tuple[str, ...]  #: Of them, as the file has them, as the next.
     units: tuple[str, ...]
+    #: Reference and unit ("" where none is told) by key of the record.
     columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
     sample_rate_Hz: float | None = None
     remarks: tuple[str, ...] = ()
-    elsewhere: dict[str, str] = field(default_factory=dict)
-    step_um: float | None = None
+    elsewhere: dict[str, str] = field(default_factory=dict)  #: The file that holds a column, where it is another one.
+    step_um: float | None = None  #: From point to point, as the header states it.
 
     @property
     def named(self) -> bool:
