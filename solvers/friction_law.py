@@ -27,16 +27,15 @@ _SETTLED = 1e-4
 class FrictionLaw(ABC):
     """A law as a study describes it: its parameters are the fields of a frozen dataclass.
 
-    name: by which studies choose it.  The coefficient of friction is no parameter of the law but an argument, for tests
-    and effects change it: what the limit is proportional to, a number or one for each of the k nodes, (k,).
-    proportional: whether the limit is the coefficient times the pressure; what follows is then not computed anew.
-    timed: whether the factor follows the speed.  remembers: whether it follows what the surfaces have been through, so
-    that cycles differ without any wear.
+    The coefficient of friction is no parameter of the law but an argument, for tests and effects change it: what the
+    limit is proportional to, a number or one for each of the k nodes, (k,).
     """
 
-    name: ClassVar[str]
+    name: ClassVar[str]  #: By which studies choose it.
+    #: Whether the limit is the coefficient times the pressure; it is then not computed anew.
     proportional: ClassVar[bool] = False
-    timed: ClassVar[bool] = False
+    timed: ClassVar[bool] = False  #: Whether the factor follows the speed.
+    #: Whether it follows what surfaces have been through: cycles differ without any wear.
     remembers: ClassVar[bool] = False
 
     def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
