@@ -24,12 +24,10 @@ class Block:
         self.rows = np.empty((0, 3 * len(nodes)))
         self._displaced: list[tuple[Array, Array]] = []
 
-    def know(self, loaded: IntArray) -> None:
-        """Make sure that it is known what forces on nodes do."""
-        missing = loaded[self.row[loaded] < 0]
+    def know(self, missing: IntArray) -> None:
+        """Gather what forces on more nodes do."""
         if not len(missing):
             return
-        missing = np.unique(missing)
         self.row[missing] = self._known + np.arange(len(missing))
         begin, self._known = 3 * self._known, self._known + len(missing)
         if 3 * self._known > len(self.rows):
@@ -47,7 +45,8 @@ class Block:
                 return moved
         forces, complete = _on_known(force, self.row, self._known)
         if not complete:
-            self.know(loaded_nodes(force))
+            loaded = loaded_nodes(force)
+            self.know(loaded[self.row[loaded] < 0])
             forces, _ = _on_known(force, self.row, self._known)
         moved = np.asarray((forces @ self.rows[: len(forces)]).reshape(-1, 3))
         self._displaced = [*self._displaced[-1:], (force, moved)]
@@ -109,7 +108,7 @@ class PairedCompliance:
         self.place[missing] = begin // 3 + np.arange(len(missing))
         self.matrix[:, begin : 3 * self.known] = 0.0
         for block, transfer in zip(self._blocks, (pairing.own, pairing.opposite), strict=True):
-            block.know(transfer.faced_by(missing))
+            block.know(_unknown(block.row, transfer, missing))
             _add_responses(self.matrix, begin, block.rows, block.row, block.place, missing, pairing.areas, transfer)
 
     def displacement(self, traction: Array) -> Array:
@@ -166,6 +165,20 @@ def _reached(place: IntArray, now: IntArray, before: IntArray) -> tuple[IntArray
             found[used] = node
             used += 1
     return found[:used].copy(), held
+
+
+@compiled
+def _unknown(row: IntArray, transfer: NodalTransfer, loaded: IntArray) -> IntArray:
+    """Nodes without a row, increasing, that the rows (l,) of a transfer reach."""
+    reached, found, used = np.zeros(len(row), np.bool_), np.empty(len(row), np.int64), 0
+    for k in loaded:
+        for entry in range(transfer.first[k], transfer.first[k + 1]):
+            reached[transfer.columns[entry]] = True
+    for node in range(len(row)):
+        if reached[node] and row[node] < 0:
+            found[used] = node
+            used += 1
+    return found[:used].copy()
 
 
 @compiled

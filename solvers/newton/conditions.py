@@ -217,21 +217,21 @@ def _judged(
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:
-    normals, areas = system.pairing.frames[:, 0, :], system.pairing.areas
-    nodes = loaded if loaded.any() else np.ones(len(areas), dtype=bool)
-    uniform = np.where(nodes[:, None], normals, 0.0)
-    elastic = system.compliance.displacement(uniform) + system.compliance.layer * uniform
-    lift = np.einsum("ij,ij->i", elastic, normals)
-    collective = float(lift[nodes].max())
-    area = float(areas[nodes].sum())
+    nodes = np.flatnonzero(loaded) if loaded.any() else np.arange(len(loaded))
+    normals, compliance = system.pairing.frames[nodes, 0], system.compliance
+    compliance.know(nodes)
+    # They are the first that become known, and known in this order.
+    elastic = compliance.displaced(normals.ravel())[nodes] + compliance.layer * normals
+    collective = float(np.einsum("ij,ij->i", elastic, normals).max())
+    area = float(system.pairing.areas[nodes].sum())
     rig = system.holder.compliance_at_contact_mm_per_N * area
     return Scales(
         collective=collective,
-        local=collective / max(1.0, 0.5 * float(np.sqrt(nodes.sum()))),
+        local=collective / max(1.0, 0.5 * float(np.sqrt(len(nodes)))),
         rig=rig,
         series_compliance=(collective + rig) / area,
         pressure=system.holder.normal_load_N / area,
-        reach=max(system.holder.pivot_height_mm, float(areas.sum()) ** 0.5),
+        reach=max(system.holder.pivot_height_mm, float(system.pairing.areas.sum()) ** 0.5),
     )
 
 
