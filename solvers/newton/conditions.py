@@ -55,6 +55,19 @@ class Solution(NamedTuple):
     tilt: float
 
 
+class Changes(NamedTuple):
+    """What a state changes: how many nodes open or close, how many change between stick and slip but for those on the
+    verge, how many do either; the largest gap of those that were in contact, mm, and the largest turn of friction where
+    they slipped, rad.
+    """
+
+    opening: int
+    sticking: int
+    changing: int
+    gap: float
+    turned: float
+
+
 class ContactConditions:
     """The conditions on the k nodes of a pairing.
 
@@ -66,7 +79,6 @@ class ContactConditions:
         self.system, self.scales, self.nodes = system, _scales(system, loaded), nodes_of(system)
         self.holders: dict[int, HolderTerms] = {}
         self._laws = linear_laws(system, np.zeros(len(loaded)))
-        self._nowhere = np.zeros(len(loaded), dtype=bool)
 
     def laws(self, about: Array) -> LinearLaws:
         """Friction and layers, linearised about pressures (k,)."""
@@ -86,13 +98,17 @@ class ContactConditions:
         tangential = np.einsum("ij,ikj->ik", traction, frames[:, 1:])
         force = compliance.in_order(self.world(normal, tangential))
         solution = Solution(force, normal, tangential, height, holder_x, self.system.old_tilt)
-        return self.judged(solution, NEAR_STICK, active)
+        before = active, np.zeros(len(active), dtype=bool), np.zeros((len(active), 2))
+        return self.judged(solution, NEAR_STICK, before, given=True)[0]
 
-    def judged(self, solution: Solution, near_stick: float, active: BoolArray | None = None) -> Iterate:
-        """The state that a solution makes: gaps and slips, which nodes are pressed or overlap, and which of them, or of
-        `active` ones (k,), stick, and where friction points.
+    def judged(
+        self, solution: Solution, near_stick: float, before: tuple[BoolArray, BoolArray, Array], *, given: bool = False
+    ) -> tuple[Iterate, Changes]:
+        """The state that a solution makes: gaps and slips, which nodes are pressed or overlap, which of them stick, and
+        where friction points; and what has changed.
 
-        near_stick: see `NEAR_STICK`.
+        near_stick: see `NEAR_STICK`.  before: of the state before, which nodes were in contact (k,) and which of them
+        stuck (k,), and where friction pointed (k, 2).  given: whether nodes stay in contact that were.
         """
         layers, friction, normal = self.system.layers, self.system.friction, solution.normal
         if layers is None:
@@ -110,8 +126,8 @@ class ContactConditions:
             (closure, softness, shear, friction.limit(normal)),
             near_stick,
             friction.none,
-            self._nowhere if active is None else active,
-            active is not None,
+            before,
+            given,
         )
 
 
@@ -127,6 +143,20 @@ def forces_on(normal: Array, tangential: Array, frames: Array, place: IntArray, 
     return force
 
 
+@inlined
+def _changes(active: BoolArray, stuck: BoolArray, pointed: Array, state: Iterate) -> Changes:
+    opening, sticking, changing, widest, turned = 0, 0, 0, 0.0, 0.0
+    for k in range(len(active)):
+        opens, sticks = active[k] != state.active[k], stuck[k] != state.stick[k] and not state.verge[k]
+        opening, sticking, changing = opening + opens, sticking + sticks, changing + (opens or sticks)
+        if active[k]:
+            widest = max(widest, abs(state.gap[k]))
+            if not stuck[k] and state.normal[k] > 0.0:
+                x, y = state.direction[k, 0] - pointed[k, 0], state.direction[k, 1] - pointed[k, 1]
+                turned = max(turned, np.sqrt(x * x + y * y))
+    return Changes(opening, sticking, changing, widest, turned)
+
+
 @compiled
 def _judged(
     elastic: Array,
@@ -138,15 +168,14 @@ def _judged(
     laws: tuple[Array, Array, Array, Array],
     near_stick: float,
     frictionless: bool,
-    chosen: BoolArray,
+    before: tuple[BoolArray, BoolArray, Array],
     given: bool,
-) -> Iterate:
+) -> tuple[Iterate, Changes]:
     """The state under displacements of the surfaces (k, 3) and an elastic layer between them.
 
-    laws: closure, softness and shear of layers, limit of friction, (k,) each.  chosen: (k,) nodes in contact, if they
-    are given.
+    laws: closure, softness and shear of layers, limit of friction, (k,) each.
     """
-    closure, softness, shear, limit = laws
+    (closure, softness, shear, limit), (active, stuck, pointed) = laws, before
     normal, tangential, holder_x = solution.normal, solution.tangential, solution.holder_x
     height, tilt = solution.height, solution.tilt
     frames, old, count = nodes.frames, nodes.old_displacement, len(nodes.gap)
@@ -171,7 +200,7 @@ def _judged(
             slip[k, t] += shear[k] * tangential[k, t]
             for c in range(3):
                 slip[k, t] -= nodes.old_sheared[k, c] * frames[k, 1 + t, c]
-        touch[k] = chosen[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
+        touch[k] = active[k] if given else normal[k] - 1.0 / (scales.local + softness[k]) * gap[k] > 0.0
         touching, fresh = touching + touch[k], fresh + (touch[k] and place[k] < 0)
         most = max(most, limit[k])
     for k in range(count):
@@ -180,13 +209,13 @@ def _judged(
         if frictionless:
             follows[k] = touch[k]
             continue
-        s0, s1, active = slip[k, 0], slip[k, 1], touch[k]
+        s0, s1 = slip[k, 0], slip[k, 1]
         soft = compliance + scales.rig
         t0, t1 = tangential[k, 0] - s0 / soft, tangential[k, 1] - s1 / soft
         length, size = np.sqrt(s0 * s0 + s1 * s1), np.sqrt(t0 * t0 + t1 * t1)
-        stick[k], verge[k] = active and size <= limit[k], abs(size - limit[k]) <= _ROUND_OFF * most
-        near[k] = active and (stick[k] or length < near_stick * limit[k] * compliance)
-        follows[k] = active and not near[k]
+        stick[k], verge[k] = touch[k] and size <= limit[k], abs(size - limit[k]) <= _ROUND_OFF * most
+        near[k] = touch[k] and (stick[k] or length < near_stick * limit[k] * compliance)
+        follows[k] = touch[k] and not near[k]
         if follows[k] and t0 * s0 + t1 * s1 < 0.0 and length > 0.0:
             # Far from stick the slip alone gives the direction; the trial traction would turn into it only slowly.
             direction[k, 0], direction[k, 1] = -s0 / length, -s1 / length
@@ -194,7 +223,7 @@ def _judged(
             direction[k, 0], direction[k, 1] = t0 / size, t1 / size
         elif nodes.drive_step != 0.0:
             direction[k, 0] = 1.0 if nodes.drive_step > 0.0 else -1.0
-    return Iterate(
+    state = Iterate(
         normal,
         tangential,
         height,
@@ -214,6 +243,7 @@ def _judged(
         augmentation,
         limit,
     )
+    return state, _changes(active, stuck, pointed, state)
 
 
 def _scales(system: Linearisation, loaded: BoolArray) -> Scales:

@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.kept_code import compiled
-from solvers.newton.conditions import NEAR_STICK, ContactConditions, stop_in_play, unbalanced_force
+from solvers.newton.conditions import NEAR_STICK, Changes, ContactConditions, stop_in_play, unbalanced_force
 from solvers.newton.equations import newton_step
 from solvers.newton.terms import Iterate, Linearisation
 
@@ -190,8 +190,8 @@ def solve_contact(
         if solution is None:
             singular = f"the contact's equations became singular with {before.touching} nodes in contact"
             return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        state = conditions.judged(solution, near_stick)
-        change = _Change.between(conditions, before, state, linear)
+        state, changes = conditions.judged(solution, near_stick, (before.active, before.stick, before.direction))
+        change = _Change.of(changes, conditions, before, state, linear)
         linear = np.maximum(state.normal, _LARGEST_FALL * linear)
         if change.converged:
             outcome = converged_outcome(conditions, before, state, iteration)
@@ -223,51 +223,45 @@ def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about:
 
 
 class _Change(NamedTuple):
-    """How the status that follows from a state differs from the one with which the state was computed.
+    """How far a state is from that before.
 
-    opening, sticking, changing: number of nodes that open or close, that change between stick and slip, that do either.
-    gap_error: relative.
-    bend: largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
-    turned: largest angle by which a slip direction changes, rad.  settled: no node and no stop changes.
+    nodes: how many change.  gap_error: relative.  bend: largest difference of the friction law from its tangent at
+    slipping nodes, over the largest friction.  settled: no node and no stop changes.
     """
 
-    opening: int
-    sticking: int
-    changing: int
+    nodes: Changes
     gap_error: float
-    turned: float
     bend: float
     settled: bool
 
     @classmethod
-    def between(cls, conditions: ContactConditions, before: Iterate, after: Iterate, about: Array) -> "_Change":
-        opening, sticking, changing, gap, turned = _changed(before, after)
-        return cls(
-            opening=opening,
-            sticking=sticking,
-            changing=changing,
-            gap_error=gap / max(after.elastic, 1e-300),
-            turned=turned,
-            bend=_bend(conditions, before, after, about),
-            settled=changing == 0 and stop_in_play(conditions, before) == stop_in_play(conditions, after),
-        )
+    def of(
+        cls, nodes: Changes, conditions: ContactConditions, before: Iterate, after: Iterate, about: Array
+    ) -> "_Change":
+        stays = stop_in_play(conditions, before) == stop_in_play(conditions, after)
+        gap_error = nodes.gap / max(after.elastic, 1e-300)
+        return cls(nodes, gap_error, _bend(conditions, before, after, about), nodes.changing == 0 and stays)
 
     @property
     def converged(self) -> bool:
-        return self.settled and max(self.gap_error, self.bend) <= _GAP_TOLERANCE and self.turned <= _DIRECTION_TOLERANCE
+        return (
+            self.settled
+            and max(self.gap_error, self.bend) <= _GAP_TOLERANCE
+            and self.nodes.turned <= _DIRECTION_TOLERANCE
+        )
 
     @property
     def error(self) -> float:
         """Distance from the solution: nodes that change, below 1 what is left once none does."""
         if self.settled:
-            return max(self.gap_error, self.turned, self.bend)
-        return 1.0 + float(self.changing)
+            return max(self.gap_error, self.nodes.turned, self.bend)
+        return 1.0 + float(self.nodes.changing)
 
     def sentence(self, iterations: int) -> str:
         return (
-            f"after {iterations} iterations {self.opening} nodes still open or close, "
-            f"{self.sticking} change between stick and slip, the largest gap error is "
-            f"{self.gap_error:.1e} and the slip direction turns by {self.turned:.1e} rad"
+            f"after {iterations} iterations {self.nodes.opening} nodes still open or close, "
+            f"{self.nodes.sticking} change between stick and slip, the largest gap error is "
+            f"{self.gap_error:.1e} and the slip direction turns by {self.nodes.turned:.1e} rad"
         )
 
     def likeliest_cause(self, conditions: ContactConditions, state: Iterate) -> str:
@@ -275,7 +269,7 @@ class _Change(NamedTuple):
         system = conditions.system
         if state.touching < _FEW_NODES:
             return _MESH_TOO_COARSE
-        if self.sticking > self.opening:
+        if self.nodes.sticking > self.nodes.opening:
             # Friction may fall along a stroke on a rig that gives way: under a held approach, or with the area.
             falls = system.prescribed_height is not None or not system.friction.law.proportional
             if conditions.scales.rig > 0.0 and falls:
@@ -287,27 +281,9 @@ class _Change(NamedTuple):
                 "most likely the nodes flicker between stick and slip because the increments are long against the "
                 "elastic motion: take more increments_per_cycle"
             )
-        if self.opening:
+        if self.nodes.opening:
             return (
                 "most likely the contact's edge flickers because one increment wears or moves the surfaces too far: "
                 "take a smaller jump_tolerance or more increments_per_cycle"
             )
         return "most likely the direction of slip turns too far within the increment: take more increments_per_cycle"
-
-
-@compiled
-def _changed(before: Iterate, after: Iterate) -> tuple[int, int, int, float, float]:
-    """How many nodes open or close, how many change between stick and slip but for those on the verge, how many do
-    either; the largest gap of those that were active, mm, and the largest turn of friction where they slip, rad.
-    """
-    active, stick, direction, new_direction = before.active, before.stick, before.direction, after.direction
-    opening, sticking, changing, largest, turned = 0, 0, 0, 0.0, 0.0
-    for k in range(len(active)):
-        opens, sticks = active[k] != after.active[k], stick[k] != after.stick[k] and not after.verge[k]
-        opening, sticking, changing = opening + opens, sticking + sticks, changing + (opens or sticks)
-        if active[k]:
-            largest = max(largest, abs(after.gap[k]))
-            if not stick[k] and after.normal[k] > 0.0:
-                x, y = new_direction[k, 0] - direction[k, 0], new_direction[k, 1] - direction[k, 1]
-                turned = max(turned, np.sqrt(x * x + y * y))
-    return opening, sticking, changing, largest, turned
