@@ -1,53 +1,59 @@
-"""Elasticity, frictional contact with finite sliding, wear and cycle jumps."""
+"""Elasticity, frictional contact with finite sliding, wear and cycle jumps.
 
-from solvers.adaptive_loop import closed_adaptive_cycle
-from solvers.condensation import CondensedBody, condense
-from solvers.contact import ContactProblem, advance, press, unloaded_state
-from solvers.contact.problem import misaligned
-from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, LocalState, WearState
-from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
-from solvers.errors import NotConvergedError, PatchLeftError, SolverError
-from solvers.fretting import (
-    CycleTrace,
-    HolderElements,
-    anew,
-    bulk_work,
-    closed_cycle,
-    first_quarter,
-    measured_holder,
-    run_cycle,
-    settled,
-)
-from solvers.friction_law import (
-    Coulomb,
-    Friction,
-    FrictionLaw,
-    LogarithmicRate,
-    PowerOfPressure,
-    Rate,
-    RunningIn,
-    ShearLimited,
-    friction_law,
-    friction_laws,
-)
-from solvers.interior import StuckMotion, move_stuck
-from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
-from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
-from solvers.placement import PlacedBody, facing, place
-from solvers.transfer import flattened, remeshed, transferred, transferred_wear
-from solvers.wear import OxygenSupply, WearRates
-from solvers.wear_law import (
-    Archard,
-    EnergyLaw,
-    EnergyThreshold,
-    OxygenDistance,
-    PowerReduced,
-    WearLaw,
-    WornCycle,
-    wear_law,
-    wear_laws,
-)
-from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
+What it offers is loaded when it is first asked for: a diagnosis needs laws and states, and solves nothing.
+"""
+
+from typing import TYPE_CHECKING
+
+from geometry.late import loaded_late
+
+if TYPE_CHECKING:
+    from solvers.adaptive_loop import closed_adaptive_cycle
+    from solvers.condensation import CondensedBody, condense
+    from solvers.contact import ContactProblem, advance, press, unloaded_state
+    from solvers.contact.problem import misaligned
+    from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, LocalState, WearState
+    from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
+    from solvers.errors import NotConvergedError, PatchLeftError, SolverError
+    from solvers.fretting import (
+        CycleTrace,
+        HolderElements,
+        anew,
+        bulk_work,
+        closed_cycle,
+        first_quarter,
+        measured_holder,
+        run_cycle,
+        settled,
+    )
+    from solvers.friction_law import (
+        Coulomb,
+        Friction,
+        FrictionLaw,
+        LogarithmicRate,
+        PowerOfPressure,
+        Rate,
+        RunningIn,
+        ShearLimited,
+        friction_laws,
+    )
+    from solvers.interior import StuckMotion, move_stuck
+    from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
+    from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
+    from solvers.placement import PlacedBody, facing, place
+    from solvers.transfer import flattened, remeshed, transferred, transferred_wear
+    from solvers.wear import OxygenSupply, WearRates
+    from solvers.wear_law import (
+        Archard,
+        EnergyLaw,
+        EnergyThreshold,
+        OxygenDistance,
+        PowerReduced,
+        WearLaw,
+        WornCycle,
+        wear_laws,
+    )
+    from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
     "Archard", "BulkStress", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump",
@@ -57,8 +63,10 @@ __all__ = [
     "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
     "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew",
     "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
-    "facing", "first_quarter", "flattened", "friction_law", "friction_laws", "jump_cycles", "kept_by",
+    "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by",
     "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled",
     "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state",
-    "wear_law", "wear_laws",
+    "wear_laws",
 ]  # fmt: skip
+
+__getattr__ = loaded_late(__name__)

@@ -11,9 +11,11 @@ and none beyond d = √(2 D h/(κ q)). So q d² is a constant of the pair of mat
 Baydoun, Arnaud and Fouvry, Wear 458-459 (2020) 203397, and Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -21,9 +23,11 @@ from geometry.arrays import Array, BoolArray
 from solvers.contact_state import LocalState, WearState
 from solvers.errors import SolverError
 from solvers.layers import SurfaceLayer, friction_factor, receded
-from solvers.pairing import Pairing
-from solvers.placement import PlacedBody
 from solvers.wear_law import EnergyLaw, WearLaw, WornCycle, breathing
+
+if TYPE_CHECKING:
+    from solvers.pairing import Pairing
+    from solvers.placement import PlacedBody
 
 
 @dataclass(frozen=True)
@@ -103,7 +107,7 @@ class WearRates:
             return factor
         return factor * self.oxygen.factors(cycle.edge_distance_mm, cycle.power_density_W_per_mm2)
 
-    def scaled(self, factor: float) -> "WearRates":
+    def scaled(self, factor: float) -> WearRates:
         """The same law with both coefficients times a factor."""
         return replace(
             self, upper_mm3_per_mJ=factor * self.upper_mm3_per_mJ, lower_mm3_per_mJ=factor * self.lower_mm3_per_mJ

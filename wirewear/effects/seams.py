@@ -1,11 +1,16 @@
 """The seams of the model at which effects enter, and what the model says at each of them."""
 
+from __future__ import annotations
+
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
-from typing import Any, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
-from solvers import ContactLayer, ContactProblem, misaligned
+from solvers import ContactLayer
+
+if TYPE_CHECKING:
+    from solvers import ContactProblem
 
 
 class Seam(StrEnum):
@@ -28,7 +33,7 @@ class Age:
     energy_J: float
 
     @classmethod
-    def new(cls) -> "Age":
+    def new(cls) -> Age:
         """Before the first cycle."""
         return cls(0.0, 0.0)
 
@@ -87,7 +92,7 @@ class ChangesASeam(Protocol):
         ...
 
 
-def applied(effects: Iterable[ChangesASeam], seam: Seam, described: "T", age: Age) -> "T":
+def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age) -> T:
     """What a seam's description becomes by those effects that change it, one after the other."""
     for effect in effects:
         if effect.seam is seam:
@@ -103,6 +108,8 @@ def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: 
     loading = applied(effects, Seam.LOADING, Loading(holder.normal_load_N), age)
     law = applied(effects, Seam.CONTACT, ContactLaw(problem.friction, problem.layers), age)
     if loading.misalignment_rad != 0.0:
+        from solvers import misaligned
+
         problem = misaligned(problem, loading.misalignment_rad)
     return replace(
         problem,

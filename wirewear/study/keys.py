@@ -12,7 +12,9 @@ from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast, get_args
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
 from pydantic.fields import FieldInfo
 
-from solvers import FrictionLaw, SolverError, WearLaw, friction_law, wear_law
+from solvers import FrictionLaw, SolverError, WearLaw
+from solvers.friction_law import friction_law
+from solvers.wear_law import wear_law
 from wirewear.base.errors import Quantity, shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.study.materials import material_named
