@@ -5,14 +5,17 @@ from __future__ import annotations
 import os
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from wirewear.base.errors import StudyError, WirewearError
 from wirewear.base.writing import json_text, usable_folder
 from wirewear.faces.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
-from wirewear.study import FIDELITIES, AnyStudy
+from wirewear.study import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.study import AnyStudy
 
 #: Options that say what is plotted, how and where, and their parameters.
 _OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
