@@ -13,7 +13,7 @@ from solvers.drive import section_stress
 from tests.bodies import STEEL, RADIUS_mm, crossed_wires
 from tests.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse, line_study, minimal
-from tests.test_programme import LONG, block
+from tests.test_drives_and_stops import LONG, block
 from wirewear import StudyError
 from wirewear.diagnosis.model.nominal import limits_of, require_foreseen
 from wirewear.interior.bodies import body_states
