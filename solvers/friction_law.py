@@ -150,19 +150,16 @@ class ShearLimited(FrictionLaw):
 @dataclass(frozen=True)
 class PowerOfPressure(FrictionLaw):
     """tau = mu p_0 (p / p_0)^n: n = 2/3 is a single elastic asperity (Archard, Proc. R. Soc. A 243 (1957) 190), n = 1
-    Coulomb's law.
+    Coulomb's law. Raises SolverError if either parameter is not positive.
 
     p + epsilon, with epsilon a thousandth of p_0 and both added as squares, stands for p in the coefficient, so that
     the limit's slope is finite where p vanishes: 1e-5 too little friction at a tenth of p_0 and n = 2/3.
-
-    reference_pressure_MPa: p_0, at which the coefficient of friction is that of the study.  exponent: n.
-    Raises SolverError if either is not positive.
     """
 
     name: ClassVar[str] = "power-of-pressure"
 
-    reference_pressure_MPa: float
-    exponent: float
+    reference_pressure_MPa: float  #: p_0, at which the coefficient of friction is that of the study.
+    exponent: float  #: n.
 
     def __post_init__(self) -> None:
         require_positive(self, "reference_pressure_MPa", "exponent")
@@ -199,16 +196,14 @@ class Rate(Coulomb):
     Bo & Pavelescu, Wear 82 (1982) 277. The study's coefficient is the static one. Newton's method takes the speed of
     the increment's own slip, repeated until friction has settled, at most six times. Behind a spring K it sticks and
     slips in steps shorter than P |dmu/dv| / K; longer ones damp that.
-
-    kinetic_ratio: mu_k / mu_s.  speed_mm_per_s: v_s.
     Raises SolverError if the ratio is negative or the speed not positive.
     """
 
     name: ClassVar[str] = "rate"
     timed: ClassVar[bool] = True
 
-    kinetic_ratio: float
-    speed_mm_per_s: float
+    kinetic_ratio: float  #: mu_k / mu_s.
+    speed_mm_per_s: float  #: v_s.
 
     def __post_init__(self) -> None:
         require_positive(self, "speed_mm_per_s", not_negative=("kinetic_ratio",))
@@ -223,17 +218,15 @@ class Rate(Coulomb):
 class LogarithmicRate(Coulomb):
     """mu = mu_s (1 + c ln(1 + |v| / v_0)): friction that grows, or with a negative c falls, with the speed's logarithm.
 
-    Dieterich, J. Geophys. Res. 84 (1979) 2161, in steady sliding; the 1 keeps it finite at rest.
-
-    slope: c.  speed_mm_per_s: v_0. The coefficient never falls below 0.
-    Raises SolverError if the speed is not positive.
+    Dieterich, J. Geophys. Res. 84 (1979) 2161, in steady sliding; the 1 keeps it finite at rest. The coefficient never
+    falls below 0. Raises SolverError if the speed is not positive.
     """
 
     name: ClassVar[str] = "logarithmic-rate"
     timed: ClassVar[bool] = True
 
-    slope: float
-    speed_mm_per_s: float
+    slope: float  #: c.
+    speed_mm_per_s: float  #: v_0.
 
     def __post_init__(self) -> None:
         require_positive(self, "speed_mm_per_s")
@@ -249,16 +242,14 @@ class RunningIn(Coulomb):
 
     An exponential, for want of a law; e is the mean of both surfaces at a place. Within a cycle jump it is that of
     each stage, which keeps the jump's second order; single increments take that at their start.
-
-    final_ratio: mu_end over the study's coefficient.  energy_mJ_per_mm2: e_0.
     Raises SolverError if the ratio is negative or the energy not positive.
     """
 
     name: ClassVar[str] = "running-in"
     remembers: ClassVar[bool] = True
 
-    final_ratio: float
-    energy_mJ_per_mm2: float
+    final_ratio: float  #: mu_end over the study's coefficient.
+    energy_mJ_per_mm2: float  #: e_0.
 
     def __post_init__(self) -> None:
         require_positive(self, "energy_mJ_per_mm2", not_negative=("final_ratio",))

@@ -73,16 +73,13 @@ _ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are 
 
 @dataclass
 class Interior:
-    """A body held at nodes of its mesh.
-
-    held: nodes that do not move.  bedding: (n,) stiffness in N/mm by which each node is held elastically in all three
-    directions (of a planar body per mm), zero at most of them.
-    Raises SolverError if nothing holds the body.
-    """
+    """A body held at nodes of its mesh."""
 
     mesh: HexMesh | QuadMesh
     material: Elastic
-    held: IntArray
+    held: IntArray  #: Nodes that do not move.
+    #: (n,) stiffness in N/mm by which each node is held elastically in all three directions (of a planar body per mm),
+    #: zero at most of them.
     bedding: Array | None = None
     _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
 
@@ -185,18 +182,14 @@ def _signs(axis: int) -> Array:
 
 @dataclass(frozen=True)
 class StuckMotion:
-    """Unit motion along x of the upper body's grip over the held grip of the lower body.
-
-    upper_displacement, lower_displacement: (n, 2) displacements (x, z) of the bodies' nodes per motion of the grip,
-    z upwards for both.
-    force_N_per_mm2: tangential force per thickness and motion of the grip.
-    """
+    """Unit motion along x of the upper body's grip over the held grip of the lower body."""
 
     upper: PlanarMesh
     lower: PlanarMesh
+    #: (n, 2) displacements (x, z) of nodes per motion of the grip, z upwards for both bodies.
     upper_displacement: Array
     lower_displacement: Array
-    force_N_per_mm2: float
+    force_N_per_mm2: float  #: Tangential force per thickness and motion of the grip.
 
     def stiffness_between(self, depth_mm: float) -> float:
         """Force per thickness in N/mm² over the relative motion of two points on x = 0, at one depth in both bodies.

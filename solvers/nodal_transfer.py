@@ -19,16 +19,12 @@ from solvers.kept_code import compiled
 
 
 class NodalTransfer(NamedTuple):
-    """Weights of a patch's nodes at each of k contact nodes, row after row.
+    """Weights of a patch's nodes at each of k contact nodes, row after row."""
 
-    first: (k + 1,) where each row's entries begin and the last ends.  columns, weights: (e,) patch nodes and weights.
-    size: number n of the patch's nodes.
-    """
-
-    first: IntArray
-    columns: IntArray
-    weights: Array
-    size: int
+    first: IntArray  #: (k + 1,) where each row's entries begin and the last ends.
+    columns: IntArray  #: (e,) patch nodes.
+    weights: Array  #: (e,).
+    size: int  #: Number n of the patch's nodes.
 
     @classmethod
     def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
@@ -138,14 +134,11 @@ ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as o
 
 @dataclass(frozen=True)
 class GaussLines:
-    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1.
+    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1."""
 
-    positions, lengths: (c, q), mm.  lower: (q,) hat function of the cell's lower line at its points.
-    """
-
-    positions: Array
+    positions: Array  #: (c, q), mm, as the next.
     lengths: Array
-    lower: Array
+    lower: Array  #: (q,) hat function of the cell's lower line at its points.
 
     @property
     def planar(self) -> bool:
@@ -164,13 +157,10 @@ def gauss_lines(lines: Array, points: int) -> GaussLines:
 
 
 class CommonAxes(NamedTuple):
-    """How positions (x, y) in a patch's axes are seen in those of another: (signs * ((x, y) - offset)), or swapped.
+    """How positions (x, y) in a patch's axes are seen in those of another: (signs * ((x, y) - offset)), or swapped."""
 
-    swapped: whether the patch's first axis lies along the other's second.  signs, offset: (2,) for the patch's axes.
-    """
-
-    swapped: bool
-    signs: Array
+    swapped: bool  #: Whether the patch's first axis lies along the other's second.
+    signs: Array  #: (2,) for the patch's axes, as the next.
     offset: Array
 
     @classmethod

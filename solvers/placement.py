@@ -21,18 +21,13 @@ from solvers.quadrature import gradient
 
 @dataclass(frozen=True)
 class SurfaceSample:
-    """A worn surface at n plane points.
+    """A worn surface at n plane points."""
 
-    height: (n,) in mm, in world z relative to the body's origin.  slope: (n, 2) its gradient in world axes.
-    nodes, weights: (n, 4) patch nodes and bilinear weights that interpolate at the points; (n, 2) on planar bodies.
-    inside: (n,) whether the point lies on the patch.
-    """
-
-    height: Array
-    slope: Array
-    nodes: IntArray
-    weights: Array
-    inside: BoolArray
+    height: Array  #: (n,) in mm, in world z relative to the body's origin.
+    slope: Array  #: (n, 2) its gradient in world axes.
+    nodes: IntArray  #: (n, 4) patch nodes that interpolate at the points; (n, 2) on planar bodies.
+    weights: Array  #: Their bilinear weights.
+    inside: BoolArray  #: (n,) whether the point lies on the patch.
 
 
 @dataclass(frozen=True)

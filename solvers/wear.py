@@ -87,17 +87,14 @@ class Recession(NamedTuple):
 class WearRates:
     """Wear law of the two bodies, with coefficients in mm³ per mJ of friction energy or, by Archard's law, per N mm of
     load times sliding.
-
-    oxygen: where it lacks, the coefficients are smaller; cycle jumps know of it, single increments do not.
-    upper_layers, lower_layers: on either body, the outermost first.
-    Raises SolverError if a coefficient is negative.
     """
 
     upper_mm3_per_mJ: float = 0.0
     lower_mm3_per_mJ: float = 0.0
     law: WearLaw = field(default_factory=EnergyLaw)
+    #: Where it lacks, coefficients are smaller; single increments do not know of it.
     oxygen: OxygenSupply | None = None
-    upper_layers: tuple[SurfaceLayer, ...] = ()
+    upper_layers: tuple[SurfaceLayer, ...] = ()  #: The outermost first, as the next.
     lower_layers: tuple[SurfaceLayer, ...] = ()
 
     def factor(self, cycle: WornCycle) -> float | Array:

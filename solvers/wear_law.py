@@ -116,24 +116,20 @@ class EnergyThreshold(WearLaw):
 @dataclass(frozen=True)
 class PowerReduced(WearLaw):
     """h = alpha (p / p_0)^a (delta / delta_0)^b (f / 1 Hz)^c e: energy, weighed by powers of pressure, slip and
-    frequency.
+    frequency. Raises SolverError if a reference is not positive, or a is not above -1.
 
     Form: Baydoun, Fouvry, Descartes and Arnaud, Wear 426-427 (2019) 676, of flat contacts; here p is the local
     pressure, and delta the slip amplitude as a mean over the load.
-
-    reference_pressure_MPa, reference_amplitude_um: p_0, delta_0.  pressure_exponent, amplitude_exponent,
-    frequency_exponent: a, b, c.
-    Raises SolverError if a reference is not positive, or a is not above -1.
     """
 
     name: ClassVar[str] = "power-reduced"
     timed: ClassVar[bool] = True
 
-    reference_pressure_MPa: float
-    reference_amplitude_um: float
-    pressure_exponent: float = 0.0
-    amplitude_exponent: float = 0.0
-    frequency_exponent: float = 0.0
+    reference_pressure_MPa: float  #: p_0.
+    reference_amplitude_um: float  #: delta_0.
+    pressure_exponent: float = 0.0  #: a.
+    amplitude_exponent: float = 0.0  #: b.
+    frequency_exponent: float = 0.0  #: c.
 
     def __post_init__(self) -> None:
         require_positive(self, "reference_pressure_MPa", "reference_amplitude_um")
@@ -188,20 +184,16 @@ class OxygenDistance(WearLaw):
     """Energy, but less where oxygen does not get: it gets d_O = d (f / 1 Hz)^m (p / 100 MPa)^n from the contact's edge.
 
     p is the mean pressure. The numbers unless others are given are those of flats by Baydoun, Arnaud and
-    Fouvry, Wear 458-459 (2020) 203397.
-
-    starved_factor: wear coefficient beyond that distance over that within.  distance_mm: d.  frequency_exponent,
-    pressure_exponent: m, n.
-    Raises SolverError if the distance is not positive or the factor negative.
+    Fouvry, Wear 458-459 (2020) 203397. Raises SolverError if the distance is not positive or the factor negative.
     """
 
     name: ClassVar[str] = "oxygen-distance"
     timed: ClassVar[bool] = True
 
-    starved_factor: float
-    distance_mm: float = 1.51
-    frequency_exponent: float = -0.22
-    pressure_exponent: float = -0.32
+    starved_factor: float  #: Wear coefficient beyond that distance over that within.
+    distance_mm: float = 1.51  #: d.
+    frequency_exponent: float = -0.22  #: m.
+    pressure_exponent: float = -0.32  #: n.
 
     def __post_init__(self) -> None:
         require_positive(self, "distance_mm", not_negative=("starved_factor",))

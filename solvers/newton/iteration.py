@@ -223,16 +223,13 @@ def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about:
 
 
 class _Change(NamedTuple):
-    """How far a state is from that before.
+    """How far a state is from that before."""
 
-    nodes: how many change.  gap_error: relative.  bend: largest difference of the friction law from its tangent at
-    slipping nodes, over the largest friction.  settled: no node and no stop changes.
-    """
-
-    nodes: Changes
-    gap_error: float
+    nodes: Changes  #: How many change.
+    gap_error: float  #: Relative.
+    #: Largest difference of the friction law from its tangent at slipping nodes, over the largest friction.
     bend: float
-    settled: bool
+    settled: bool  #: No node and no stop changes.
 
     @classmethod
     def of(

@@ -160,21 +160,16 @@ _LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
 
 @dataclass(frozen=True)
 class StageSolution:
-    """What a stage comes to.
+    """What a stage comes to."""
 
-    pressure: (N,) MPa.  height: (positions,) of the holder, mm.  facing: the positions on the worn surfaces.
-    friction: the law at the unknowns.  friction_work, wear_work: (N,) of one cycle per area, mJ/mm².
-    cycles: (N,) for which each pressure has worn.  iterations: of the active set, on all surfaces.
-    """
-
-    pressure: Array
-    height: Array
-    facing: Facing
-    friction: Friction
-    friction_work: Array
+    pressure: Array  #: (N,) MPa.
+    height: Array  #: (positions,) of the holder, mm.
+    facing: Facing  #: The positions on the worn surfaces.
+    friction: Friction  #: The law at the unknowns.
+    friction_work: Array  #: (N,) of one cycle per area, mJ/mm², as the next.
     wear_work: Array
-    cycles: Array
-    iterations: int
+    cycles: Array  #: (N,) for which each pressure has worn.
+    iterations: int  #: Of the active set, on all surfaces.
 
     @property
     def works(self) -> tuple[Array, Array]:

@@ -170,18 +170,14 @@ class LimitingShape:
 
 @dataclass(frozen=True)
 class WearingContact:
-    """A sphere against a half-space, moved by ±drive behind its bodies' bulk, that wears where it slips.
-
-    modulus_MPa, tangential_modulus_MPa: E* and G*.  drive_mm: amplitude of the prescribed motion.  bulk_normal,
-    bulk_tangential: compliance of the bodies beyond that of half-spaces, mm/N.
-    """
+    """A sphere against a half-space, moved by ±drive behind its bodies' bulk, that wears where it slips."""
 
     sphere_radius_mm: float
-    modulus_MPa: float
-    tangential_modulus_MPa: float
+    modulus_MPa: float  #: E*.
+    tangential_modulus_MPa: float  #: G*.
     friction: float
-    drive_mm: float
-    bulk_normal_mm_per_N: float = 0.0
+    drive_mm: float  #: Amplitude of the prescribed motion.
+    bulk_normal_mm_per_N: float = 0.0  #: Compliance of the bodies beyond that of half-spaces, as the next.
     bulk_tangential_mm_per_N: float = 0.0
 
     def under_approach(self, approach_mm: float) -> LimitingShape:
