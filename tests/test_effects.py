@@ -11,6 +11,7 @@ from solvers import Holder, WearRates
 from tests.studies import COARSE, coarse
 from wirewear import StudyError, effects, parse_study
 from wirewear.effects.holder import RotationalCompliance
+from wirewear.effects.registry import effect_text
 from wirewear.loops.sensor import Sensor
 from wirewear.study.study import study_from_tables
 
@@ -118,3 +119,11 @@ def test_a_senseless_effect_is_refused_with_one_sentence(tables: str, message: s
     assert str(refused.value).startswith("effects in coarse.toml ")
     assert str(refused.value).count(". ") == 0
     assert str(refused.value).endswith(".") != message.endswith("?")
+
+
+@everyone
+def test_an_effect_is_told_in_full(kind: type[effects.Effect[Any]]) -> None:
+    told = effect_text(kind)
+    assert all(f"\n{name}: " in f"\n{told}" for name in kind.parameters())
+    assert f"Signature: {kind.signature}." in told
+    assert "Told apart by: " in told

@@ -102,6 +102,7 @@ def test_240_mutated_records_are_read_correctly_or_refused_in_one_sentence_with_
         ("experiment.toml", "displacement_um = 0.15", "displacement_mm = 1", r"displacement_um, in micrometres"),
         ("loops.csv", "displacement_um", "displacement_mm", r"line 1: the column displacement_um is missing"),
         ("loops.csv", "1,100,4,", "1,100,0,", r"loops.csv, line 3, .* a second time, first on line 2"),
+        ("loops.csv", ",time_s,", ",sample,", r"loops.csv, line 1: the column 'sample' is named twice"),
         ("loops.csv", "1,100,4,", "1,100.5,4,", r"loops.csv, line 3, column cycle: the value is 100.5"),
         ("scar_fixed.csv", "1,-130,-120,", "1,-130,deep,", r"scar_fixed.csv, line 2, column y_um: 'deep' is no number"),
     ],

@@ -68,6 +68,27 @@ def invoked(line: str) -> Result:
             "the key file text exists already, and no key is replaced: name",
         ),
         ("show result.h5 --output text/pictures", "a part of this path is a file, not a folder"),
+        (
+            "export result.h5 --as-record a --as-tables b",
+            "--as-record, --as-heights and --as-tables exclude one another",
+        ),
+        (
+            "export result.h5 --as-record a --variant b",
+            "there is no variant 'b' in result.h5, which holds a run without",
+        ),
+        (
+            "export result.h5 --as-record a --noise x=1",
+            "--noise holds 'x=1', but must be a list like displacement_um=0.1",
+        ),
+        ("export result.h5 --as-record a --length 2", "--length does not apply to"),
+        (
+            "fit RECORD --output f --wear-coefficient 1e-4 --worn-volume 1e-3",
+            "give either --wear-coefficient or --worn",
+        ),
+        ("new --mapping loops.csv nowhere.csv", "nowhere.csv"),
+        ("effects --plot", "--plot needs the name of an effect: `wirewear effects` lists them."),
+        ("run steel_wires.toml --uncertain --json", "--json does not go with --uncertain."),
+        ("report folder", "there is no result.h5 in folder or in a folder directly below it."),
     ],
 )
 def test_a_wrong_input_is_one_sentence_and_exit_code_2(line: str, sentence: str) -> None:

@@ -227,7 +227,7 @@ def fit(
     from wirewear.views.run_page import write_page
 
     if wear_coefficient is not None and worn_volume is not None:
-        raise click.UsageError("give either --wear-coefficient or --worn-volume: each follows from the other.")
+        raise RecordError("give either --wear-coefficient or --worn-volume: each follows from the other.")
     given = GivenWear(wear_coefficient, worn_volume)
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)
