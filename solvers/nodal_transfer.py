@@ -15,7 +15,7 @@ from scipy.sparse import csr_matrix
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.kept_code import compiled
+from solvers.kept_code import compiled, inlined
 
 
 class NodalTransfer(NamedTuple):
@@ -189,17 +189,16 @@ def transfer_along_axes(
     return _products(nodes, count_t, *next(of_axes), *next(of_axes))
 
 
-@compiled
-def cell_of(lines: Array, value: float) -> int:
-    """The cell between lines that holds a value, the first or the last for one beside them."""
-    low, high = 0, len(lines) - 1
-    while high - low > 1:
-        middle = (low + high) // 2
-        if lines[middle] <= value:
-            low = middle
-        else:
-            high = middle
-    return low
+@inlined
+def cell_of(lines: Array, value: float, near: int) -> int:
+    """The cell between lines that holds a value, the first or the last for one beside them; looked for from one near
+    by, for positions mostly follow each other.
+    """
+    while near > 0 and lines[near] > value:
+        near -= 1
+    while near < len(lines) - 2 and lines[near + 1] <= value:
+        near += 1
+    return near
 
 
 @compiled
@@ -215,17 +214,16 @@ def _along_line(
     outside, first = np.zeros(count, dtype=np.bool_), np.zeros(count + 1, dtype=np.int64)
     columns, values = np.empty(count * len(other), dtype=np.int64), np.empty(count * len(other))
     row = np.zeros(len(other))
-    used = 0
+    used = at = 0
     for i in range(count):
         low, high = len(other), -1
         for cell in range(max(i - 1, 0), min(i + 1, cells)):
             for p in range(len(lower)):
                 weight = lengths[cell, p] * (lower[p] if cell == i else 1.0 - lower[p])
-                at = 0
                 share = 0.0
                 if len(other) > 1:
                     place = sign * (positions[cell, p] - offset)
-                    at = cell_of(other, place)
+                    at = cell_of(other, place, at)
                     share = (place - other[at]) / (other[at + 1] - other[at])
                     if share < -ROUND_OFF or share > 1.0 + ROUND_OFF:
                         outside[i] |= weight > 0.0

@@ -156,12 +156,13 @@ def _located(positions: Array, along: Array, across: Array) -> tuple[IntArray, A
     corner = np.empty(len(positions), dtype=np.int64)
     weights = np.zeros((len(positions), 4))
     inside = np.empty(len(positions), dtype=np.bool_)
+    i = j = 0
     for g in range(len(positions)):
-        i = cell_of(along, positions[g, 0])
+        i = cell_of(along, positions[g, 0], i)
         u = (positions[g, 0] - along[i]) / (along[i + 1] - along[i])
-        j, v = 0, 0.0
+        v = 0.0
         if count_t > 1:
-            j = cell_of(across, positions[g, 1])
+            j = cell_of(across, positions[g, 1], j)
             v = (positions[g, 1] - across[j]) / (across[j + 1] - across[j])
         corner[g] = i * count_t + j
         inside[g] = -ROUND_OFF <= u <= 1.0 + ROUND_OFF and -ROUND_OFF <= v <= 1.0 + ROUND_OFF

@@ -124,7 +124,8 @@ def solve_increment(
         moved = abs(outcome.holder_x - holder_x)
         slip_share = _slip_share(state, nodes, outcome, drive)
         # Friction that falls with the speed may have no equilibrium: if it does not settle, it stays as it was last.
-        if pairings < _FOLLOWED and system.friction.differs(law_at(problem, state, pairing, slip_share, drive)):
+        follows = problem.friction_law.timed and pairings < _FOLLOWED
+        if follows and system.friction.differs(law_at(problem, state, pairing, slip_share, drive)):
             moved = np.inf
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
         if drive != state.drive and _core_is_lost(state, nodes, outcome):
