@@ -27,19 +27,14 @@ _GAUSS_POINTS = 5
 
 @dataclass(frozen=True)
 class PrimarySurface:
-    """Quadrature on the primary body's patch, independent of where the secondary body is.
-
-    along, across: Gauss points on the patch's lines.  areas: (n,) plane area of each node.  fresh_slope: (n, 2) mean
-    slope of the unworn surface about each node, in the patch's axes.  averaging: of a nodal field about each node,
-    weighted by area.
-    """
+    """Quadrature on the primary body's patch, independent of where the secondary body is."""
 
     body: PlacedBody
-    along: GaussLines
+    along: GaussLines  #: Gauss points on the patch's lines, as the next.
     across: GaussLines
-    areas: Array
-    fresh_slope: Array
-    averaging: NodalTransfer
+    areas: Array  #: (n,) plane area of each node.
+    fresh_slope: Array  #: (n, 2) mean slope of the unworn surface about each node, in the patch's axes.
+    averaging: NodalTransfer  #: Of a nodal field about each node, weighted by area.
 
     def mean_slope(self, nodes: IntArray, depth_mm: Array) -> Array:
         """Mean slope (k, 2) of the surface worn by depth (n_a, n_t) about chosen nodes, in world axes."""
@@ -50,28 +45,21 @@ class PrimarySurface:
 
 @dataclass(frozen=True)
 class Pairing:
-    """Both surfaces as they face each other at one relative position, for k chosen primary nodes.
+    """Both surfaces as they face each other at one relative position, for k chosen primary nodes."""
 
-    nodes: (k,) primary nodes.  areas: (k,), mm².
-    gap: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
-    gap_rate: (k,) change of the gap per motion of the upper body along x.
-    frames: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent
-    is the motion's direction x projected on the tangent plane.
-    own, opposite: transfers of the primary and of the secondary: force per area -> nodal forces (`spread`), nodal
-    displacements -> area-weighted mean displacements (`averaged`).
-    depths: of the secondary's worn depths into the gap, area-weighted.
-    inside: (k,) whether the secondary patch faces the whole support of the node.
-    """
-
-    nodes: IntArray
-    areas: Array
-    gap: Array
-    gap_rate: Array
+    nodes: IntArray  #: (k,) primary nodes.
+    areas: Array  #: (k,), mm².
+    gap: Array  #: (k,) vertical gap of the undeformed worn surfaces at zero approach, mm, the secondary averaged.
+    gap_rate: Array  #: (k,) change of the gap per motion of the upper body along x.
+    #: (k, 3, 3), rows are the normal (from lower to upper) and two tangents, in world axes; the first tangent is the
+    #: motion's direction x projected on the tangent plane.
     frames: Array
+    #: Transfer of the primary: force per area -> nodal forces (`spread`), nodal displacements -> area-weighted mean
+    #: displacements (`averaged`).
     own: NodalTransfer
-    opposite: NodalTransfer
-    depths: NodalTransfer
-    inside: BoolArray
+    opposite: NodalTransfer  #: That of the secondary.
+    depths: NodalTransfer  #: Of the secondary's worn depths into the gap, area-weighted.
+    inside: BoolArray  #: (k,) whether the secondary patch faces the whole support of the node.
 
     @cached_property
     def primary(self) -> csr_matrix:

@@ -28,22 +28,20 @@ class ContactProblem:
     """Two bodies, the holder of the upper one, and the laws between them.
 
     `primary` is the body whose patch carries the tractions; either of the two may be.
-    formulation: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the
-    bodies, `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
-    friction: its coefficient, which effects change.  friction_law: what it is the coefficient of.
-    layers: physical ones between the surfaces, in series.  timing: of the drive, for laws that ask for speeds.
     """
 
     upper: PlacedBody
     lower: PlacedBody
     holder: Holder
-    friction: float
+    friction: float  #: Its coefficient, which effects change.
     wear: WearRates
     primary_is_upper: bool = True
+    #: "augmented-lagrangian" holds gaps and stick exactly; "penalty" puts an elastic layer between the bodies,
+    #: `layer_mm_per_MPa` soft in all directions, whose compliance is a small share of a node's own.
     formulation: Formulation = "augmented-lagrangian"
-    layers: tuple[ContactLayer, ...] = ()
-    friction_law: FrictionLaw = field(default_factory=Coulomb)
-    timing: DriveTiming = field(default_factory=DriveTiming)
+    layers: tuple[ContactLayer, ...] = ()  #: Physical ones between the surfaces, in series.
+    friction_law: FrictionLaw = field(default_factory=Coulomb)  #: What it is the coefficient of.
+    timing: DriveTiming = field(default_factory=DriveTiming)  #: Of the drive, for laws that ask for speeds.
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 

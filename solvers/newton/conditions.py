@@ -26,28 +26,20 @@ _ROUND_OFF = 1e-12  # Of the largest friction: what is so near to its limit may 
 
 
 class Scales(NamedTuple):
-    """What the augmentation and the equations are measured by.
+    """What the augmentation and the equations are measured by."""
 
-    collective, local, rig: displacement by unit traction on all nodes, on one of them, and by what that moves the rig,
-    mm per MPa.  series_compliance: of contact and rig, mm per N.  pressure: mean one, MPa.  reach: displacement by a
-    tilt of 1, mm: that at the pivot's height or at the contact's edge, whichever is more.
-    """
-
-    collective: float
-    local: float
-    rig: float
-    series_compliance: float
-    pressure: float
-    reach: float
+    collective: float  #: Displacement by unit traction on all nodes, mm per MPa.
+    local: float  #: That by one on one of them.
+    rig: float  #: That by what unit traction moves the rig.
+    series_compliance: float  #: Of contact and rig, mm per N.
+    pressure: float  #: Mean one, MPa.
+    reach: float  #: Displacement by a tilt of 1, mm: at the pivot's height or the contact's edge, whichever is more.
 
 
 class Solution(NamedTuple):
-    """Tractions (k,) and (k, 2) in local frames, and the holder's height, position and tilt.
+    """Tractions (k,) and (k, 2) in local frames, and the holder's height, position and tilt."""
 
-    force: the same tractions as `PairedCompliance.displaced` takes them.
-    """
-
-    force: Array
+    force: Array  #: The same tractions as `PairedCompliance.displaced` takes them.
     normal: Array
     tangential: Array
     height: float

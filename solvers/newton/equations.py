@@ -27,15 +27,12 @@ from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Node
 
 
 class Loaded(NamedTuple):
-    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`, where it is known.
-
-    layer: its compliance.
-    """
+    """What tractions on nodes do, see `PairedCompliance`: columns of `matrix` at a node's `place`, where known."""
 
     matrix: Array
     known: int
     place: IntArray
-    layer: float
+    layer: float  #: Its compliance.
 
 
 @inlined

@@ -17,44 +17,34 @@ from solvers.pairing import Pairing
 
 @dataclass(frozen=True)
 class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes.
-
-    before: pairing of the nodes that were loaded before the increment, as the bodies stood then.
-    compliance: mean displacement of the upper against the lower body at the nodes by tractions on them.
-    old_displacement: (k, 3), the same for the tractions before the increment.
-    lever: (k,) distance of the nodes ahead of the holder's pivot along x.  holder: what moves and resists the upper
-    body; where `prescribed_height` is given, it is held there instead of loaded.  old_place_in_play: where it stood
-    between the stops of its free play.
-    layers: what gives way between the surfaces.  Lengths in mm, forces in N.
-    """
+    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes."""
 
     pairing: Pairing
-    before: Pairing
+    before: Pairing  #: Pairing of the nodes that were loaded before the increment, as the bodies stood then.
+    #: Mean displacement of the upper against the lower body at the nodes by tractions on them.
     compliance: PairedCompliance
-    old_displacement: Array
+    old_displacement: Array  #: (k, 3), the same for the tractions before the increment.
     friction: Friction
     paired_holder_x: float
     old_holder_x: float
     old_height: float
     drive_step: float
     old_tilt: float
-    lever: Array
+    lever: Array  #: (k,) distance of the nodes ahead of the holder's pivot along x.
+    #: What moves and resists the upper body; where `prescribed_height` is given, it is held there instead of loaded.
     holder: Holder
     pressed_height: float
     prescribed_height: float | None
-    old_place_in_play: float = 0.0
-    layers: LayersAtNodes | None = None
+    old_place_in_play: float = 0.0  #: Where it stood between the stops of its free play.
+    layers: LayersAtNodes | None = None  #: What gives way between the surfaces.  Lengths in mm, forces in N.
 
 
 class Carried(NamedTuple):
-    """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3).
-
-    shifted: whether any constant is not zero.
-    """
+    """World tractions of k nodes: `per_normal` (k, 3) times the normal one, plus `constant` (k, 3)."""
 
     per_normal: Array
     constant: Array
-    shifted: bool
+    shifted: bool  #: Whether any constant is not zero.
 
 
 @inlined
@@ -122,39 +112,30 @@ class Iterate(NamedTuple):
 
 
 class LinearLaws(NamedTuple):
-    """Friction and layers at k nodes, linearised about pressures (k,).
-
-    slope, offset: of friction's limit, its value at no pressure.  closure, softness: the same of layers, mm and mm per
-    MPa.  shear, change: tangential displacement per traction and its derivative by the pressure. Those of layers are
-    zero where there is none.
-    """
+    """Friction and layers at k nodes, linearised about pressures (k,). Those of layers are zero where there is none."""
 
     pressure: Array
-    slope: Array
-    offset: Array
-    closure: Array
-    softness: Array
-    shear: Array
-    change: Array
+    slope: Array  #: Of friction's limit.
+    offset: Array  #: The limit's value at no pressure.
+    closure: Array  #: Of layers, mm at no pressure.
+    softness: Array  #: Its slope, mm per MPa.
+    shear: Array  #: Tangential displacement of layers per traction.
+    change: Array  #: Its derivative by the pressure.
 
 
 class HolderTerms(NamedTuple):
-    """The holder's springs and where it is held, as in `Holder`; NaN stands for what is not held.
-
-    load_N: at height 0.  held_mm: place in its free play.  height_mm: prescribed.  rigid_x_mm: of a rigid rig.
-    series_mm_per_N: compliance of contact and rig, which scales the row of a holder that floats.
-    """
+    """The holder's springs and where it is held, as in `Holder`; NaN stands for what is not held."""
 
     pivot_mm: float
     normal_load_N: float
-    load_N: float
+    load_N: float  #: At height 0.
     normal_N_per_mm: float
     tangential_mm_per_N: float
     rotational_rad_per_N_mm: float
-    series_mm_per_N: float
-    held_mm: float
-    height_mm: float
-    rigid_x_mm: float
+    series_mm_per_N: float  #: Compliance of contact and rig, which scales the row of a holder that floats.
+    held_mm: float  #: Place in its free play.
+    height_mm: float  #: Prescribed.
+    rigid_x_mm: float  #: Of a rigid rig.
 
 
 def nodes_of(system: Linearisation) -> Nodes:

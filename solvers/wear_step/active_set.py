@@ -23,37 +23,28 @@ _LARGEST_FALL = 0.2
 
 @dataclass(frozen=True)
 class Improved:
-    """What a step of Newton's method comes to.
+    """What a step of Newton's method comes to."""
 
-    pressure: (N,).  height: (positions,).  active: (N,) which nodes are in contact now.  fits: whether they were those
-    assumed.  linear: whether the equations are, so that no further step would change pressures that fit.
-    """
-
-    pressure: Array
-    height: Array
-    active: BoolArray
-    fits: bool
-    linear: bool
+    pressure: Array  #: (N,).
+    height: Array  #: (positions,).
+    active: BoolArray  #: (N,) which nodes are in contact now.
+    fits: bool  #: Whether they were those assumed.
+    linear: bool  #: Whether the equations are, so that no further step would change pressures that fit.
 
 
 @dataclass(frozen=True)
 class CycleEquations:
-    """Conditions on N pressures of all positions and their holder heights.
-
-    gaps: (N,) along z before the stage.  opening: gap along z opened by wear work, of which layers
-    fill a part.  slip: (N,) mm.  cycles: (N,) for which each unknown wears.  worn: depths of surfaces as on
-    which layers are.  friction: the law at the unknowns.
-    """
+    """Conditions on N pressures of all positions and their holder heights."""
 
     problem: ContactProblem
     cycle: Cycle
     facing: Facing
-    gaps: Array
-    opening: Opening
-    slip: Array
-    cycles: Array
-    worn: Depths
-    friction: Friction
+    gaps: Array  #: (N,) along z before the stage.
+    opening: Opening  #: Gap along z opened by wear work, of which layers fill a part.
+    slip: Array  #: (N,) mm.
+    cycles: Array  #: (N,) for which each unknown wears.
+    worn: Depths  #: Depths of surfaces as on which layers are.
+    friction: Friction  #: The law at the unknowns.
 
     @cached_property
     def _layers(self) -> LayersAtNodes | None:

@@ -138,33 +138,24 @@ Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the seconda
 
 
 class Facing(NamedTuple):
-    """All positions on surfaces of given depth, N unknowns and K nodes one position after another; MPa, mm.
+    """All positions on surfaces of given depth, N unknowns and K nodes one position after another; MPa, mm."""
 
-    upward: (N,) z component of the unknowns' normals.  by_stuck: (N,) normal displacement by tractions of sticking
-    nodes.  lift, pull: (2, N) load along z and x by unit pressure and by unit friction at each unknown and its image,
-    mm².  stuck_lift, stuck_pull: (positions,) what sticking nodes add, N.
-    normals, frictions, stuck: (K, 3) unit normal, direction of friction and stuck traction of all nodes.
-    """
-
-    upward: Array
-    by_stuck: Array
-    lift: Array
-    pull: Array
-    stuck_lift: Array
+    upward: Array  #: (N,) z component of the unknowns' normals.
+    by_stuck: Array  #: (N,) normal displacement by tractions of sticking nodes.
+    lift: Array  #: (2, N) load along z by unit pressure and by unit friction at each unknown and its image, mm².
+    pull: Array  #: The same along x.
+    stuck_lift: Array  #: (positions,) what sticking nodes add, N, as the next.
     stuck_pull: Array
-    normals: Array
-    frictions: Array
-    stuck: Array
+    normals: Array  #: (K, 3) unit normals.
+    frictions: Array  #: (K, 3) direction of friction.
+    stuck: Array  #: (K, 3) stuck traction of all nodes.
 
 
 class CycleNodes(NamedTuple):
-    """The K nodes of all positions of a cycle, one position after another, as they were traced; see `Position`.
+    """The K nodes of all positions of a cycle, one position after another, as they were traced; see `Position`."""
 
-    start: (positions + 1,) where each position's nodes begin.  rows: (N,) which of the K the unknowns are.
-    """
-
-    start: IntArray
-    rows: IntArray
+    start: IntArray  #: (positions + 1,) where each position's nodes begin.
+    rows: IntArray  #: (N,) which of the K the unknowns are.
     nodes: IntArray
     areas: Array
     frames: Array
@@ -191,21 +182,17 @@ class CycleNodes(NamedTuple):
 
 @dataclass(frozen=True)
 class Cycle:
-    """The positions of a cycle, traced in a state of wear, their unknowns, and both bodies' influence there.
-
-    half_cycle: the mirror whose image of the positions is the other half of the cycle, where they are half of one.
-    wearing: (N,) factor on the wear coefficients, or one for all.
-    layers: between the surfaces as the cycle was traced.  similar: what is known so far of the equations of its
-    pressures.
-    """
+    """The positions of a cycle, traced in a state of wear, their unknowns, and both bodies' influence there."""
 
     positions: tuple[Position, ...]
     orbits: Orbits
     influences: Influences
     wear: WearState
+    #: The mirror whose image of the positions is the other half of the cycle, where they are half of one.
     half_cycle: Mirror | None
-    wearing: float | Array
-    layers: tuple[ContactLayer, ...] = ()
+    wearing: float | Array  #: (N,) factor on the wear coefficients, or one for all.
+    layers: tuple[ContactLayer, ...] = ()  #: Between the surfaces as the cycle was traced.
+    #: What is known so far of the equations of its pressures.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
     @property
