@@ -2,8 +2,8 @@
 
 Between two steps of Newton's method on a cycle's pressures, normals turn a little and a few nodes open or close. The
 factors of the equations before then make an excellent preconditioner: the method of generalised minimal residuals (Saad
-& Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856) takes a few products of the new matrix, at a cost of n² each, where
-factors cost n³.
+& Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856) takes a few products of the new matrix, which need not be put
+together for them, where factors cost n³.
 """
 
 from collections.abc import Callable, Sequence
