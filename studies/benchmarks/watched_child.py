@@ -74,7 +74,8 @@ class Watch:
         # What is opened by its number was opened before.
         if isinstance(given, str | bytes | Path):
             where = Path(os.fsdecode(given)).resolve()
-            if not any(where.is_relative_to(one) for one in self.allowed):
+            # A folder that is there already is asked for, not made.
+            if not (event == "os.mkdir" and where.is_dir()) and not any(where.is_relative_to(one) for one in self.allowed):
                 self.found.append(f"{event} {where}")
 
 
