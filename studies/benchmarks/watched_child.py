@@ -75,7 +75,9 @@ class Watch:
         if isinstance(given, str | bytes | Path):
             where = Path(os.fsdecode(given)).resolve()
             # A folder that is there already is asked for, not made.
-            if not (event == "os.mkdir" and where.is_dir()) and not any(where.is_relative_to(one) for one in self.allowed):
+            if not (event == "os.mkdir" and where.is_dir()) and not any(
+                where.is_relative_to(one) for one in self.allowed
+            ):
                 self.found.append(f"{event} {where}")
 
 
