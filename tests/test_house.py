@@ -274,7 +274,7 @@ BUDGETS = {
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
     # 1650 of them, and 220 of the tests, are the simulators by others of the blind check (T3): four, their rig, sizes.
-    "lines of studies": 18_228,
+    "lines of studies": 18_230,
     # 1 000 of them are one test for each fault found from outside and for laws that no other test holds; walls of a
     # scar on a soft rig took the last 20, values out of range 20, files beside others 20, coarse drives 20.
     # 220 are checks of pads' faces, of runs from measured surfaces, and of materials' names.
