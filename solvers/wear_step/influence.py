@@ -29,7 +29,8 @@ class Influences:
     worked out when it is first asked for; N unknowns of all positions one after another.
 
     store: those known, one block after another: (u, 3, 3) mm/MPa of the u unknowns at the loaded one's position, by
-    component of displacement and traction in world axes.  at: (N,) where the block of each begins, or -1.
+    component of displacement and traction in world axes.  at: (N,) where the block of each begins, or -1.  across: the
+    mirror, if there is one.
     """
 
     def __init__(
@@ -44,7 +45,7 @@ class Influences:
         bodies: primary and secondary.  rows: for each position, (u,) its unknowns among the pairing's nodes.  across:
         the mirror whose images of them carry mirrored tractions; a node that is its own image has none besides.
         """
-        self._bodies, self._pairings, self._rows, self._across = bodies, pairings, rows, across
+        self._bodies, self._pairings, self._rows, self.across = bodies, pairings, rows, across
         self._start = np.concatenate([[0], np.cumsum([len(own) for own in rows])])
         self.at, self.store, self._used = np.full(self._start[-1], -1), np.empty(0), 0
 
@@ -72,9 +73,9 @@ class Influences:
         if self._used > len(self.store):
             self.store = np.concatenate([self.store[:begin], np.empty(max(self._used - begin, begin))])
         self.at[self._start[k] + missing] = begin + size * np.arange(len(missing))
-        if self._across:
+        if self.across:
             # What lies on the plane is loaded as often as what lies beside it and its images are together.
-            shares[self._across.primary[own[loaded]] == own[loaded]] = 0.5
+            shares[self.across.primary[own[loaded]] == own[loaded]] = 0.5
         asked, asked_place = _numbered(transfer.faced_by(rows), transfer.size)
         faced, place = _numbered(transfer.faced_by(loaded), transfer.size)
         _influence(
@@ -89,9 +90,9 @@ class Influences:
         """Displacements of a body's nodes (3 r, 3 c) by unit forces on others and mirrored ones on their images."""
         between = self._bodies[body].folded.between
         moved = between(nodes, loaded)
-        if self._across:
-            images = (self._across.primary, self._across.secondary)[body]
-            between(nodes, images[loaded], out=moved, add=self._across.signs)
+        if self.across:
+            images = (self.across.primary, self.across.secondary)[body]
+            between(nodes, images[loaded], out=moved, add=self.across.signs)
         return moved
 
 

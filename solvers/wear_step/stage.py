@@ -101,6 +101,10 @@ def _released(
     # Tractions of the core along x and y, and the holder's motion, so that the core stays and the forces balance.
     matrix, rhs = np.zeros((size + 1, size + 1)), np.zeros(size + 1)
     matrix[:size, :size] = influence[held][:, :2, held, :2].reshape(size, size)
+    if cycle.influences.across:
+        # What lies on the plane of a mirror carries nothing across it.
+        across = 2 * np.flatnonzero(orbits.images[end][held] == rows[held]) + 1
+        matrix[across, across] = 1.0
     if len(sheared):
         matrix[np.arange(size), np.arange(size)] += np.repeat(sheared[held], 2)
     matrix[:size:2, size] = 1.0
@@ -114,8 +118,8 @@ def _released(
     everywhere = np.zeros((problem.primary.patch.size, 3))
     everywhere[position.nodes[rows]] = moved
     images = position.nodes[orbits.images[end]]
-    across = images != position.nodes[rows]
-    everywhere[images[across]] = moved[across] * np.array([1.0, -1.0, 1.0])
+    beside = images != position.nodes[rows]
+    everywhere[images[beside]] = moved[beside] * np.array([1.0, -1.0, 1.0])
     return everywhere
 
 
