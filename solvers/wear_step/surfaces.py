@@ -125,9 +125,10 @@ def _minimal_residual(
         hessenberg[k + 1, k] = np.linalg.norm(new)
         target = np.zeros(k + 2)
         target[0] = size
-        weights, left, _, _ = np.linalg.lstsq(hessenberg[: k + 2, : k + 1], target, rcond=None)
-        if len(left) and left[0] ** 0.5 <= _RESIDUAL * size:
-            return np.asarray(weights @ images[: k + 1])
+        # The least squares' last entry is what they leave.
+        _, weights, singular = lapack.dgels(hessenberg[: k + 2, : k + 1], target)
+        if not singular and abs(weights[k + 1]) <= _RESIDUAL * size:
+            return np.asarray(weights[: k + 1] @ images[: k + 1])
         if hessenberg[k + 1, k] <= _RESIDUAL * size:
             return None
         basis[k + 1] = new / hessenberg[k + 1, k]
