@@ -131,6 +131,7 @@ def tolerant(displacement: float) -> Diagnosis:
     return judged(replace(one.record, tables=tables), one.study, one.states, one.observed, one.search).diagnosis
 
 
+@pytest.mark.seconds
 def test_a_difference_within_the_tolerance_is_no_gap_and_is_stated_with_its_size() -> None:
     answer = tolerant(0.01)
     assert answer.verdict == "no_gap"
@@ -178,6 +179,7 @@ def one_loop(effect: str, drive: str, seed: int, cycle: int) -> ExperimentRecord
     return record(EFFECTS[effect], repeats=1, seed=seed, drive=drive, evolution=False, normal=False, cycles=(cycle,))
 
 
+@pytest.mark.seconds
 def test_a_stroke_held_by_an_encoder_tells_a_sensor_from_a_spring() -> None:
     (group,) = diagnosis_of(one_loop("sensor", "sensor", 1, 100)).equivalent
     assert {"tangential_compliance", "displacement_load_coupling"} <= set(group)

@@ -54,6 +54,7 @@ def held(text: str, base: str = ON_A_RIG) -> str:
         ("held_energy_mJ", 0.03, "dissipated_energy_mJ"),
     ],
 )
+@pytest.mark.seconds
 def test_what_a_drive_holds_is_held_at_every_loop_by_its_amplitude(key: str, target: float, column: str) -> None:
     evolution = simulate(coarse(held(f"{key} = {target}")), fidelity="quick").evolution
     assert evolution[column] == pytest.approx(target, rel=2.5e-3)
@@ -61,6 +62,7 @@ def test_what_a_drive_holds_is_held_at_every_loop_by_its_amplitude(key: str, tar
     assert evolution["displacement_amplitude_um"].max() < 20.0
 
 
+@pytest.mark.seconds
 def test_a_held_motion_is_that_of_the_bodies_and_a_held_reading_is_wrong_by_its_gain() -> None:
     result = simulate(coarse(held("held_motion_um = 9.0")), fidelity="quick")
     for loop in result.loops:
@@ -84,6 +86,7 @@ def test_a_drive_holds_one_figure() -> None:
         coarse(held("held_slip_amplitude_um = 5\nheld_energy_mJ = 1"))
 
 
+@pytest.mark.seconds
 def test_a_test_stops_where_a_scar_is_as_deep_as_stated(tmp_path: Path) -> None:
     study = coarse(held("") + "[stop]\ndepth_um = 0.25\naccumulated_energy_J = 5.0\n").with_values(
         {"conditions.cycles": 20_000}
@@ -233,6 +236,7 @@ def test_meshes_are_for_the_largest_load_and_stroke_and_the_wear_of_all_blocks_i
     assert len(pickle.loads(pickle.dumps(study)).schedule.stretches) == 5
 
 
+@pytest.mark.seconds
 def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:
     alone, blocks = (simulate(coarse(text), fidelity="quick") for text in (LONG, LONG + block(150) + block(250)))
     of_series = {cycle: index for index, cycle in enumerate(blocks.evolution["cycle"])}
@@ -243,6 +247,7 @@ def test_two_blocks_of_one_amplitude_are_one_of_both_bit_by_bit() -> None:
             assert column[list(alone.evolution["cycle"]).index(cycle)] == blocks.evolution[name][index], name
 
 
+@pytest.mark.seconds
 def test_each_block_has_its_own_stroke_and_load_and_all_energy_is_that_of_their_loops() -> None:
     result = simulate(coarse(LONG + SHORTER), fidelity="quick")
     found = {int(cycle): index for index, cycle in enumerate(result.evolution["cycle"])}
@@ -297,6 +302,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> ExperimentRecord:
     return read_record(folder)
 
 
+@pytest.mark.seconds
 def test_a_record_states_the_programme_that_its_simulation_had(measured: ExperimentRecord) -> None:
     believed = believed_study(measured.tables)
     assert [(own.end, own.block) for own in believed.schedule.stretches] == [
@@ -328,6 +334,7 @@ def test_by_default_the_block_with_the_longest_stroke_and_most_loops_is_looked_a
         measured.of_block(7)
 
 
+@pytest.mark.seconds
 def test_a_record_states_a_load_that_varies_and_what_the_drive_holds_which_is_not_fitted(tmp_path: Path) -> None:
     held = LONG.replace("cycles = 400", "cycles = 3\nheld_energy_mJ = 0.05\nload_cycle = { amplitude_share = 0.2 }")
     record = record_of_result(simulate(coarse(held), fidelity="quick"))

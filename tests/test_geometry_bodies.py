@@ -200,6 +200,7 @@ def _compliances(geometry: WireGeometry) -> np.ndarray:
     return np.array([share @ compliance[k::3, k::3] @ share for k in range(3)])
 
 
+@pytest.mark.seconds
 def test_a_tube_of_a_narrow_bore_is_as_stiff_as_a_wire_and_of_a_wide_one_softer() -> None:
     wire, narrow, wide = (_compliances(tube(bore_mm)) for bore_mm in (0.0, 0.06, 0.7))
     assert narrow == pytest.approx(wire, rel=0.01)

@@ -129,6 +129,7 @@ def test_waves_on_a_half_space_agree_with_boussinesq_and_cerruti() -> None:
     np.testing.assert_allclose(at(15, 0) - at(30, 0), exact(1.5, 0.0) - exact(3.0, 0.0), rtol=0.05)
 
 
+@pytest.mark.seconds
 def test_the_corrected_compliance_is_symmetric_and_positive_definite() -> None:
     for angle in (np.pi / 2, 1.0):
         upper, lower = _bodies(angle)
