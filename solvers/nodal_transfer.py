@@ -31,6 +31,11 @@ class NodalTransfer(NamedTuple):
         """One patch node with a weight for each contact node, both (k,)."""
         return cls(np.arange(len(nodes) + 1), nodes, weights, size)
 
+    @classmethod
+    def of(cls, matrix: csr_matrix) -> NodalTransfer:
+        """That of a (k, n) matrix; see `sparse`."""
+        return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
+
     def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
         """Weighted sum of a nodal field (n,) or (n, c) at each contact node, or at some of them, (k,) or (k, c)."""
         chosen = np.arange(len(self.first) - 1) if rows is None else rows

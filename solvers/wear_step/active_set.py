@@ -6,7 +6,6 @@ from math import nan
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
@@ -14,6 +13,7 @@ from solvers.errors import NotConvergedError
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
 from solvers.layers import LayersAtNodes, layers_at_nodes, open_share
+from solvers.nodal_transfer import NodalTransfer
 from solvers.wear_step.orbits import Opening
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
 
@@ -88,8 +88,7 @@ class CycleEquations:
         terms = _Terms(
             *(cycle.orbits.start, cycle.nodes.rows, on, cycle.orbits.position[on]),
             *(cycle.influences.store, cycle.influences.at),
-            *(_entries(self.opening.faced), _entries(self.opening.worked)),
-            int(self.opening.faced.shape[1]),
+            *(NodalTransfer.of(self.opening.faced), NodalTransfer.of(self.opening.worked)),
             *(opened, work_slope * wearing),
             *(softness, slope, constant, known, np.array(loads if holder.approach_mm is None else [nan] * len(loads))),
             *(holder.approach_mm or 0.0, holder.normal_stiffness_N_per_mm),
@@ -115,23 +114,11 @@ class CycleEquations:
         return closure + penalty * pressure, softness + penalty
 
 
-class _Entries(NamedTuple):
-    """Those of a sparse matrix, row by row: where each row's begin, their columns and their values."""
-
-    first: IntArray
-    columns: IntArray
-    values: Array
-
-
-def _entries(matrix: csr_matrix) -> _Entries:
-    return _Entries(matrix.indptr, matrix.indices, matrix.data)
-
-
 class _Terms(NamedTuple):
     """What the equations of N unknowns are made of: arrays over the unknowns, and plain numbers.
 
     start: (positions + 1,) where positions begin.  rows: see `CycleNodes`.  on: (a,) unknowns in contact, at which
-    position.  store, at: see `Influences`.  faced, worked: of `Opening`, over so many nodes; its rows count `opened`
+    position.  store, at: see `Influences`.  faced, worked: of `Opening`, whose rows count `opened`
     times, its columns `worn` times.  slope, constant: friction's tangent.  known: gap without elastic displacement and
     wear, which gets what constant friction does.  load_N: (positions,) at height 0, NaN under a held approach.
     """
@@ -142,9 +129,8 @@ class _Terms(NamedTuple):
     position: IntArray
     store: Array
     at: IntArray
-    faced: "_Entries"
-    worked: "_Entries"
-    nodes: int
+    faced: NodalTransfer
+    worked: NodalTransfer
     opened: Array
     worn: Array
     softness: Array
@@ -229,11 +215,11 @@ def _gaps(terms: _Terms, facing: Facing, moved: Array, solution: Array) -> Array
 @inlined
 def _work(terms: _Terms, solution: Array) -> Array:
     """Wear work per area on the nodes of both patches under a solution."""
-    worked, work = terms.worked, np.zeros(terms.nodes)
+    worked, work = terms.worked, np.zeros(terms.worked.size)
     for a in range(len(terms.on)):
         j = terms.on[a]
         for entry in range(worked.first[j], worked.first[j + 1]):
-            work[worked.columns[entry]] += worked.values[entry] * terms.worn[j] * solution[a]
+            work[worked.columns[entry]] += worked.weights[entry] * terms.worn[j] * solution[a]
     return work
 
 
@@ -242,7 +228,7 @@ def _opened(terms: _Terms, i: int, work: Array) -> float:
     """By how much the work opens the gap at an unknown."""
     faced, worn = terms.faced, 0.0
     for entry in range(faced.first[i], faced.first[i + 1]):
-        worn += faced.values[entry] * work[faced.columns[entry]]
+        worn += faced.weights[entry] * work[faced.columns[entry]]
     return float(terms.opened[i] * worn)
 
 
@@ -275,7 +261,7 @@ def _open(terms: _Terms, transposed: Array) -> None:
     """Add what pressures in contact open at each other by wear to the matrix."""
     faced, worked, on = terms.faced, terms.worked, terms.on
     # Which of the unknowns in contact face each node, and by how much.
-    first = np.zeros(terms.nodes + 2, np.int64)
+    first = np.zeros(terms.worked.size + 2, np.int64)
     for i in on:
         for entry in range(faced.first[i], faced.first[i + 1]):
             first[faced.columns[entry] + 2] += 1
@@ -285,12 +271,12 @@ def _open(terms: _Terms, transposed: Array) -> None:
         i = on[a]
         for entry in range(faced.first[i], faced.first[i + 1]):
             place = first[faced.columns[entry] + 1]
-            facing[place], weights[place] = a, terms.opened[i] * faced.values[entry]
+            facing[place], weights[place] = a, terms.opened[i] * faced.weights[entry]
             first[faced.columns[entry] + 1] += 1
     for a in range(len(on)):
         j = on[a]
         for entry in range(worked.first[j], worked.first[j + 1]):
-            node, work = worked.columns[entry], terms.worn[j] * worked.values[entry]
+            node, work = worked.columns[entry], terms.worn[j] * worked.weights[entry]
             for place in range(first[node], first[node + 1]):
                 transposed[a, facing[place]] += work * weights[place]
 
