@@ -269,7 +269,7 @@ BUDGETS = {
     # 70 are rows of balls, barrels and crossed cylinders on the meshes of runs.
     # 530 are the drive of a cycle: waveforms, the normal load in its course, contacts that open, and their keys.
     # 1100 are lives until a crack begins: criteria, data of materials, damage that moves with the material, its page.
-    "lines of geometry, solvers and wirewear": 63_400,
+    "lines of geometry, solvers and wirewear": 63_391,
     "lines of wirewear": 51_183,
     # 90 draw bodies of any shapes at random.
     # 90 are blind tests of wires at any angle and of balls on flats.
