@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from io import BytesIO
@@ -14,10 +14,11 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.colors import Colormap, LinearSegmentedColormap
+from matplotlib.colors import Colormap, LinearSegmentedColormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 
+from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import in_one_step, writing
@@ -28,6 +29,8 @@ VARIANT_COLOURS = frame.VARIANT_COLOURS
 VARIANT_DASHES: tuple[Any, ...] = ("-", (0, (5, 1.5)), (0, (1, 1)), (0, (6, 1.5, 1, 1.5)), (0, (3, 1)), (0, (8, 2)))
 
 DEPTH_COLOURS: Colormap = LinearSegmentedColormap.from_list("depth", np.divide(frame.DEPTH_SHADES, 255.0))
+_RAISED = LinearSegmentedColormap.from_list("raised", ["#fcf4b6", "#8fd0c5", "#12807c", "#07403e"])
+_FAINT_TO = 0.25  #: What is raised by this share of the largest depth has the darkest colour, at the latest.
 
 #: Pressure and slip: uniform as well, and neither to be taken for a depth.
 PRESSURE_COLOURS: Colormap = LinearSegmentedColormap.from_list(
@@ -124,6 +127,17 @@ def cycle_colours(count: int) -> list[tuple[float, float, float, float]]:
     """One colour for each of `count` cycles, the last the darkest."""
     shades = [0.0] if count == 1 else np.linspace(0.82, 0.0, count)
     return [colormaps["viridis"](shade) for shade in shades]
+
+
+def depth_scale(depths_um: Iterable[Array]) -> tuple[Colormap, Normalize]:
+    """Colours of measured depths [µm] and their scale: worn as `DEPTH_COLOURS`, what rises above the surface green."""
+    fields = list(depths_um)
+    deepest = max([1e-6, *(float(np.nanmax(depth)) for depth in fields)])
+    lowest = min([0.0, *(float(np.nanmin(depth)) for depth in fields)])
+    at = np.linspace(lowest, deepest, 1024)
+    raised = _RAISED(np.clip(-at / max(-lowest, _FAINT_TO * deepest), 0.0, 1.0))
+    colours = np.where((at < 0.0)[:, None], raised, DEPTH_COLOURS(np.clip(at / deepest, 0.0, 1.0)))
+    return ListedColormap(colours), Normalize(lowest, deepest)
 
 
 def cycle_name(cycle: int) -> str:

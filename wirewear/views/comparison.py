@@ -38,6 +38,12 @@ TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
 HERE = Path(__file__).parent
 
+#: Said where no repeats show how far tests scatter.
+ONE_REPEAT = (
+    "With one repeat, how far tests scatter is unknown: differences are given in per cent of the measured value, and "
+    "none of them can be judged. Two more repeats would tell which matter."
+)
+
 BEYOND = 3.0  #: A difference of more than this many scatters is no chance.
 
 #: Friction measures of a loop, by the attribute of its figures.
@@ -127,16 +133,17 @@ def differences_table(comparison: RecordComparison) -> Table:
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title="Largest differences", title_justify="left")
     table.add_column("from")
     table.add_column("quantity")
-    for heading in ("cycle", "difference", "in scatters"):
-        table.add_column(heading, justify="right", no_wrap=True)
     worst = worst_differences(comparison.differences)
+    judged = any(row.basis == REPEATS for row in worst)
+    for heading in ("cycle", "difference", "in scatters" if judged else "in per cent"):
+        table.add_column(heading, justify="right", no_wrap=True)
     for row in worst:
-        ratio = "–" if row.in_scatter is None else f"{row.in_scatter:+.2g}"
+        ratio = row.in_scatter if judged else row.percent
         difference = f"{row.difference:+.3g} {row.unit}".strip()
         cycle = "" if row.cycle is None else counted(row.cycle)
-        table.add_row(row.source, Text(row.quantity), cycle, difference, ratio)
-    if any(row.in_scatter is None and row.basis != REPEATS for row in worst):
-        table.caption = "– one repeat tells no scatter: differences of quantities with a dash cannot be judged"
+        table.add_row(row.source, Text(row.quantity), cycle, difference, frame.figure(ratio, 2, True))
+    if not judged:
+        table.caption = ONE_REPEAT
     return table
 
 
@@ -160,7 +167,7 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
         pictures = {name: save(draw, folder / f"{name}.png") for name, draw in drawings.items()}
         texts = {
             f"{TABLE_NAME}.json": json_text(comparison.to_json()),
-            PAGE_NAME: page(comparison, svg(drawings["scar_maps"]) if maps else None),
+            PAGE_NAME: page(comparison, [svg(partial(drawn.map_picture, one)) for one in drawn.every_map(maps)]),
         }
         for name, text in texts.items():
             write_text(folder / name, text)
@@ -168,23 +175,21 @@ def write_comparison(comparison: RecordComparison, folder: Path) -> list[Path]:
     return [folder / PAGE_NAME, table, folder / f"{TABLE_NAME}.json", *pictures.values()]
 
 
-def page(comparison: RecordComparison, maps: bytes | None) -> str:
-    """The page; `maps` is an SVG picture of the registered scars."""
+def page(comparison: RecordComparison, maps: Sequence[bytes]) -> str:
+    """The page; `maps` are SVG pictures of the registered scars."""
     worst = worst_differences(comparison.differences)
     return frame.rendered(
         HERE / "comparison_page.html",
         {
             "report": comparison.to_json(),
-            "sentences": [
-                *([comparison.unlike] if comparison.unlike else []),
-                sentence(worst),
-                *_scatter_known(comparison.differences),
-            ],
+            "sentences": [*([comparison.unlike] if comparison.unlike else []), sentence(worst)],
             "alike": not comparison.unlike and not any(_beyond(row) for row in worst),
             "worst": worst,
+            "differences": comparison.differences,
             "evolution": EVOLUTION_FIGURES,
             "scars": bool(comparison.scars),
-            "maps": None if maps is None else frame.inline_svg(maps, "maps"),
+            "maps": [frame.inline_svg(one, f"map{place}") for place, one in enumerate(maps)],
+            "judged": any(row.basis == REPEATS for row in comparison.differences),
             "data": frame.embedded(page_data(comparison)),
             "script": frame.script(frame.HERE / "charts.js", HERE / "comparison_page.js"),
             "beyond": BEYOND,
@@ -195,10 +200,10 @@ def page(comparison: RecordComparison, maps: bytes | None) -> str:
 
 def sentence(worst: Sequence[Difference]) -> str:
     """What a reader in a hurry needs to know."""
-    judged = [row for row in worst if row.in_scatter is not None]
+    judged = [row for row in worst if row.in_scatter is not None and row.basis == REPEATS]
     beyond = [row for row in judged if _beyond(row)]
     if not judged:
-        return "How far tests scatter is not known from this record, so that no difference can be judged."
+        return ONE_REPEAT
     if not beyond:
         return f"Simulation and experiment agree: none of {len(judged)} quantities differs by more than three scatters."
     first = beyond[0]
@@ -288,12 +293,6 @@ def _sections(pair: ScarPair) -> dict[str, Any]:
             for way, axis, at, cut in cuts[: 2 if pair.is_map else 1]
         ],
     }
-
-
-def _scatter_known(rows: Sequence[Difference]) -> list[str]:
-    if any(row.basis == "one loop's uncertainty" for row in rows):
-        return ["There is one repeat only: what counts as a scatter is the uncertainty of one loop's analysis."]
-    return []
 
 
 def _beyond(row: Difference) -> bool:

@@ -1,12 +1,13 @@
 """Pictures of a comparison: loops, evolution, scars. Measured is grey with the repeats' range, simulated is blue."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
@@ -21,6 +22,7 @@ from wirewear.views.registration import ScarPair
 SIMULATED, MEASURED, BAND = style.VARIANT_COLOURS[0], style.INK, "#c9c9c9"
 
 MOST_PANELS, COLUMNS = 6, 3
+MAP_in = 3.4  #: Width of a map that stands by itself.
 
 DIFFERENCE_COLOURS = "RdBu_r"  #: Blue where the simulation wears too little, red where it wears too much.
 
@@ -162,39 +164,82 @@ def _friction(pair: LoopPair, attribute: str) -> tuple[float, Array]:
     return value(pair.simulated_figures), tests[np.isfinite(tests)]
 
 
-def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
-    """One row for each wire: measured mean, simulated, and simulated minus measured; one scale for each kind."""
-    deepest = max(float(np.nanmax([pair.mean, pair.simulated])) for pair in pairs) or 1.0
+@dataclass(frozen=True, eq=False)
+class DepthMap:
+    """One map of a comparison [µm] with its colours, and half the extent of all maps beside it."""
+
+    pair: ScarPair
+    what: str
+    depth_um: Array
+    colours: Colormap | str
+    norm: Normalize
+    label: str
+    half_um: tuple[float, float]
+
+
+def depth_maps(pairs: Sequence[ScarPair]) -> list[list[DepthMap]]:
+    """A row for each body: measured mean, simulated, and simulated minus measured; one scale for each kind."""
+    colours, norm = style.depth_scale(depth for pair in pairs for depth in (pair.mean, pair.simulated))
     worst = max(float(np.nanmax(np.abs(pair.simulated - pair.mean))) for pair in pairs) or 1e-3
     half_x, half_y = (max(float(np.abs(getattr(pair, n)).max()) for pair in pairs) for n in ("x_um", "y_um"))
+    depth = colours, norm, "worn depth, raised if negative [µm]", (half_x, half_y)
+    difference = DIFFERENCE_COLOURS, Normalize(-worst, worst), "simulated − measured [µm]", (half_x, half_y)
+    return [
+        [
+            DepthMap(pair, "measured", pair.mean, *depth),
+            DepthMap(pair, "simulated", pair.simulated, *depth),
+            DepthMap(pair, "difference", pair.simulated - pair.mean, *difference),
+        ]
+        for pair in pairs
+    ]
+
+
+def every_map(pairs: Sequence[ScarPair]) -> list[DepthMap]:
+    """All maps, body by body."""
+    return [shown for row in depth_maps(pairs) for shown in row] if pairs else []
+
+
+def maps_picture(pairs: Sequence[ScarPair]) -> Figure:
+    """One row for each body, as in `depth_maps`."""
+    rows = depth_maps(pairs)
+    half_x, half_y = rows[0][0].half_um
     panel_in = 0.80 * style.WIDTH_in / 3
-    figure = style.new_figure(len(pairs) * (panel_in * half_y / half_x + 0.30) + 1.3)
+    figure = style.new_figure(len(pairs) * (panel_in * half_y / half_x + 0.45) + 1.3)
     grid = figure.subplots(len(pairs), 3, sharex=True, sharey=True, squeeze=False)
-    depth_norm, difference_norm = Normalize(0.0, deepest), Normalize(-worst, worst)
-    for row, pair in zip(grid, pairs, strict=True):
-        for axes, values, title in zip(
-            row, (pair.mean, pair.simulated, pair.simulated - pair.mean), ("measured", "simulated", "difference"),
-            strict=True,
-        ):  # fmt: skip
-            difference = title == "difference"
-            colours, norm = (DIFFERENCE_COLOURS, difference_norm) if difference else (style.DEPTH_COLOURS, depth_norm)
-            axes.pcolormesh(pair.x_um, pair.y_um, values.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
-            axes.set(title=f"{pair.name}, {title}", aspect="equal")
-            axes.grid(visible=False)
-            axes.spines[:].set_visible(True)
-            axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
-        row[0].set_ylabel("y [µm]")
-        style.scale_bar(row[0], style.round_below(0.4 * half_x))
+    for row, maps in zip(grid, rows, strict=True):
+        for axes, shown in zip(row, maps, strict=True):
+            _draw_map(axes, shown)
+        row[0].set_ylabel(f"{maps[0].pair.name}\ny [µm]")
+    for axes, shown in zip(grid[0], rows[0], strict=True):
+        axes.set_title(shown.what)
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
-    for columns, colours, norm, label in (
-        (grid[:, :2], style.DEPTH_COLOURS, depth_norm, "worn depth [µm]"),
-        (grid[:, 2:], DIFFERENCE_COLOURS, difference_norm, "simulated − measured [µm]"),
-    ):
-        bar = ScalarMappable(norm, colours)
-        figure.colorbar(bar, ax=columns, label=label, location="bottom", aspect=40 if columns.shape[1] > 1 else 20)
-    style.panel_letters(list(grid.flat))
+    for columns, shown in ((grid[:, :2], rows[0][0]), (grid[:, 2:], rows[0][2])):
+        bar = ScalarMappable(shown.norm, shown.colours)
+        wide = columns.shape[1] > 1
+        figure.colorbar(bar, ax=columns, label=shown.label, location="bottom", aspect=40 if wide else 20)
     return figure
+
+
+def map_picture(shown: DepthMap) -> Figure:
+    """One of the maps by itself, for a page that puts them beside or below one another."""
+    half_x, half_y = shown.half_um
+    figure = style.new_figure(MAP_in * min(max(half_y / half_x, 0.4), 1.6) + 0.9, MAP_in)
+    axes = figure.subplots()
+    _draw_map(axes, shown)
+    axes.set(title=f"{shown.pair.name}, {shown.what}", xlabel="x, sliding [µm]", ylabel="y [µm]")
+    figure.colorbar(ScalarMappable(shown.norm, shown.colours), ax=axes, label=shown.label, location="bottom")
+    return figure
+
+
+def _draw_map(axes: Axes, shown: DepthMap) -> None:
+    at, (half_x, half_y) = (shown.pair.x_um, shown.pair.y_um), shown.half_um
+    colours, norm = shown.colours, shown.norm
+    axes.pcolormesh(*at, shown.depth_um.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(True)
+    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
+    style.scale_bar(axes, style.round_below(0.4 * half_x))
 
 
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:

@@ -159,15 +159,20 @@ class Difference:
     in_scatter: float | None
     basis: str
 
+    @property
+    def percent(self) -> float | None:
+        """The difference in per cent of what was measured; None where that is no value, or zero."""
+        return 100.0 * self.difference / abs(self.measured) if self.measured else None
+
 
 def worst_differences(rows: Sequence[Difference]) -> list[Difference]:
-    """The largest difference of each quantity over its cycles, those in most scatters first."""
+    """The largest difference of each quantity over its cycles, those in most scatters, then in most per cent first."""
     worst: dict[tuple[str, str], Difference] = {}
     for row in rows:
         key = row.source, row.quantity
         if key not in worst or abs(row.difference) > abs(worst[key].difference):
             worst[key] = row
-    return sorted(worst.values(), key=lambda row: -abs(row.in_scatter or 0.0))
+    return sorted(worst.values(), key=lambda row: (-abs(row.in_scatter or 0.0), -abs(row.percent or 0.0)))
 
 
 def loop_differences(pairs: Sequence[LoopPair]) -> list[Difference]:

@@ -82,7 +82,10 @@ function showCourse() {
   if (!by("conditions")) return;
   const delta = {label: "displacement amplitude δa [µm]", log: true}, load = {label: "normal load P [N]", log: true};
   const slides = (r, name) => r.conditions ? [line(r, r.conditions.test_um, r.conditions.normal_load_N, {dash: "", name})] : [];
-  const point = r => ({x: [r.courses.amplitude.at(-1)], y: [r.courses.load.at(-1)], color: r.color, marks: true, radius: 6, width: 0, name: several ? r.label : "this test"});
+  // Runs of one load and stroke lie on each other: the earlier the wider.
+  const at = r => [r.courses.amplitude.at(-1), r.courses.load.at(-1)];
+  const above = r => runs.slice(runs.indexOf(r) + 1).filter(o => at(o).every((v, k) => Math.abs(v - at(r)[k]) < .05 * v)).length;
+  const point = r => ({x: [at(r)[0]], y: [at(r)[1]], color: r.color, marks: true, radius: 6 + 4 * above(r), width: 0, name: several ? r.label : "this test"});
   const beyond = r => `${several ? r.label + ": " : ""}slides beyond`;
   chart(by("conditions"), {x: delta, y: load, series: runs.flatMap(r => [
     ...(r.conditions ? [line(r, r.conditions.contact_um, r.conditions.normal_load_N, {dash: "5 3", width: 1.1, hidden: true})] : []), ...slides(r, beyond(r)), point(r)])});

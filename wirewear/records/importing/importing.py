@@ -16,7 +16,7 @@ from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
 from wirewear.loops.cycles import outline, split_cycles
 from wirewear.loops.sensor import enclosed_area
-from wirewear.pictures.style import DEPTH_COLOURS, GREY, VARIANT_COLOURS, WIDTH_in, new_figure, save
+from wirewear.pictures.style import GREY, VARIANT_COLOURS, WIDTH_in, depth_scale, new_figure, save
 from wirewear.records.contact_tables import TABLES, LineRecordTables
 from wirewear.records.importing import sources
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
@@ -94,15 +94,15 @@ def _scar_picture(scars: Sequence[MeasuredScar], body: str, tables: PointRecordT
     # As wide as its panels: one alone would stand aside.
     figure = new_figure(3.4, min(WIDTH_in, 1.5 + 2.4 * len(scars)))
     panels = figure.subplots(1, len(scars), sharex=True, sharey=True, squeeze=False)[0]
-    deepest = max([1e-6, *(float(np.nanmax(scar.depth_um)) for scar in scars)])
+    colours, norm = depth_scale(scar.depth_um for scar in scars)
     for axes, scar in zip(panels, scars, strict=True):
-        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, vmin=0.0, vmax=deepest, cmap=DEPTH_COLOURS)
+        image = axes.pcolormesh(scar.x_um, scar.y_um, scar.depth_um.T, norm=norm, cmap=colours)
         axes.set_aspect("equal")
         along = np.radians(tables.body(body).axis_angle_deg)
         axes.axline((0.0, 0.0), (np.cos(along), np.sin(along)), color=GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2)))
         axes.set(title=f"repeat {scar.repeat}\n{1e6 * scar.volume_mm3:.3g}·10⁻⁶ mm³", xlabel="x, along the motion [µm]")
     panels[0].set_ylabel(f"{called(body)} (its axis dash-dotted), y [µm]")
-    figure.colorbar(image, ax=list(panels), label="worn depth [µm]", shrink=0.8)
+    figure.colorbar(image, ax=list(panels), label="worn depth, raised if negative [µm]", shrink=0.8)
     return figure
 
 
