@@ -287,3 +287,22 @@ def test_a_cycles_period_is_told_by_its_drive_where_steps_are_uneven(start: floa
     time = np.cumsum(steps)[:-1] / steps.sum()
     displacement = 60.0 * np.sin(2.0 * np.pi * (time + start)) + 0.15 * random.standard_normal(time.size)
     assert period_of(time, displacement) == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(("step", "samples"), [(0.05, 256), (0.1, 256), (0.1, 1024), (0.2, 512)])
+@pytest.mark.parametrize("start", [0.0, 0.13, 0.31])
+def test_a_force_that_stays_on_its_step_behind_a_reversal_is_not_late(step: float, samples: int, start: float) -> None:
+    """Nor is a displacement of coarse steps: a lag that they may hide is not certain."""
+    loop = SyntheticLoop(Recipe(friction=0.6, contact_stiffness=1e6))
+    random = np.random.default_rng(5)
+    time, displacement, force = loop.sampled(samples, start)
+    force = step * np.round((force + 0.005 * random.standard_normal(samples)) / step)
+    for read in (displacement + 0.1 * random.standard_normal(samples), 2.0 * np.round(0.5 * displacement)):
+        figures = analyse_loop(read, force, 2.0, time_s=time)
+        assert not any("late" in note or "before the reversals" in note for note in figures.notes)
+        assert figures.dissipated_energy_mJ.value == pytest.approx(loop.energy_mJ, rel=0.005)
+        assert figures.slip_amplitude_um.value == pytest.approx(loop.slip_amplitude_um, rel=0.01)
+    stiffness = analyse_loop(displacement, force, 2.0, time_s=time).measured_stiffness_N_per_um
+    assert stiffness is not None
+    assert stiffness.interval95[0] <= 0.167 <= stiffness.interval95[1]
+    assert stiffness.value == pytest.approx(0.167, rel=0.5 * step)

@@ -12,6 +12,7 @@ from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, split_branches
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured, mean_of
+from wirewear.loops.noise import rounding_noise, step_of
 from wirewear.loops.robust import fit_linear
 from wirewear.loops.sensor import enclosed_area
 
@@ -192,17 +193,19 @@ def lag_of(loop: CleanLoop) -> Measured | None:
     """By how many samples the force comes late, told by where it falls about reversals; None where that tells nothing.
 
     Behind a contact that sticks, the force's rise says when it began. The deviation is what the contact's unknown shape
-    leaves open, and how far both reversals are apart.
+    leaves open, how far both reversals are apart, and what the steps of both readings hide.
     """
     if loop.lean_um_per_N or not (loop.times_known or loop.smoothed) or not _even(loop):
         return None
     forward, backward = split_branches(loop)
-    found = _branch_lags(backward, forward), _branch_lags(forward, backward)
-    if found[0] is None or found[1] is None:
+    steps = step_of(loop.displacement_um), step_of(loop.force_N)
+    found = [_branch_lags(*pair, steps) for pair in ((backward, forward), (forward, backward))]
+    known = [lags for lags in found if lags is not None]
+    if len(known) < len(found):
         return None
-    each = np.array(found)
+    each, hidden = np.array([lags[:2] for lags in known]), max(lags[2] for lags in known)
     shape, apart = 0.5 * float(abs(np.diff(each.mean(axis=0))[0])), 0.5 * float(abs(np.diff(each.mean(axis=1))[0]))
-    return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, READING])))
+    return Measured.from_deviation(float(each.mean()), float(np.linalg.norm([shape, apart, hidden, READING])))
 
 
 def is_certain(lag: Measured) -> bool:
@@ -215,8 +218,12 @@ def _even(loop: CleanLoop) -> bool:
     return bool(steps.min() > 0.5 * np.median(steps))
 
 
-def _branch_lags(before: Branch, branch: Branch) -> tuple[float, float] | None:
-    """The lags τ for which the travels at both levels, read τ earlier, have either of the ratios of travels."""
+def _branch_lags(before: Branch, branch: Branch, steps: tuple[float, float]) -> tuple[float, float, float] | None:
+    """The lags τ for which the travels at both levels, read τ earlier, have either of the ratios of travels.
+
+    And their deviation where displacement and force are read in such steps: a force stays on its step until it has
+    changed by half of one.
+    """
     later = branch.force_N[branch.travel_um > 0.4 * branch.length_um]
     if later.size < 4 or branch.travel_um.size < 8 or before.travel_um.size < BEFORE:
         return None
@@ -226,22 +233,31 @@ def _branch_lags(before: Branch, branch: Branch) -> tuple[float, float] | None:
     half = int(np.argmax(force[BEFORE:] >= 0.5 * (top + force[BEFORE])))
     begin = int(np.argmin(force[: BEFORE + half + 1]))
     rise = (force - force[begin]) / max(top - float(force[begin]), 1e-300)
-    passed = [begin + int(np.argmax(rise[begin:] >= level)) for level in LEVELS]
-    if min(passed) <= begin:
+    at = [_passed(rise, begin, level) for level in LEVELS]
+    if min(at) <= begin:
         return None
-    at = [
-        place - (rise[place] - level) / (rise[place] - rise[place - 1])
-        for place, level in zip(passed, LEVELS, strict=True)
-    ]
     samples = np.arange(travel.size, dtype=float)
     # Travel near a reversal goes with the square of time, which its root makes a line through it.
     root = np.sign(travel) * np.sqrt(np.abs(travel))
     first, second = (float(np.interp(place, samples, root)) for place in at)
-    turned = float(np.interp(0.0, root, samples))
+    # Within a step of the displacement nothing tells where it turned.
+    resting = np.flatnonzero(np.abs(travel) <= steps[0])
+    turned = float(np.mean(resting)) if steps[0] else float(np.interp(0.0, root, samples))
     # (r2 − s)/(r1 − s) is the root of the ratio, and s the root of the travel that the lag passes.
     ends = [(np.sqrt(ratio) * first - second) / (np.sqrt(ratio) - 1.0) for ratio in RATIOS]
     lags = [float(np.interp(end, root, samples)) - turned for end in ends]
-    return lags[0], lags[1]
+    step = steps[1] / max(top - float(force[begin]), 1e-300)
+    waits = [0.5 * (_passed(rise, begin, level + step) - _passed(rise, begin, level - step)) for level in LEVELS]
+    # Of the root of the travels' ratio, as of `ends`.
+    shares = np.array([np.sqrt(RATIOS[0]), 1.0]) / (np.sqrt(RATIOS[0]) - 1.0)
+    waited = float(np.linalg.norm([*(shares * waits), resting.size if steps[0] else 0.0]))
+    return lags[0], lags[1], rounding_noise(waited)
+
+
+def _passed(rise: Array, begin: int, level: float) -> float:
+    """Place between samples (n,) at which a rise from one of them passes a level; that sample where it is above it."""
+    place = begin + int(np.argmax(rise[begin:] >= level)) if rise.max() >= level else rise.size - 1
+    return place - float((rise[place] - level) / (rise[place] - rise[place - 1])) if place > begin else float(begin)
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:

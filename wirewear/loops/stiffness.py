@@ -9,6 +9,7 @@ from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, remaining_force
 from wirewear.loops.cleaning import CleanLoop
 from wirewear.loops.figures import Measured, MicroSlipBranch, mean_of
+from wirewear.loops.noise import step_of
 from wirewear.loops.robust import CHOICE, RobustLine, fit_line, median_deviation
 
 BENT = 0.45  # a Cattaneo-Mindlin contact alone softens by 0.16 from the first half of the region to the second
@@ -144,7 +145,9 @@ def micro_slip_branch(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> Micro
 def _line(
     loop: CleanLoop, branch: Branch, reach_um: float
 ) -> tuple[RobustLine, np.ndarray[tuple[int], np.dtype[np.intp]]]:
-    inside = np.flatnonzero(branch.travel_um <= reach_um)
+    # A force stays on its step at the reversal until it has changed by half of one.
+    off = branch.force_N > branch.force_N[0] + 0.5 * step_of(loop.force_N)
+    inside = np.flatnonzero((branch.travel_um <= reach_um) & (np.maximum.accumulate(off) | ~off.any()))
     if len(inside) < 2:
         inside = np.argsort(branch.travel_um)[:2]
     z, y = branch.travel_um[inside], branch.force_N[inside]
