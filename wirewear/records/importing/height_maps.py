@@ -7,7 +7,8 @@ import io
 import re
 import warnings
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fie
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
+from wirewear.records.importing.x3p import read_x3p
 
 Map = tuple[Array, Array, Array]  #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
 
@@ -58,6 +60,11 @@ class StatedMap:
         x, y = ((np.arange(n) - 0.5 * (n - 1)) * own for n, own in zip(self.heights.shape, step, strict=True))
         if not 0.0 < float(np.ptp(x)) * float(np.ptp(y)) < np.inf:
             raise RecordError(f"{file}: the map must have a finite size above zero along x and y.")
+        if (widest := max(float(np.ptp(x)), float(np.ptp(y)))) > WIDEST_um:
+            raise RecordError(
+                f"{file}: the map would be {1e-6 * widest:.3g} m wide, as no profilometer sees: the file states its "
+                "steps in a wrong unit; give step_um, from point to point."
+            )
         return x, y, np.where(np.isfinite(self.heights), unit * self.heights, np.nan)
 
 
@@ -235,7 +242,7 @@ def stated_map(file: Path) -> StatedMap:
         return _zygo(file)
     if file.suffix.lower() not in MAPS and (matrix := matrix_of(file)) is not None:
         return matrix.read(file)
-    found = _of_numpy(file) if file.suffix.lower() == ".npy" else _by_surface_topography(file)
+    found = _READERS.get(file.suffix.lower(), _by_surface_topography)(file)
     if found.heights.ndim != 2 or min(found.heights.shape) < 3:
         raise RecordError(f"{file}: the map must be two-dimensional.")
     return found
@@ -247,6 +254,16 @@ def _of_numpy(file: Path) -> StatedMap:
         return StatedMap(np.array(np.load(file, mmap_mode="r"), dtype=np.float64), None, None)
     except DAMAGED_FILE_ERRORS as problem:
         raise _unreadable(file, problem) from None
+
+
+def _of_x3p(file: Path) -> StatedMap:
+    try:
+        _require_room(file)
+        heights, steps = read_x3p(file)
+    except DAMAGED_FILE_ERRORS as problem:
+        raise _unreadable(file, problem) from None
+    step_um = 1e6 * (steps[0] or 0.0), 1e6 * (steps[1] or 0.0)
+    return StatedMap(heights, step_um if min(step_um) > 0.0 else None, 1e6)
 
 
 def _unreadable(file: Path, problem: Exception) -> RecordError:
@@ -299,7 +316,7 @@ def _by_surface_topography(file: Path) -> StatedMap:
             heights = np.ma.filled(np.ma.asarray(topography.heights(), dtype=np.float64), np.nan)
             unit = topography.unit
         except (ReadFileError, *DAMAGED_FILE_ERRORS) as problem:
-            raise _unreadable(file, problem) from None
+            raise _unreadable(file, _own_reason(file) or problem) from None
     factor = FIELD_UNITS["um"].get(unit)
     if factor is None or sizes is None:
         return StatedMap(heights, None, factor)
@@ -307,6 +324,23 @@ def _by_surface_topography(file: Path) -> StatedMap:
     if file.suffix.lower() == ".nms" and max(np.multiply(steps, heights.shape)) > WIDEST_um:
         steps = [1e-6 * step for step in steps]
     return StatedMap(heights, (steps[0], steps[1]), factor)
+
+
+def _own_reason(file: Path) -> Exception | None:
+    """Why the reader of the format that the file's name tells refuses it, where there is such a format."""
+    from SurfaceTopography.IO import readers
+
+    for reader in readers:
+        with suppress(RuntimeError):  # what a reader without a usual end of names raises
+            if file.suffix.lower().removeprefix(".") in reader.file_extensions():
+                break
+    else:
+        return None
+    try:
+        reader(str(file))
+    except Exception as problem:  # noqa: BLE001
+        return problem
+    return None
 
 
 def _require_room(file: Path) -> bytes | None:
@@ -323,3 +357,7 @@ def _require_room(file: Path) -> bytes | None:
         return None
     require_room(file, TEXT_EXPANSION * len(data), RecordError)
     return b"\n".join([*lines[:HEAD_LINES], b""])
+
+
+#: Readers by the end of a file's name; SurfaceTopography reads all others.
+_READERS: dict[str, Callable[[Path], StatedMap]] = {".npy": _of_numpy, ".x3p": _of_x3p}

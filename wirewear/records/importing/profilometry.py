@@ -241,6 +241,13 @@ def surfaces_of(
                     f"{seen[one.repeat].name}: name_pattern or a column must tell them apart."
                 )
             seen[one.repeat] = file
+            for column in tables.worn.columns:
+                values = np.atleast_1d(one.points.get(column.name, one.repeat))
+                if (wrong := column.first_wrong(values)) is not None:
+                    raise RecordError(
+                        f"{file}: {column.name} is {values[wrong]:g} in the {called(body)}'s {tables.worn.name}, where "
+                        f"{column.kind} should stand: is a unit of the mapping wrong?"
+                    )
             yield one
 
 
