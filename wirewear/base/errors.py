@@ -193,6 +193,14 @@ class Quantity:
         return ""
 
 
+def finite_number(value: object) -> float:
+    """A finite number; anything else raises ValueError, whose message goes on from the name of what has the value."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not number or not -_LARGEST_FLOAT <= value <= _LARGEST_FLOAT:  # type: ignore[operator]
+        raise ValueError(f"is {shown(value)}, but must be a finite number")
+    return float(value)  # type: ignore[arg-type]
+
+
 def counted(number: float) -> str:
     """A whole number as it is written everywhere: 9999, and with thin spaces from 10 000 on."""
     whole = round(number)

@@ -182,8 +182,8 @@ def calibrate(
     """
     study = alone(study)
     loads = sorted(normal_loads_N or [share * study.conditions.normal_load_N for share in USUAL_LOADS])
-    if loads[0] <= 0.0 or not np.isfinite(loads).all():
-        raise StudyError(f"the normal loads of a calibration must be positive numbers, not {loads[0]:g} N.")
+    if (wrong := next((load for load in loads if not 0.0 < load < np.inf), None)) is not None:
+        raise StudyError(f"the normal loads of a calibration must be positive, finite numbers, not {wrong:g} N.")
     if study.contact.friction == 0.0:
         raise StudyError("a contact without friction carries no tangential force to calibrate with.")
     problem = _stuck(study, loads[-1], fidelity, lambda text: progress(0.0, text))

@@ -23,7 +23,7 @@ from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
 Map = tuple[Array, Array, Array]
 
 #: Depths of a surface whose own are still to be found.
-_LEVEL = kept(np.zeros(2), np.zeros(2), np.zeros((2, 2)))
+_LEVEL = kept(np.arange(2.0), np.arange(2.0), np.zeros((2, 2)))
 
 
 def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:

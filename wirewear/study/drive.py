@@ -24,13 +24,8 @@ Made = TypeVar("Made")
 
 
 def _points(value: object) -> tuple[tuple[float, float], ...]:
-    pairs = value if isinstance(value, list | tuple) else [None]
-    numbers = [pair for pair in pairs if isinstance(pair, list | tuple) and len(pair) == 2]
-    if len(numbers) < max(len(pairs), 2) or any(
-        isinstance(x, bool) or not isinstance(x, int | float) for pair in numbers for x in pair
-    ):
-        raise ValueError(f"gives points = {shown(value)}, but must give pairs such as [[0, 1], [0.5, -1], [1, 1]]")
-    return tuple((float(time), float(share)) for time, share in numbers)
+    # No points at all would stand for a cosine.
+    return keys.pairs_of(value or None, "[[0, 1], [0.5, -1], [1, 1]]", given="gives points =", must="give")
 
 
 def _made(value: object, make: Callable[[], Made]) -> Made:

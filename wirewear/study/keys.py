@@ -15,7 +15,7 @@ from pydantic.fields import FieldInfo
 from solvers import FrictionLaw, SolverError, WearLaw
 from solvers.friction_law import friction_law
 from solvers.wear_law import wear_law
-from wirewear.base.errors import Quantity, shown
+from wirewear.base.errors import Quantity, finite_number, shown
 from wirewear.effects import Effect, effects_of_tables, tables_of_effects
 from wirewear.study.materials import material_named
 
@@ -149,8 +149,10 @@ def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, fl
         raise ValueError(f"is {shown(value)}, but must be {example}")
     parameters = {key: number for key, number in table.items() if key != "name"}
     for key, number in parameters.items():
-        if isinstance(number, bool) or not isinstance(number, int | float):
-            raise ValueError(f"gives {key} = {shown(number)}, but must give a number")
+        try:
+            parameters[key] = finite_number(number)
+        except ValueError as problem:
+            raise ValueError(f"gives {key}, which {problem}") from None
     try:
         return made(table["name"], parameters)
     except SolverError as problem:
@@ -178,14 +180,21 @@ WearLawKey = Annotated[
 ]
 
 
-def pairs_of(value: object, example: str, least: float = -inf) -> tuple[tuple[float, float], ...]:
-    """A list of pairs of numbers, none below the least; ValueError, with an example, if it is none."""
+def pairs_of(
+    value: object, example: str, least: float = -inf, *, given: str = "is", must: str = "be a list of"
+) -> tuple[tuple[float, float], ...]:
+    """A list of pairs of finite numbers, none below the least.
+    Raises ValueError, with an example and in words that go on from the key's name, if it is none.
+    """
     points = []
     for item in value if isinstance(value, list | tuple) else [None]:
         pair = item if isinstance(item, list | tuple) else []
         if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or x < least for x in pair):
-            raise ValueError(f"is {shown(value)}, but must be a list of pairs such as {example}")
-        points.append((float(pair[0]), float(pair[1])))
+            raise ValueError(f"{given} {shown(value)}, but must {must} pairs such as {example}")
+        try:
+            points.append((finite_number(pair[0]), finite_number(pair[1])))
+        except ValueError as problem:
+            raise ValueError(f"{given} {shown(value)}, one of whose numbers {problem}") from None
     return tuple(points)
 
 

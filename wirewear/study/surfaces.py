@@ -7,15 +7,16 @@ import zlib
 from base64 import b64decode, b64encode
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache
+from itertools import pairwise
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field, PlainValidator, model_validator
+from pydantic import BeforeValidator, Field, PlainValidator, model_validator
 
 from geometry.arrays import Array
 from solvers import SurfaceLayer
-from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError
+from wirewear.base.errors import FIELD_UNITS, Quantity, RecordError, shown
 from wirewear.study import keys
 from wirewear.study.keys import Table, one_of
 
@@ -61,6 +62,25 @@ COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
 #: Keys of what is taken over from a file.
 KEPT = ("x_um", "y_um", "depths")
 
+_PLACE = Quantity("um", -1e6, 1e6)  #: Of a line, and of a surface at its point.
+
+#: Lines that a study may state, each way: what is kept of a file has fewer.
+_MOST_STATED = 2_400
+
+
+def _checked_lines(value: object) -> tuple[float, ...]:
+    if not isinstance(value, list | tuple) or not 1 <= len(value) <= _MOST_STATED:
+        raise ValueError(f"is {shown(value)}, but must be a list of up to {_MOST_STATED} numbers such as [-10, 0, 10]")
+    try:
+        lines = tuple(float(_PLACE(line)) for line in value)
+    except ValueError as problem:
+        raise ValueError(f"holds a line that {problem}") from None
+    if at := next((pair for pair in pairwise(lines) if pair[1] <= pair[0]), None):
+        raise ValueError(f"holds {at[1]:g} after {at[0]:g}, but its lines must be strictly ascending")
+    return lines
+
+
+StatedLines = Annotated[tuple[float, ...], BeforeValidator(_checked_lines)]
 Step = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
 
 
@@ -83,8 +103,8 @@ class StatedSurface(Table):
     height_unit: Annotated[str, PlainValidator(one_of(*FIELD_UNITS["um"]))] | None = Field(
         None, description="unit of a map's heights, where its file does not state it"
     )
-    x_um: tuple[float, ...] | None = Field(None, description="lines of the map that was taken over")
-    y_um: tuple[float, ...] | None = Field(None, description="its lines across; 0 alone of a line contact")
+    x_um: StatedLines | None = Field(None, description="lines of the map that was taken over")
+    y_um: StatedLines | None = Field(None, description="its lines across; 0 alone of a line contact")
     depths: str | None = Field(None, description="its depths in µm, row by row: 32-bit numbers, deflated, in base64")
 
     @model_validator(mode="before")
@@ -104,8 +124,13 @@ class StatedSurface(Table):
             x, _, depth = self.map
         except (ValueError, zlib.error):
             x = depth = np.zeros(0)
-        if x.size < 2 or not np.isfinite(depth).all():
+        if x.size < 2:
             raise ValueError("gives no file, or depths that are not those of its lines")
+        for extreme in (depth.min(), depth.max()):
+            try:
+                _PLACE(float(extreme))
+            except ValueError as problem:
+                raise ValueError(f"gives depths, one of which {problem}") from None
         return self
 
     @property
@@ -128,7 +153,11 @@ class StatedSurface(Table):
 
 @lru_cache(maxsize=8)
 def _map(x: tuple[float, ...], y: tuple[float, ...], depths: str) -> tuple[Array, Array, Array]:
-    flat = np.frombuffer(zlib.decompress(b64decode(depths)), dtype="<f4").astype(float)
+    # No more is inflated than the lines have room for: a small text may hold gigabytes.
+    inflating = zlib.decompressobj()
+    flat = np.frombuffer(inflating.decompress(b64decode(depths), 4 * len(x) * len(y)), dtype="<f4").astype(float)
+    if inflating.decompress(inflating.unconsumed_tail, 1):
+        raise ValueError("there are more depths than lines have")
     return np.array(x), np.array(y), flat.reshape(len(x), len(y))
 
 
@@ -171,10 +200,15 @@ def depths_of_table(file: Path) -> tuple[Array, Array, Array]:
             f"{file} has no columns x_um and depth_um; heights and maps are read where a study is loaded as by "
             "`wirewear run`."
         )
+    for name, values in columns.items():
+        # A depth may be missing.
+        if np.isinf(values).any() or (name != "depth_um" and np.isnan(values).any()):
+            raise RecordError(f"{file}: a value of {name} is missing or infinite, but must be a finite number.")
     across = columns.get("y_um", np.zeros_like(columns["x_um"]))
     x, row = np.unique(columns["x_um"], return_inverse=True)
     y, column = np.unique(across, return_inverse=True)
-    if x.size < 2 or x.size * y.size != across.size or (y.size == 1) != ("y_um" not in columns):
+    whole = np.unique(row * y.size + column).size == x.size * y.size == across.size
+    if x.size < 2 or not whole or (y.size == 1) != ("y_um" not in columns):
         raise RecordError(f"{file}: its {across.size} points lie on {x.size} × {y.size} lines, which is no whole grid.")
     depth = np.full((x.size, y.size), np.nan)
     depth[row, column] = columns["depth_um"]
