@@ -92,9 +92,17 @@ def test_mirror_error_is_the_share_of_load_that_stands_elsewhere(problem: Contac
 
 def test_pressure_at_mid_stroke_is_the_median_over_the_way_not_over_increments() -> None:
     # Five increments crowd where the pressure is 9; most of the way it is 1, and beyond 35 of 60 µm it is 100.
-    drives = [0.06, 0.03, 0.01, 0.009, 0.008, 0.007, 0.006, -0.02, -0.03, -0.06]
-    pressures = [100.0, 1.0, 9.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0]
-    assert at_mid_stroke(drives, pressures) == 1.0
+    drives = np.array([60.0, 36.0, 34.0, 10.0, 9.0, 8.0, 7.0, 6.0, 5.0, -34.0, -36.0, -60.0])
+    pressures = [100.0, 100.0, 1.0, 1.0, 9.0, 9.0, 9.0, 9.0, 1.0, 1.0, 100.0, 100.0]
+    there_and_back = np.append(drives, drives[::-1]), np.append(pressures, pressures[::-1])
+    assert at_mid_stroke(*there_and_back) == 1.0
+
+
+@pytest.mark.parametrize("increments", [16, 32, 48])
+def test_pressure_at_mid_stroke_is_the_loops_own_and_not_that_of_its_increments(increments: int) -> None:
+    # A pressure that grows evenly from mid-stroke on has its median where half of the way to either side is passed.
+    drive = np.cos(2.0 * np.pi * np.arange(increments) / increments)
+    assert at_mid_stroke(drive, np.abs(drive)) == pytest.approx(0.5 * 35.0 / 60.0, rel=0.01)
 
 
 def test_a_traction_along_the_normal_of_a_slope_is_all_pressure(problem: ContactProblem, cycle: CycleTrace) -> None:

@@ -14,6 +14,7 @@ from wirewear.results import ContactForces, largest_means
 from wirewear.simulation.plan import RunPlan
 
 MID_STROKE = 35.0 / 60.0  # Mid-stroke is where the drive is within this share of its amplitude: 35 µm of 60.
+_PARTS = 32  # Of the way between two positions.
 
 
 def pressure_figures(problem: ContactProblem, trace: CycleTrace, length_mm: float) -> dict[str, float]:
@@ -52,13 +53,18 @@ def nodal_pressures(problem: ContactProblem, states: Sequence[ContactState]) -> 
 
 
 def at_mid_stroke(drive: ArrayLike, pressure: ArrayLike) -> float:
-    """Median over mid-stroke of pressures (k,) at drives (k,) of a closed loop, each weighing as much as it moves."""
-    drive, pressure = np.asarray(drive), np.asarray(pressure)
-    step = np.abs(np.diff(drive, prepend=drive[-1]))
-    weight = np.where(np.abs(drive) < MID_STROKE * np.abs(drive).max(), step + np.roll(step, -1), 0.0)
-    order = np.argsort(pressure)
-    passed = np.cumsum(weight[order])
-    return float(pressure[order][np.searchsorted(passed, 0.5 * passed[-1])])
+    """Median over the way at mid-stroke of pressures (k,) at drives (k,) of a closed loop, linear between these.
+
+    A median of the k pressures themselves would be that of a single increment, off by half of what they differ by.
+    """
+    ends, values = np.asarray(drive, dtype=float), np.asarray(pressure, dtype=float)
+    share = (np.arange(_PARTS) + 0.5)[:, None] / _PARTS
+    step = np.roll(ends, -1) - ends
+    between = (values + share * (np.roll(values, -1) - values)).ravel()
+    way = np.where(np.abs(ends + share * step) < MID_STROKE * np.abs(ends).max(), np.abs(step), 0.0).ravel()
+    order = np.argsort(between)
+    passed = np.cumsum(way[order])
+    return float(between[order][np.searchsorted(passed, 0.5 * passed[-1])])
 
 
 def forces_of(problem: ContactProblem, trace: CycleTrace, cycle: int, plan: RunPlan) -> tuple[ContactForces, ...]:
