@@ -15,6 +15,7 @@ from wirewear.base.errors import StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import discretise, run_study
 from wirewear.study import Study, study_from_tables
+from wirewear.study.bodies import Wire, hertz_of
 from wirewear.sweeps.sweep import figures_of
 
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
@@ -111,6 +112,27 @@ def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving
             assert own_mesh.transverse.lines() == pytest.approx(mesh.transverse.lines())
 
 
+@pytest.mark.parametrize(("angle_deg", "motion_deg"), [(35.0, 0.0), (10.0, -20.0), (150.0, 30.0)])
+def test_a_crossing_angle_counts_where_both_wires_state_all_else_and_so_does_what_they_share(
+    angle_deg: float, motion_deg: float
+) -> None:
+    soft = {"youngs_modulus_MPa": 110000.0, "poissons_ratio": 0.34}
+    own = {"moving": {"diameter_mm": 0.6, "length_mm": 7.0}, "fixed": {"diameter_mm": 2.4, **soft}}
+    asked = TEST["conditions"] | {"normal_load_N": 1.5, "motion_angle_deg": motion_deg}
+    wires = {"crossing_angle_deg": angle_deg, **STEEL, **own}
+    test = study({"kind": "crossed-wires", "wires": wires}, conditions=asked)
+    shapes = bodies(cylinder(-motion_deg, diameter_mm=0.6), cylinder(angle_deg - motion_deg, diameter_mm=2.4) | soft)
+    turned = study(shapes, conditions=TEST["conditions"] | {"normal_load_N": 1.5})
+    assert test.crossing_angle_deg == pytest.approx(angle_deg)
+    moving, fixed = test.bodies
+    assert isinstance(moving, Wire)
+    assert isinstance(fixed, Wire)
+    assert (moving.length_mm, fixed.length_mm) == (7.0, None)
+    assert (moving.youngs_modulus_MPa, fixed.youngs_modulus_MPa) == (210000.0, 110000.0)
+    found, exact = (hertz_of(1.5, *one.bodies) for one in (test, turned))
+    assert found.peak_pressure_MPa == pytest.approx(exact.peak_pressure_MPa, rel=1e-9)
+
+
 @pytest.mark.parametrize(
     ("contact", "tables", "says"),
     [
@@ -132,6 +154,11 @@ def test_crossed_wires_are_the_short_form_of_a_point_contact_at_any_angle(moving
         (wires(0.0, "20"), {}, "bodies in s.toml give an axis_angle_deg that"),  # type: ignore[arg-type]
         (wires(0.0, 90.0, unlike=({"shape": "tube"}, {})), {}, "give a 'tube'"),
         (wires(0.0, 90.0, unlike=({**STEEL, "diameter_mm": 0.4}, {"diameter": 0.6})), {}, "in [bodies.fixed]"),
+        (
+            {"kind": "crossed-wires", "wires": {"crossing_angle_deg": 35.0, **wires(0.0, 90.0)["bodies"]}},
+            {},
+            "beside an",
+        ),
         (wires(0.0, 5.0, unlike=({**STEEL, "diameter_mm": 0.1}, {"diameter_mm": 9.0})), {}, "touch along a line"),
         ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
     ],

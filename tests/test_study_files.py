@@ -14,6 +14,8 @@ from hypothesis import strategies as st
 from tests.studies import MINIMAL, minimal
 from wirewear import StudyError
 from wirewear.faces import cli
+from wirewear.kinds import load_any_study
+from wirewear.simulation import discretise
 from wirewear.study import Study, parse_study, study_from_tables
 from wirewear.study.bodies import Wire
 from wirewear.study.consistency import default_loop_cycles
@@ -246,3 +248,98 @@ def test_a_study_takes_a_material_by_any_name_and_the_list_says_whose_source_was
 def test_an_unknown_material_and_one_beside_other_constants_are_refused(text: str, complaint: str) -> None:
     with pytest.raises(StudyError, match=complaint):
         parse_study(text, "study.toml")
+
+
+TUBE = """format = 1
+name = "tube on bar"
+kind = "point-contact"
+[bodies.lower]
+shape = "cylinder"
+diameter_mm = 6.0
+material = "steel"
+[bodies.upper]
+shape = "tube"
+diameter_mm = 8.0
+bore_mm = 5.0
+axis_angle_deg = 90
+material = "steel"
+[conditions]
+normal_load_N = 10.0
+displacement_amplitude_um = 20.0
+frequency_Hz = 5.0
+cycles = 100
+[contact]
+friction = 0.5
+"""
+PIVOT = "[holder]\npivot_height_mm = 10\n"
+TURNS = "rotational_stiffness_N_mm_per_rad = 1e5\n"
+PULLED = "[wires.fixed.bulk]\naxial_stress_MPa = 40\nphase_deg = 90\n"
+
+
+@pytest.mark.parametrize(
+    ("idle", "acts", "key"),
+    [
+        (MINIMAL + PIVOT, MINIMAL + PIVOT + TURNS, "pivot_height_mm in [holder]"),
+        (
+            MINIMAL + PIVOT + "[variants.a.conditions]\ncycles = 10\n",
+            MINIMAL + PIVOT + "[variants.a.conditions]\ncycles = 10\n[variants.b.holder]\n" + TURNS,
+            "pivot_height_mm in [holder]",
+        ),
+        (MINIMAL + PULLED, MINIMAL + PULLED + "axial_stress_amplitude_MPa = 5\n", "phase_deg in [wires.fixed.bulk]"),
+        (
+            TUBE.replace("6.0\n", "6.0\ngrip_angle_deg = 40\n"),
+            TUBE.replace("bore_mm", "grip_angle_deg = 40\nbore_mm"),
+            "grip_angle_deg in [bodies.lower]",
+        ),
+        (
+            TUBE.replace("bore_mm", 'grip_angle_deg = 40\nheld_at = "ends"\nbore_mm'),
+            TUBE.replace("bore_mm", 'held_at = "ends"\nbore_mm'),
+            "grip_angle_deg in [bodies.upper]",
+        ),
+        (
+            TUBE.replace("bore_mm", "height_mm = 4\nbore_mm"),
+            TUBE.replace("6.0\n", "6.0\nheight_mm = 4\n"),
+            "height_mm in [bodies.upper]",
+        ),
+        (
+            MINIMAL + "[mesh]\nmove_nodes_at_stages = true\nmove_nodes_every_um = 1.0\n",
+            MINIMAL + "[mesh]\nmove_nodes_at_stages = true\n",
+            "move_nodes_at_stages in [mesh]",
+        ),
+        (
+            MINIMAL + "[life]\naveraging_length_um = 20\ncritical_distance_um = 10\n",
+            MINIMAL + "[life]\ncritical_distance_um = 10\n",
+            "critical_distance_um in [life]",
+        ),
+    ],
+)
+def test_a_key_that_acts_in_no_run_is_refused_and_one_that_acts_in_some_is_not(
+    tmp_path: Path, idle: str, acts: str, key: str
+) -> None:
+    path = tmp_path / "study.toml"
+    path.write_text(acts)
+    assert load_any_study(path)
+    path.write_text(idle)
+    with pytest.raises(StudyError, match=re.escape(key)) as told:
+        load_any_study(path)
+    assert str(told.value).count(". ") == 0
+    assert load_any_study(path, varied=True)
+
+
+def test_what_belongs_to_heights_is_refused_beside_a_file_of_depths(tmp_path: Path) -> None:
+    (tmp_path / "scar.csv").write_text("x_um,y_um,depth_um\n0,0,0\n0,1,1\n1,0,1\n1,1,0\n")
+    path = tmp_path / "study.toml"
+    path.write_text(MINIMAL + '[wires.fixed.surface]\nfile = "scar.csv"\ncentred_on = "map"\n')
+    with pytest.raises(StudyError, match="centred_on, which is of heights"):
+        load_any_study(path)
+
+
+@pytest.mark.parametrize("refinement", [0.5, 2.0])
+def test_a_refinement_makes_stated_elements_finer_as_well(refinement: float) -> None:
+    text = MINIMAL + "[fidelity.quick]\ncontact_mesh_um = 8\nouter_mesh_um = 12\n"
+    coarse, fine = (
+        discretise(parse_study(one, "study.toml"), "quick").settings()
+        for one in (text, text + f"mesh_refinement = {refinement}\n")
+    )
+    for key in ("contact_mesh_um", "outer_mesh_um"):
+        assert fine[key] == pytest.approx(coarse[key] / refinement)

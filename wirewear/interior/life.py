@@ -52,7 +52,8 @@ def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
         return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
     strength, b, ductility, c = table.required(*CURVE_KEYS)
     if table.criterion == "fatemi-socie":
-        stated = table.fatemi_socie_factor is not None and table.yield_strength_MPa is not None
+        # The material may tell its yield strength, with which no factor goes by itself.
+        stated = table.fatemi_socie_factor is not None
         factor, yields = table.required("fatemi_socie_factor", "yield_strength_MPa") if stated else (1.0, strength)
         weight = factor / yields
         terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))

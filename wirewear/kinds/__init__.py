@@ -35,24 +35,31 @@ def kind_of(told: OfAKind) -> Kind:
     return KINDS[told.contact_kind]
 
 
-def load_any_study(path: str | Path) -> Any:
+def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
     """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
-    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of its kind.
+
+    varied: whether other values will stand in place of its own, beside which any key may act.
+    Raises StudyError, in one sentence, if the file cannot be read, is no valid study of its kind, or states a key that
+    acts in none of its runs.
     """
     from wirewear.study.study import read_study
 
-    return any_study(read_study(path), str(path))
+    return any_study(read_study(path), str(path), varied=varied)
 
 
-def any_study(tables: Mapping[str, Any], where: str) -> Any:
+def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) -> Any:
     """A study of whatever kind its tables say, with its surfaces levelled; `where` names their origin in messages.
-    Raises StudyError, in one sentence, if the tables are no valid study of their kind.
+    Raises StudyError, in one sentence, as `load_any_study` does.
     """
     from wirewear.study import study_from_tables
+    from wirewear.study.idle import require_no_idle_key
     from wirewear.study.surfaces import surfaces_in
 
     if any(surfaces_in(tables)):
         from wirewear.kinds.surfaces import with_levelled
 
         tables = with_levelled(tables, where)
-    return study_from_tables(tables, where)
+    study = study_from_tables(tables, where)
+    if not varied:
+        require_no_idle_key(study, where)
+    return study

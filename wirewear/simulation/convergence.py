@@ -189,16 +189,12 @@ class RefinedSubject:
 def finer_point(study: Study, fidelity: str) -> Mapping[Resolution, Callable[[float], Changes]]:
     """Without wear the mesh alone, and with jumps of a given size no tolerance of jumps."""
     plan, chosen = discretise(study, fidelity), study.fidelity(fidelity)
-    given = {"contact_mesh_um": chosen.contact_mesh_um, "outer_mesh_um": chosen.outer_mesh_um}
-    sizes = {name: size for name, size in given.items() if size is not None}
 
     def of(own: Changes) -> Changes:
         return {"fidelity": {fidelity: own}}
 
     finer: dict[Resolution, Callable[[float], Changes]] = {
-        MESH: lambda factor: of(
-            {"mesh_refinement": factor * chosen.mesh_refinement} | {name: size / factor for name, size in sizes.items()}
-        )
+        MESH: lambda factor: of({"mesh_refinement": factor * chosen.mesh_refinement})
     }
     if study.wear is not None:
         increments = plan.increments_per_wear_cycle

@@ -91,13 +91,13 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
             f"{1e3 * needed / SCAR_MARGIN:.0f} um on each side and would leave the finely meshed patch during the "
             f"stroke; give at least {1e3 * needed:.0f}, or leave the key out"
         )
-    half_width = needed if given is None else given * 1e-3
+    half_width, finer_mm = needed if given is None else given * 1e-3, 1e-3 / chosen.mesh_refinement
     sizes = ElementSizes(
         fresh,
         scar,
         widening=half_width / needed,
-        contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * 1e-3,
-        outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * 1e-3,
+        contact_mm=None if chosen.contact_mesh_um is None else chosen.contact_mesh_um * finer_mm,
+        outer_mm=None if chosen.outer_mesh_um is None else chosen.outer_mesh_um * finer_mm,
     )
     moving, fixed, coarsening = affordable_meshes(study, sizes, level)
     increments = chosen.increments_per_cycle or level.increments_per_cycle

@@ -59,6 +59,7 @@ MOST_LINES = 240
 #: Columns of a table of a surface.
 COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
 
+_OF_HEIGHTS = ("centred_on", "step_um", "height_unit")
 #: Keys of what is taken over from a file.
 KEPT = ("x_um", "y_um", "depths")
 
@@ -114,9 +115,14 @@ class StatedSurface(Table):
             return table
         given = {key: value for key, value in table.items() if key != "file"}
         try:
-            return given | kept(*depths_of_table(Path(name)))
+            taken = kept(*depths_of_table(Path(name)))
         except RecordError as problem:
             raise ValueError(f"gives a file that cannot be taken: {str(problem).rstrip('.')}") from None
+        if idle := [key for key in _OF_HEIGHTS if key in given]:
+            raise ValueError(
+                f"gives {idle[0]}, which is of heights, but the file has depths that are taken as they are"
+            )
+        return given | taken
 
     @model_validator(mode="after")
     def _with_map(self) -> Self:

@@ -250,7 +250,7 @@ class FidelitySettings(keys.Table):
     increments_per_wear_cycle: keys.IncrementsPerCycle | None = Field(
         None, description="time steps of a cycle that only wears, where no loop is recorded; without it, fewer"
     )
-    mesh_refinement: keys.Refinement = Field(1.0, description="elements are smaller than the level's by this factor")
+    mesh_refinement: keys.Refinement = Field(1.0, description="elements are smaller than asked for by this factor")
     jump_tolerance: keys.Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
 
 

@@ -12,24 +12,43 @@ from wirewear.study.bodies import Wire, touch_along_line
 from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface
 
+#: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
+_NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
+_ANGLES = ("crossing_angle_deg", "motion_angle_deg")
+
 
 def _wires_of_bodies(table: Any) -> Any:
-    """[bodies.moving] and [bodies.fixed], stated as those of a point contact are, as a table of both wires."""
+    """[wires] whose two wires state what it does not, or [bodies.moving] and [bodies.fixed], as a table of both wires.
+    Raises ValueError if one is no wire, or an angle is stated twice.
+    """
     stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
-    moving, fixed = (dict(own) if isinstance(own, Mapping) else {} for own in stated or (None, None))
-    if not moving or not fixed or "diameter_mm" in table:
+    if not stated or not all(isinstance(own, Mapping) and own for own in stated):
         return table
-    axes = []
-    for own, axis_deg in ((moving, 0.0), (fixed, 90.0)):
-        if (shape := own.pop("shape", "wire")) != "wire":
+    both, moving, fixed = (dict(keys.with_constants_of_material(own)) for own in (table, *stated))
+    for shape in (own.pop("shape", "wire") for own in (moving, fixed)):
+        if shape != "wire":
             raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
-        try:
-            axes.append(float(keys.AXIS(own.pop("axis_angle_deg", axis_deg))))
-        except ValueError as problem:
-            raise ValueError(f"give an axis_angle_deg that {problem}") from None
-    both = {key: moving.pop(key) for key in Wires.model_fields if key in moving}
-    turned = {"crossing_angle_deg": (axes[1] - axes[0]) % 180.0, "motion_angle_deg": (90.0 - axes[0]) % 180.0 - 90.0}
-    return {**table, **both, **turned, "moving": moving, "fixed": fixed}
+    for key in [key for key in _NEEDED if key not in both and key in moving]:
+        both |= {own: moving.pop(own) for own in (key, "material") if own in moving and own not in both}
+    return {**both, **_angles(both, moving, fixed), "moving": moving, "fixed": fixed}
+
+
+def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, Any]) -> dict[str, float]:
+    """What the axes' angles to the motion, which are taken out of the wires' own tables, come to; nothing for none.
+    Raises ValueError if one is no angle, or what they come to is stated as well.
+    """
+    given = [own.pop("axis_angle_deg", None) for own in (moving, fixed)]
+    if given == [None, None]:
+        return {}
+    if twice := [key for key in _ANGLES if key in both]:
+        raise ValueError(f"give {twice[0]} beside an axis_angle_deg, which tells it as well: give one of the two")
+    try:
+        first, second = (
+            float(keys.AXIS(default if own is None else own)) for own, default in zip(given, (0.0, 90.0), strict=True)
+        )
+    except ValueError as problem:
+        raise ValueError(f"give an axis_angle_deg that {problem}") from None
+    return {"crossing_angle_deg": (second - first) % 180.0, "motion_angle_deg": (90.0 - first) % 180.0 - 90.0}
 
 
 class WireOverride(keys.OfMaterial):

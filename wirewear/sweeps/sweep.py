@@ -295,7 +295,7 @@ def load_sweep(path: str | Path) -> Sweep:
     path = Path(path)
     require_no_other(path, StudyError, Held.SWEEP)
     tables = validated(SweepTables, read_toml(path, StudyError, "sweep file"), str(path), StudyError)
-    study = load_any_study(path.parent / tables.study)
+    study = load_any_study(path.parent / tables.study, varied=True)
     if tables.variant is not None:
         study = study.variant(tables.variant)
     else:
