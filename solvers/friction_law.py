@@ -180,13 +180,13 @@ _SMALLEST_PRESSURE = 1e-3  # Of the reference: below it powers of the pressure s
 
 def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
     """(p / p_0) to the power, finite where p vanishes."""
-    return np.asarray(((pressure_MPa / reference_MPa) ** 2 + _SMALLEST_PRESSURE**2) ** (0.5 * exponent))
+    return np.asarray(np.hypot(pressure_MPa / reference_MPa, _SMALLEST_PRESSURE) ** exponent)
 
 
 def bend_of_power(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:
     """P times the logarithmic derivative of `power_of_pressure`: the exponent but for the smallest pressures."""
-    squared = (pressure_MPa / reference_MPa) ** 2
-    return np.asarray(exponent * squared / (squared + _SMALLEST_PRESSURE**2))
+    ratio = pressure_MPa / reference_MPa
+    return np.asarray(exponent * (ratio / np.hypot(ratio, _SMALLEST_PRESSURE)) ** 2)
 
 
 @dataclass(frozen=True)

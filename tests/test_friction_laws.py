@@ -8,7 +8,16 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from solvers import Archard, ContactProblem, Coulomb, Friction, FrictionLaw, ShearLimited, friction_laws
+from solvers import (
+    Archard,
+    ContactProblem,
+    Coulomb,
+    Friction,
+    FrictionLaw,
+    PowerOfPressure,
+    ShearLimited,
+    friction_laws,
+)
 from solvers.pairing import pair
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.worked_examples import install_example
@@ -29,6 +38,12 @@ def test_a_laws_derivative_is_that_of_its_limit_and_starts_at_the_coefficient(la
     friction = Friction(0.5, law)
     assert friction.limit(np.array([-5.0, 0.0])) == pytest.approx(0.0, abs=0.0)
     assert friction.derivative(np.array([-5.0, 0.0])) == pytest.approx(0.5)
+
+
+def test_a_power_of_the_pressure_is_finite_however_small_its_reference() -> None:
+    law, pressure = PowerOfPressure(1e-200, 0.5), np.array([0.0, 1e-3, 1.0, 1e4])
+    assert law.limit(0.5, pressure) == pytest.approx(0.5e-100 * np.sqrt(pressure), rel=1e-6)
+    assert law.derivative(0.5, pressure[1:]) == pytest.approx(0.25e-100 / np.sqrt(pressure[1:]), rel=1e-6)
 
 
 @pytest.mark.seconds

@@ -1,6 +1,7 @@
 """Maps of many tests: tension at the contact's edge, wear against energy, tests of records and runs, the page."""
 
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,7 @@ from wirewear.records import read_record, write_record
 from wirewear.results import write_result
 from wirewear.views.run_maps import (
     FreshContact,
+    RegressionLine,
     edge_tension,
     fresh_contact,
     line_through_origin,
@@ -78,6 +80,15 @@ def test_intervals_of_the_regression_hold_the_truth_as_often_as_they_say(thresho
     share = np.mean(held, axis=0)
     assert 0.93 < share[0] < 0.97
     assert share[1] > 0.93
+
+
+@pytest.mark.parametrize("regression", [line_through_origin, line_with_threshold])
+def test_a_regression_is_the_same_in_any_unit_of_energy(regression: Callable[..., RegressionLine]) -> None:
+    energy, volume = np.geomspace(5.0, 50.0, 7), 3e-5 * np.geomspace(4.0, 52.0, 7)
+    known, faint = regression(energy, volume), regression(1e-200 * energy, volume)
+    assert 1e-200 * faint.slope_mm3_per_J == pytest.approx(known.slope_mm3_per_J)
+    assert 1e-200 * np.array(faint.slope_interval95) == pytest.approx(known.slope_interval95)
+    assert 1e200 * np.array(faint.threshold_interval95) == pytest.approx(known.threshold_interval95)
 
 
 def test_a_measured_test_is_known_by_its_loops_and_scars() -> None:

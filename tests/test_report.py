@@ -20,7 +20,7 @@ from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear import check_record, read_record, record_of_result, write_record, write_result
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import MeasuredScar
-from wirewear.results import RunResult, read_result
+from wirewear.results import Evolution, RunResult, read_result
 from wirewear.results.scar import health
 from wirewear.study import load_study
 from wirewear.views.comparison import compare
@@ -102,6 +102,18 @@ def test_running_conditions_follow_mindlin_and_the_rig(runs: list[RunResult]) ->
 
 
 @pytest.mark.seconds
+@pytest.mark.parametrize("factor", [1e-300, 5e-324, 0.0])
+def test_a_run_of_next_to_no_friction_has_a_page(runs: list[RunResult], factor: float) -> None:
+    run, tables = runs[0], minimal() | {"contact": {"friction": factor}}
+    scaled = ("max_tangential_force_N", "dissipated_energy_mJ", "accumulated_energy_J")
+    columns = {name: column * (factor if name in scaled else 1.0) for name, column in run.evolution.items()}
+    loops = tuple(dataclasses.replace(one, tangential_force_N=factor * one.tangential_force_N) for one in run.loops)
+    faint = dataclasses.replace(run, study=tables, evolution=Evolution(columns), loops=loops)
+    assert "<html" in run_page([faint])
+    known, found = (page_data([one])["runs"][0]["slope_mm3_per_J"] for one in (run, faint))
+    assert found == (pytest.approx(known / factor) if factor > 1e-310 else None)
+
+
 def test_a_quality_beyond_its_limit_is_bold(runs: list[RunResult]) -> None:
     bad = dataclasses.replace(runs[0], quality={"energy_against_loops": 0.3, "penetration": 1e-9, "of_its_own": 1.0})
     rows = {row.meaning: row.sound for row in health([bad])}

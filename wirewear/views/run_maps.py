@@ -212,13 +212,17 @@ class RegressionLine:
 
 
 def line_through_origin(energy_J: ArrayLike, volume_mm3: ArrayLike) -> RegressionLine:
-    """The line V = α ΣE_d of tests (n,), n ≥ 1 (Fouvry et al., Wear 255 (2003) 287)."""
+    """The line V = α ΣE_d of tests (n,), n ≥ 1, some energy above 0 (Fouvry et al., Wear 255 (2003) 287)."""
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
-    square = float(x @ x)
-    slope = float(x @ y) / square
+    # Squares of energies that next to no friction leaves would vanish.
+    largest = float(np.abs(x).max())
+    share = x / largest
+    square = float(share @ share)
+    slope = float(share @ y) / square / largest
     left = y - slope * x
     # One test alone lies on its line, which nothing tells the uncertainty of.
-    half = _quantile(x.size - 1) * np.sqrt(float(left @ left) / (x.size - 1) / square) if x.size > 1 else np.inf
+    free = x.size - 1
+    half = _quantile(free) * np.sqrt(float(left @ left) / free / square) / largest if free else np.inf
     return RegressionLine(slope, (slope - half, slope + half), 0.0, (0.0, 0.0), _explained(y, left), x.size)
 
 
@@ -229,16 +233,17 @@ def line_with_threshold(energy_J: ArrayLike, volume_mm3: ArrayLike) -> Regressio
     """
     x, y = np.asarray(energy_J, dtype=np.float64), np.asarray(volume_mm3, dtype=np.float64)
     middle, mean = float(x.mean()), float(y.mean())
-    square = float(np.sum((x - middle) ** 2))
-    slope = float((x - middle) @ (y - mean)) / square
+    width = float(np.abs(x - middle).max())
+    share = (x - middle) / width
+    square = float(share @ share)
+    slope = float(share @ (y - mean)) / square / width
     left = y - mean - slope * (x - middle)
     variance = float(left @ left) / (x.size - 2)
     threshold = middle - mean / slope if slope else float("nan")
     # Mean and slope are uncorrelated.
-    of_slope, of_mean = variance / square, variance / x.size
     t = _quantile(x.size - 2)
-    half = t * np.sqrt(of_slope)
-    wide = t * np.sqrt(of_mean / slope**2 + (mean / slope**2) ** 2 * of_slope) if slope else float("inf")
+    half, of_mean = t * np.sqrt(variance / square) / width, t * np.sqrt(variance / x.size)
+    wide = float(np.hypot(of_mean, mean / slope * half)) / abs(slope) if slope else float("inf")
     return RegressionLine(
         slope,
         (slope - half, slope + half),
