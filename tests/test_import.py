@@ -1,5 +1,6 @@
 """Files as laboratories have them, MATLAB's and profilometers' among them, turned into records by a mapping."""
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -11,6 +12,7 @@ from scipy.io import savemat
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear import RecordError, check_record
 from wirewear.records.importing import import_record
+from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.sources import read_source
 
@@ -286,3 +288,31 @@ def test_a_map_that_states_no_scale_is_read_by_what_the_mapping_tells(tmp_path: 
     told = 'step_um = 4.0\nstep_y_um = 6.0\nheight_unit = "nm"\n'
     (scar,) = import_record(mapped(tmp_path, GERMAN + source + told)).scars
     assert scar.volume_mm3 == pytest.approx(1e-9 * 0.5 * np.pi * 120.0 * 60.0 * 12.0, rel=0.01)
+
+
+@pytest.mark.parametrize("place", ["files", "file"])
+@pytest.mark.parametrize("kind", ["link", "pipe", "link to a device", "nothing"])
+def test_a_column_and_a_source_take_only_ordinary_files_of_their_folder(tmp_path: Path, place: str, kind: str) -> None:
+    home = tmp_path / "home"
+    home.mkdir()
+    rows = "displacement_um,tangential_force_N\n" + "".join(f"{k % 7},{k % 5}\n" for k in range(50))
+    for path in (home / "loops.csv", tmp_path / "elsewhere.csv"):
+        path.write_text(rows, encoding="utf-8")
+    other = home / "other.csv"
+    if kind == "pipe":
+        os.mkfifo(other)
+    elif kind.startswith("link"):
+        other.symlink_to("/dev/zero" if "device" in kind else tmp_path / "elsewhere.csv")
+    files, own = ('"other.csv"', "") if place == "files" else ('"loops.csv"', ', file = "other.csv"')
+    path = mapped(
+        home,
+        f"[loops]\nfiles = {files}\n[loops.columns]\ndisplacement_um = 1\ntangential_force_N = {{ column = 2{own} }}\n",
+    )
+    with pytest.raises(RecordError, match=r"leads out of the folder|is no ordinary file|there is no file"):
+        import_record(path)
+
+
+def test_a_pipe_is_no_file_of_loops(tmp_path: Path) -> None:
+    os.mkfifo(tmp_path / "loops.csv")
+    with pytest.raises(RecordError, match="is no ordinary file"):
+        kind_of(tmp_path / "loops.csv")

@@ -17,6 +17,7 @@ from wirewear.base.budget import HARMLESS, MOST_EXPANSION, require_room
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.hdf5 import require_self_contained
+from wirewear.base.writing import is_special
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, TextReader, reason_of
 
 #: The head of a file, whose last four bytes say the version and how numbers are ordered.
@@ -326,8 +327,11 @@ def readers() -> Mapping[str, Reader]:
 
 def kind_of(path: Path) -> str:
     """Of which kind a file is, by its own first bytes: text, unless a reader knows them.
-    Raises RecordError if the file cannot be read.
+    Raises RecordError if the file cannot be read, or is no ordinary one.
     """
+    # A pipe or a device may have no end.
+    if is_special(path):
+        raise RecordError(f"{path} is no ordinary file.")
     try:
         with path.open("rb") as file:
             head = file.read(512)

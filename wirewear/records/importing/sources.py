@@ -35,12 +35,25 @@ def files_of(source: Source, home: Path) -> list[Path]:
             matches = [home / name] if (home / name).is_file() else [p for p in home.glob(name) if p.is_file()]
         except (ValueError, NotImplementedError, OSError):
             matches = []
-        for path in matches:
-            require_within(path, home, RecordError, "the file")
         if not matches:
             raise RecordError(f"there is no file {home / name}.")
+        for path in matches:
+            require_within(path, home, RecordError, "the file")
         found += sorted(matches, key=_natural)
     return list(dict.fromkeys(found))
+
+
+def file_of(column: ColumnMapping, path: Path) -> Path:
+    """The file of a column: that beside a source's file `path` where it has its own, else that file.
+    Raises RecordError if there is none, it is no ordinary file, or lies outside the folder.
+    """
+    if column.file is None:
+        return path
+    own = path.parent / column.file
+    require_within(own, path.parent, RecordError, "the file")
+    if not own.is_file():
+        raise RecordError(f"{own} is no ordinary file." if own.exists() else f"there is no file {own}.")
+    return own
 
 
 def _natural(path: Path) -> list[tuple[int, str]]:
@@ -82,12 +95,12 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
     if any(own.file for own in wanted.values()) and (len(source.files) > 1 or re.search(r"[*?\[]", source.files[0])):
         raise RecordError(f"{path}: a column with a file of its own goes with one file, not with several.")
     raw: dict[str, Array] = {}
-    for file in dict.fromkeys(own.file for own in wanted.values()):
-        own_path = path if file is None else path.parent / file
+    files = {name: file_of(own, path) for name, own in wanted.items()}
+    for file in dict.fromkeys(files.values()):
         # What a file is, it says itself: "text" stands there when nothing else was chosen.
-        kind = kind_of(own_path) if source.kind == TextReader.kind else source.kind
-        columns = {name: own.column for name, own in wanted.items() if own.file == file}
-        raw |= readers()[kind].columns(own_path, _layout(source), columns)
+        kind = kind_of(file) if source.kind == TextReader.kind else source.kind
+        columns = {name: own.column for name, own in wanted.items() if files[name] == file}
+        raw |= readers()[kind].columns(file, _layout(source), columns)
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
 
 
