@@ -1,6 +1,7 @@
 """What is installed: examples by their names, in a checkout and in a wheel, system libraries, and one version."""
 
 import re
+import subprocess
 import sys
 import tomllib
 from importlib.util import module_from_spec, spec_from_file_location
@@ -90,3 +91,23 @@ def test_the_recipe_asks_for_every_package_that_the_program_needs() -> None:
         for one in wanted
         if one not in recipe.replace("python-gmsh", "gmsh").replace("matplotlib-base", "matplotlib")
     ] == []
+
+
+#: Stands for the interpreter of a virtual environment whose pip has an index set, and goes on to write after that line.
+_PIP_WITH_AN_INDEX = """#!/bin/sh
+trap '' PIPE
+case "$*" in
+*config*) echo "global.index-url='https://packages.example'"; sleep 0.1; echo "global.timeout='60'" ;;
+*) echo "$*" >> "$0.log" ;;
+esac
+"""
+
+
+def test_where_an_index_is_set_pip_installs_without_a_word_of_a_broken_pipe(tmp_path: Path) -> None:
+    python = tmp_path / "python"
+    python.write_text(_PIP_WITH_AN_INDEX, encoding="utf-8")
+    python.chmod(0o755)
+    ran = subprocess.run(["sh", ROOT / "tools" / "install.sh", python, "."], capture_output=True, text=True, check=True)
+    assert (ran.stdout, ran.stderr) == ("", "")
+    assert "-m pip install" in (log := Path(f"{python}.log").read_text(encoding="utf-8"))
+    assert "uv" not in log

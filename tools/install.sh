@@ -5,7 +5,8 @@
 # PYTHON is that of the virtual environment, WHAT is . or .[dev].
 set -eu
 
-if ! "$1" -m pip config list | grep -q index &&
+# With -q, grep would close the pipe while pip writes to it.
+if ! "$1" -m pip config list | grep index >/dev/null &&
     "$1" -m pip install -qq --no-compile --constraint constraints.txt uv &&
     "$1" -m uv pip install -qq --python "$1" --constraint constraints.txt --editable "$2"; then
     exit 0
