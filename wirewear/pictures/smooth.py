@@ -64,15 +64,21 @@ def smooth_curve(displacement_um: Array, force: Array, points: int = POINTS) -> 
     Monotone cubics over the length along the loop; nothing is drawn beyond neighbouring samples.
     """
     x, q = (np.append(values, values[0]) for values in (displacement_um, force))
-    lengths = np.hypot(*(np.diff(values) / (np.ptp(values) or 1.0) for values in (x, q)))
+    # Slopes of forces that next to no friction leaves would not be finite.
+    widths = [float(np.ptp(values)) or 1.0 for values in (x, q)]
+    parts = [values / width for values, width in zip((x, q), widths, strict=True)]
+    lengths = np.hypot(*map(np.diff, parts))
     passed = np.concatenate([[True], lengths > 0.0])
     if passed.sum() < CLOSED_FROM:
         return x, q
-    x, q, lengths = x[passed], q[passed], lengths[lengths > 0.0]
+    parts, lengths = [values[passed] for values in parts], lengths[lengths > 0.0]
     at = np.concatenate([[0.0], np.cumsum(lengths)])
     around = np.concatenate([at[-4:-1] - at[-1], at, at[-1] + at[1:4]])
     fine = np.unique(np.concatenate([np.linspace(0.0, at[-1], points), at]))
-    one, other = (PchipInterpolator(around, np.concatenate([v[-4:-1], v, v[1:4]]))(fine) for v in (x, q))
+    one, other = (
+        width * PchipInterpolator(around, np.concatenate([v[-4:-1], v, v[1:4]]))(fine)
+        for v, width in zip(parts, widths, strict=True)
+    )
     one[-1], other[-1] = one[0], other[0]
     return one, other
 
