@@ -87,8 +87,9 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
-    """Of the straight line through the origin, by least squares; NaN where nothing is dissipated."""
-    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if energy_J.any() else float("nan")
+    """Of the straight line through the origin, by least squares; NaN where no number of normal size is dissipated."""
+    told = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
+    return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if told else float("nan")
 
 
 def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:
