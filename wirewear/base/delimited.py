@@ -24,8 +24,13 @@ from wirewear.base.spreadsheets import is_spreadsheet, refuse_other_sheets, shee
 
 _UTF8 = "utf-8"
 
-#: What loggers and profilometers write where nothing was measured.
-MISSING = re.compile(r"\*+|-{1,3}|no ?data|nan|n/?a|null|bad", re.IGNORECASE)
+#: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
+MISSING = re.compile(
+    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
+    r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
+    r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
+    re.IGNORECASE,
+)
 
 #: A number whose thousands are parted by a sign: sign between, whether there are several, and what follows of it.
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([,.'’ \xa0\u202f])\d{3}((?:\1\d{3})*)(?:([.,])\d*)?")
@@ -129,7 +134,10 @@ class DelimitedText:
         clock: the column that may hold times of day, which become seconds.
         Raises RecordError if a field is no number or missing; the message names its line and column.
         """
-        return self._fast(places) or self._slow(places, as_logged, clock)
+        found = self._fast(places) or self._slow(places, as_logged, clock)
+        for values in found.columns.values() if as_logged else ():
+            values[np.isinf(values)] = math.nan
+        return found
 
     def _lines(self) -> Iterator[str]:
         return (line.decode(_UTF8) for line in self._byte_lines())
@@ -195,7 +203,9 @@ class DelimitedText:
         # Short and empty lines would be filled up silently.
         if frame.height != lines or self.data.count(delimiter, start) != lines * (width - 1):
             return None
-        columns = {name: frame[str(place)].fill_null(math.nan).to_numpy() for name, place in places.items()}
+        columns = {
+            name: frame[str(place)].fill_null(math.nan).to_numpy(writable=True) for name, place in places.items()
+        }
         return Numbers(columns, layout.lines_before_rows + 1)
 
     def _start_of_rows(self) -> int | None:
@@ -292,21 +302,6 @@ def _running(clock: Array) -> Array:
     places = np.arange(clock.size, dtype=float)
     even: Array = start + slope * places
     return even if float(np.abs(even[changes] - time[changes]).max()) <= 1.5 * float(ticks.max()) else time
-
-
-def encoding_of(data: bytes) -> str:
-    """In which encoding a text seems to be."""
-    if data.startswith((b"\xff\xfe", b"\xfe\xff")):
-        return "utf-16"
-    try:
-        data.decode(_UTF8)
-    except UnicodeDecodeError:
-        runs = re.findall(rb"[\x80-\xff]+", data)
-        # Chinese signs stand in pairs of bytes, several at a time, or are full-width brackets (0xA3 ..); letters of
-        # the West stand alone among others.
-        paired = all(len(run) % 2 == 0 for run in runs) and any(len(run) > 3 or run[0] == 0xA3 for run in runs)
-        return "gb18030" if paired else "cp1252"
-    return "utf-8-sig" if data.startswith(codecs.BOM_UTF8) else _UTF8
 
 
 def decoded(path: Path) -> tuple[bytes, str | None]:

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from geometry.arrays import Array
 from wirewear.base import delimited
-from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, RecordError
+from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.naming import KNOWN_UNITS, encoding_of, usual_unit
 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.
@@ -22,30 +23,7 @@ _COMMENT = re.compile(r"^\s*(?:#+|%+|//+|;+)\s*")
 
 _NUMBER = r"[-+]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][-+]?\d+)?"
 
-#: Units of what a sensor gives before it is scaled, or of nothing but a count.
-RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
-
-#: Units that loggers write, as they write them; those of channels that no record takes among them.
-KNOWN_UNITS = RAW_UNITS.union(
-    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
-    ("W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%RH", "rad", "deg", "°", "mm3"),
-    ("mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos"),
-    ("hh:mm:ss", "hh:mm:ss.sss", "s.ms"),
-)
-
 _NO_UNIT = frozenset(("-", "–", "", "1", "none", "#"))
-
-#: Units whose names are written out, in the singular and without accents, and how a mapping writes them.
-_WRITTEN_OUT = {
-    **dict.fromkeys(("second", "seconde", "sekunde", "sekunden", "segundo", "sec", "秒"), "s"),
-    **dict.fromkeys(("millisecond", "milliseconde", "millisekunde", "millisekunden", "milisegundo", "毫秒"), "ms"),
-    **dict.fromkeys(("newton", "牛", "牛顿"), "N"),
-    **dict.fromkeys(("micron", "micrometer", "micrometre", "mikrometer", "micrometro", "微米"), "um"),
-    **dict.fromkeys(("millimeter", "millimetre", "milimetro", "毫米"), "mm"),
-    **dict.fromkeys(("nanometer", "nanometre", "nanometro", "纳米"), "nm"),
-    **dict.fromkeys(("angstrom", "a˚"), "Å"),
-    **dict.fromkeys(("volt", "voltio", "伏"), "V"),
-}
 
 _RATE = re.compile(
     r"(?:sampl\w*[ _]*(?:rate|freq\w*)|abtast(?:rate|frequenz)|messrate|cadence|"
@@ -56,7 +34,10 @@ _RATE = re.compile(
 
 
 #: A line that begins with a word, which is none of those for what is missing.
-_WORDS = re.compile(r"^[ \t]*\"?(?!nan|no ?data|n/?a\b|null|inf)[^\W\d_]", re.IGNORECASE | re.MULTILINE)
+_WORDS = re.compile(
+    rf"^[ \t]*\"?(?!(?:{delimited.MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
+    re.IGNORECASE | re.MULTILINE,
+)
 
 
 _STEP = re.compile(
@@ -96,7 +77,7 @@ def guessed_layout(path: Path) -> GuessedLayout:
     Raises RecordError if the file cannot be read, and NoTableError if no table of numbers is found in it.
     """
     data, told = delimited.decoded(path)
-    encoding = told or delimited.encoding_of(data)
+    encoding = told or encoding_of(data)
     text = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
@@ -183,13 +164,18 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
     if delimiter == decimal and not any('"' in line for line in lines):
         return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
-    best, run, profile = _Table(delimiter, decimal), list[int](), ""
+    best, run, profile, strange = _Table(delimiter, decimal), list[int](), "", False
     for place, line in enumerate([*lines, "end"]):
         if not line.strip() and run:
             continue
         kinds = "".join(
             _kind(delimited.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
         ).rstrip(" ")
+        if run and not strange and _has_a_word(profile, kinds):
+            # If numbers go on below it, it is a row: reading it names the word.
+            strange = True
+            continue
+        strange = False
         if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
             kinds = ""
         joined = _joined(profile, kinds)
@@ -208,6 +194,13 @@ def _kind(field: str, number: re.Pattern[str]) -> str:
     if number.fullmatch(field):
         return "n"
     return "c" if delimited.is_clock(field) else "t"
+
+
+def _has_a_word(profile: str, kinds: str) -> bool:
+    """Whether a line is a row of a table but for a word in the place of some of its numbers."""
+    pairs = set(zip(profile, kinds, strict=False))
+    odd = {(one, other) for one, other in pairs if one != other and " " not in (one, other)}
+    return len(profile) == len(kinds) and ("n", "n") in pairs and bool(odd) and odd <= {("n", "t"), ("c", "t")}
 
 
 def _joined(profile: str, kinds: str) -> str | None:
@@ -293,17 +286,6 @@ def _units_in_header(header: list[str], table: _Table, names: tuple[str, ...]) -
         return ()
     left = iter(labels)
     return tuple("s" if name == "X_Value" else "" if name == "Comment" else next(left, "") for name in names)
-
-
-def usual_unit(unit: str) -> str:
-    """A unit as a mapping writes it, where its name is written out in some language; else as it stands."""
-    return unit if unit in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
-
-
-def plain(text: str) -> str:
-    """A text in small letters without accents."""
-    signs = unicodedata.normalize("NFKD", text.casefold())
-    return "".join(sign for sign in signs if not unicodedata.combining(sign))
 
 
 def _unit_of_name(name: str) -> str:

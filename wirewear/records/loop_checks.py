@@ -34,6 +34,9 @@ REORDERED = 0.05
 #: one of a wrong sign and not of noise.
 OTHER_UNIT, AGAINST_MOTION = 5.0, 0.05
 
+#: Tangential force over normal load of dry bodies that rub, and what is said of others.
+DRY, NO_FRICTION = (0.005, 3.0), "The tangential force is {:.3g} times the normal load, which no dry friction gives"
+
 
 def too_short(checked: CheckedRecord) -> Iterator[Remark]:
     """Loops of few samples, and samples without a channel."""
@@ -111,12 +114,9 @@ def units(checked: CheckedRecord) -> Iterator[Remark]:
         strange = bool(np.nanmedian(np.abs(np.log(np.maximum(ratio, 1e-12)))) > np.log(OTHER_UNIT))
         yield Remark("problem", "displacement", text, refuses=strange)
     friction = s.force_amplitude_N / conditions.normal_load_N
-    odd = (friction > 3.0) | (friction < 0.005)
+    odd = (friction < DRY[0]) | (friction > DRY[1])
     if odd.any():
-        text = (
-            f"The tangential force is {float(np.nanmedian(friction[odd])):.3g} times the normal load in "
-            f"{where(checked, odd)}, which no dry friction gives: check its unit."
-        )
+        text = f"{NO_FRICTION.format(float(np.nanmedian(friction[odd])))}, in {where(checked, odd)}: check its unit."
         yield Remark("problem", "tangential force", text, refuses=_most(odd))
     turned = s.energy_mJ < 0.0
     if turned.any():

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +19,7 @@ from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
+from wirewear.records.loop_checks import DRY, NO_FRICTION
 from wirewear.views.loops_sources import SampledLoop
 
 #: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
@@ -77,6 +78,10 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
         figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, loop.normal_load_N, time_s=loop.time_s)
     except LoopError as refusal:
         return AnalysedLoop(loop, None, str(refusal))
+    ratio = figures.friction_max
+    if ratio is not None and not DRY[0] <= ratio.value <= DRY[1]:
+        told = f"{NO_FRICTION.format(ratio.value)}: check the units of both"
+        loop = replace(loop, notes=(*loop.notes, told[:1].lower() + told[1:]))
     return AnalysedLoop(loop, figures)
 
 

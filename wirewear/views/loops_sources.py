@@ -19,12 +19,13 @@ from wirewear.loops.cycles import outline, split_cycles
 from wirewear.records import read_record
 from wirewear.records.columns import column_names
 from wirewear.records.exporting import chosen_run
-from wirewear.records.importing.guessed_files import GuessedFile, loop_columns, table_of
+from wirewear.records.importing.guessed_files import GuessedFile, loop_columns, rivals, table_of
 from wirewear.records.importing.importing import in_rows
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.sources import require_recorded
 from wirewear.records.normal_force import require_pressing
+from wirewear.records.remarks import plural
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import read_results
 
@@ -123,7 +124,9 @@ def logged_loops(
     chosen |= {"time_s": (free["time_s"][0], free["time_s"][1] or "s")} if "time_s" in free else {}
     columns: dict[str, Any] = {key: {"column": name, "unit": unit} for key, (name, unit) in chosen.items()}
     columns |= {key: {"column": free[key][0]} for key in ("repeat", "cycle") if key in free}
-    return tuple(_loops(path, in_rows(path, file.read(columns)), constant, file.remarks))
+    passed_over = (told for key, told in rivals(file, known).items() if key in chosen and asked.get(key) is None)
+    remarks = (*file.remarks, *passed_over)
+    return tuple(_loops(path, in_rows(path, file.read(columns)), constant, remarks))
 
 
 def _number(text: str | None) -> float | None:
@@ -144,8 +147,11 @@ def _column(
     among = shown(", ".join(names))
     if asked is None:
         if key not in recognised:
+            encoding = file.spelling.get("encoding", "utf-8")
+            doubt = "" if encoding.startswith("utf") else f", or another --encoding than {encoding}, which is a guess"
             raise RecordError(
-                f"{file.path}: none of the columns {among} is known as the {channel}; name it by {option} COLUMN:UNIT."
+                f"{file.path}: none of the columns {among} is known as the {channel}; name it by {option} COLUMN:UNIT"
+                f"{doubt}."
             )
         name, unit = recognised[key]
     else:
@@ -173,7 +179,10 @@ def _loops(
     count = len(channels["displacement_um"])
     keys = {key: channels.get(key, np.ones(count)) for key in ("repeat", "cycle")}
     require_recorded(path, **keys)
-    complete = np.isfinite([own for key, own in channels.items() if own.dtype == np.float64]).all(axis=0)
+    finite = np.isfinite([own for key, own in channels.items() if own.dtype == np.float64])
+    complete, measured = finite.all(axis=0), finite[[key in _CHANNELS for key in channels]].any(axis=0)
+    if lacking := np.count_nonzero(measured & ~complete):
+        remarks = (*remarks, f"{plural(int(lacking), 'sample')} without a number were left out")
     repeats, cycles = (own.astype(np.int64) for own in keys.values())
     for repeat, cycle in np.unique(np.stack([repeats, cycles]), axis=1).T:
         rows = np.flatnonzero(complete & (repeats == repeat) & (cycles == cycle))

@@ -1,7 +1,7 @@
 """What a laboratory's file seems to hold: its columns by their usual names, loops, an evolution or a worn surface."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import groupby, permutations
 from pathlib import Path
@@ -12,17 +12,20 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import FIELD_UNITS, RecordError
-from wirewear.base.guessing import KNOWN_UNITS, RAW_UNITS, GuessedLayout, guessed_layout
+from wirewear.base.guessing import GuessedLayout, guessed_layout
+from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, stem_and_unit, units_of
 from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.reader import OPEN, TextReader
-from wirewear.records.importing.sources import UNIT_OF, read_source, recognised, stem_and_unit, units_of
+from wirewear.records.importing.sources import read_source
 
 FEWEST = 16  #: Fewer samples tell nothing.
 
 #: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
+
+ALIKE = 2e-3  #: Values of two columns that differ by less than this share of the largest one are the same.
 
 EPOCH = 1e3  #: A test that began after so many of its own lengths was not timed from its start.
 
@@ -132,7 +135,8 @@ def looked_into(path: Path) -> GuessedFile:
     grouped = any(":" in str(own) for own in file.references) and not loops
     if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED) and not grouped:
         raise RecordError(f"{path} has no columns for a displacement and a force")
-    return replace(file, holds="loops" if whole else "unknown", columns=loops)
+    remarks = (*file.remarks, *rivals(file, loops).values())
+    return replace(file, holds="loops" if whole else "unknown", columns=loops, remarks=remarks)
 
 
 def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
@@ -145,7 +149,10 @@ def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
         numbers = tuple(range(1, guessed.width + 1))
         names, units = (own[: guessed.width] for own in (guessed.names, guessed.units))
         blank = ("",) * guessed.width
-        references: tuple[str | int, ...] = names if guessed.layout.names_line else numbers
+        references: tuple[str | int, ...] = numbers
+        if guessed.layout.names_line:
+            # Two columns of one name are told apart by their numbers.
+            references = tuple(n if names.count(name) > 1 else name for n, name in zip(numbers, names, strict=True))
         if guessed.width > FEWEST:
             references, names, units = _in_groups(path, references, names or blank, units or blank)
             blank = ("",) * len(references)
@@ -217,7 +224,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 
     def motion(place: int) -> tuple[float, int]:
         found = recognised(files[place].titles, "displacement")
-        x = _values(files[place], files[place].titles.index(found[0])) if found else np.zeros(1)
+        x = _values(files[place], found[0]) if found else np.zeros(1)
         return float(np.nansum(np.abs(np.diff(x)))), tables[place].most_rows or 0
 
     best = max(range(len(files)), key=motion)
@@ -262,8 +269,8 @@ def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int
     free = list(range(len(file.titles)))
     for key, channel in keys.items():
         fit = [place for place in free if not _of_another_kind(file.unit(place, channel), channel)]
-        titles = [file.titles[place] for place in fit]
-        found = [fit[titles.index(title)] for title in recognised(titles, channel)]
+        titles, units = [file.titles[place] for place in fit], [file.unit(place, channel) for place in fit]
+        found = [fit[place] for place in recognised(titles, channel, units)]
         if not found:
             continue
         place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
@@ -272,6 +279,35 @@ def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int
         free.remove(place)
         columns[key] = (file.references[place], file.unit(place, channel))
     return columns
+
+
+def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> dict[str, str]:
+    """Sentences on columns that were passed over for those taken, by the key: they have as good a name and another
+    course.
+    """
+    told = {}
+    taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
+    for key, channel in LOOP_KEYS.items():
+        if key not in columns or channel not in UNIT_OF or channel == "time" or columns[key][0] not in file.references:
+            continue
+        place = file.references.index(columns[key][0])
+        units = [file.unit(own, channel) for own in range(len(file.titles))]
+        # What has no unit of the channel is a raw twin.
+        scaled = units[place] in units_of(channel)
+        left = [n for n, unit in enumerate(units) if n not in taken and (not scaled or unit in units_of(channel))]
+        found = recognised([file.titles[n] for n in left], channel, [units[n] for n in left])
+        others = [left[n] for n in found if _changes(file, left[n]) and _differ(file, channel, place, left[n])]
+        if others:
+            names = " and ".join(repr(file.titles[n]) for n in others)
+            told[key] = f"{file.path.name}: {file.titles[place]!r} is taken for the {channel}, and not {names}"
+    return told
+
+
+def _differ(file: GuessedFile, channel: str, *places: int) -> bool:
+    """Whether two columns hold other values of a channel."""
+    units = [units_of(channel).get(file.unit(place, channel), 1.0) for place in places]
+    one, other = (unit * _values(file, place) for unit, place in zip(units, places, strict=True))
+    return one.shape != other.shape or float(np.nanmax(np.abs(one - other))) > ALIKE * float(np.nanmax(np.abs(one)))
 
 
 def _of_another_kind(unit: str, channel: str) -> bool:

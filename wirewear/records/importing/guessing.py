@@ -207,6 +207,9 @@ def loop_source(
     columns = {key: {"column": OPEN, "unit": OPEN} for key in missing} | columns
     if missing or remarks != [*first.remarks]:
         remarks.append(f"{first.path.name} has the columns {first.listing}")
+        encoding = first.spelling.get("encoding", "utf-8")
+        if missing and first.named and not encoding.startswith("utf"):
+            remarks.append(f"the encoding {encoding} is a guess: where the names are garbled, put another one")
     if missing and any(":" in str(own) for own in first.references):
         remarks.append('with one cycle a row, a channel is a group of columns such as "1:128"')
     files = listed_once([text.path for text in loops])

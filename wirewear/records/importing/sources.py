@@ -1,8 +1,6 @@
-"""The files that a mapping names and their columns in the record's units; usual names of columns."""
+"""The files that a mapping names and their columns in the record's units."""
 
 import re
-import tomllib
-import unicodedata
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -11,8 +9,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.budget import within
 from wirewear.base.delimited import DelimitedLayout
-from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, RecordError
-from wirewear.base.guessing import KNOWN_UNITS, plain, usual_unit
+from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, require_within
 from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
@@ -193,63 +190,3 @@ def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:
         left.remove(key)
         pattern += rf"(?P<{key}>\d+)"
     return pattern
-
-
-#: Usual names of a channel, the most usual first.
-USUAL_NAMES: dict[str, list[str]] = tomllib.loads(
-    Path(__file__).with_name("usual_names.toml").read_text(encoding="utf-8")
-)
-
-#: Unit of the record in which each channel is kept.
-UNIT_OF = {
-    **dict.fromkeys(("displacement", "x", "y", "height", "depth", "displacement amplitude", "slip amplitude"), "um"),
-    **dict.fromkeys(("force", "normal load", "largest force"), "N"),
-    "time": "s",
-    "energy": "mJ",
-}
-
-
-#: What stands beside a usual name and does not change what is measured: a sensor, a channel's number, "measured".
-_BESIDE = frozenset(
-    ("ch", "channel", "kanal", "canal", "voie", "ai", "sensor", "transducer", "capteur", "aufnehmer", "signal", "gauge")
-    + ("measured", "measurement", "actual", "running", "ist", "mesure", "gemessen", "gemessene", "medido", "medida")
-)
-_RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
-
-
-def recognised(names: Sequence[str], channel: str) -> list[str]:
-    """Columns of a channel's usual names, the most usual first; then those with a sensor or number beside the name."""
-    known = units_of(channel)
-    stems = [stem_and_unit(name, known)[0] for name in names]
-    bare = ["" if stem in USUAL_NAMES[channel] else _alone(stem) for stem in stems]
-    usual = USUAL_NAMES[channel]
-    # Of two columns of one name, one is as likely as the other; times of several channels are alike.
-    found = [
-        names[stems.index(word)] for word in usual if stems.count(word) == 1 or (channel == "time" and word in stems)
-    ]
-    return found + [names[bare.index(word)] for word in usual if bare.count(word) == 1]
-
-
-def _alone(stem: str) -> str:
-    """``"ch_1_displacement"`` and ``"wegaufnehmer_1"`` as ``"displacement"`` and ``"weg"``."""
-    words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
-    return "_".join(dict.fromkeys(word for word in words if word not in _BESIDE and not re.fullmatch(r"\W*\d*", word)))
-
-
-def units_of(channel: str) -> dict[str, float]:
-    """Units in which loggers write a channel, those per length of a line contact among them."""
-    unit = UNIT_OF.get(channel, "")
-    return FIELD_UNITS.get(unit, {}) | UNITS_PER_LENGTH.get(unit, {})
-
-
-def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
-    """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
-    name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
-    bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
-    match = bracketed or re.fullmatch(r"(.+?)[\s_/]*[_\[(\s/]\s*([^\s_\[\]()/]+)\s*[\])]?", name)
-    told = usual_unit(match[2]) if match else ""
-    stem, unit = (match[1], told) if match and told in known else (name, None)
-    if unit is None and bracketed and usual_unit(bracketed[2]) in KNOWN_UNITS:
-        stem = bracketed[1]
-    stem = re.sub(r"[\s_.\-]+", "_", plain(stem).strip())
-    return stem.removesuffix("_in") if unit else stem, unit

@@ -1,0 +1,187 @@
+"""Usual names of channels and units in the languages of many countries, and by them the encoding of a text."""
+
+import codecs
+import re
+import tomllib
+import unicodedata
+from collections.abc import Sequence
+from pathlib import Path
+
+from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH
+
+#: Letters that are no other letter with an accent, and yet are written as one.
+_LETTERS = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae", "œ": "oe"})
+
+
+def plain(text: str) -> str:
+    """A text in small letters without accents."""
+    signs = unicodedata.normalize("NFKD", text.casefold()).translate(_LETTERS)
+    return "".join(sign for sign in signs if not unicodedata.combining(sign))
+
+
+#: Usual names of a channel, the most usual first.
+USUAL_NAMES: dict[str, list[str]] = {
+    channel: [plain(name) for name in names]
+    for channel, names in tomllib.loads(
+        Path(__file__).with_name("usual_names.toml").read_text(encoding="utf-8")
+    ).items()
+}
+
+#: Units of what a sensor gives before it is scaled, or of nothing but a count.
+RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
+
+#: Units that loggers write, as they write them; those of channels that no record takes among them.
+KNOWN_UNITS = RAW_UNITS.union(
+    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
+    ("W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%RH", "rad", "deg", "°", "mm3"),
+    ("mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos"),
+    ("hh:mm:ss", "hh:mm:ss.sss", "s.ms"),
+)
+
+#: Units that are written out or in other letters, in the singular and without accents, and how a mapping writes them.
+_WRITTEN_OUT = {
+    plain(word): unit
+    for unit, words in {
+        "s": "second seconde sekunde sekunden sekunda sekundy segundo sec 秒 초 с сек секунда секунды",
+        "ms": "millisecond milliseconde millisekunde millisekunden milisegundo milisekunda 毫秒 ミリ秒 밀리초 мс",
+        "us": "мкс", "min": "мин", "h": "ч",
+        "N": "newton niuton 牛 牛顿 牛頓 ニュートン 뉴턴 н", "mN": "мн", "kN": "кн", "uN": "мкн",
+        "g": "г", "gf": "гс", "kg": "кг", "kgf": "кгс",
+        "um": "micron micrometer micrometre mikrometer mikrometr micrometro 微米 ミクロン マイクロメートル мкм",
+        "mm": "millimeter millimetre milimetro milimetr 毫米 ミリメートル ミリ 밀리미터 мм",
+        "nm": "nanometer nanometre nanometro 纳米 ナノメートル 나노미터 нм", "cm": "см", "m": "м", "Å": "angstrom a˚",
+        "V": "volt voltio 伏 ボルト 볼트 в", "mV": "мв", "Hz": "гц", "J": "дж", "mJ": "мдж",
+    }.items()
+    for word in words.split()
+}  # fmt: skip
+
+
+def usual_unit(unit: str) -> str:
+    """A unit as a mapping writes it, where its name is written out or in other letters; else as it stands."""
+    if unit in KNOWN_UNITS:
+        return unit
+    joined = unicodedata.normalize("NFKC", unit)
+    return joined if joined in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
+
+
+#: Unit of the record in which each channel is kept.
+UNIT_OF = {
+    **dict.fromkeys(("displacement", "x", "y", "height", "depth", "displacement amplitude", "slip amplitude"), "um"),
+    **dict.fromkeys(("force", "normal load", "largest force"), "N"),
+    "time": "s",
+    "energy": "mJ",
+}
+
+
+def units_of(channel: str) -> dict[str, float]:
+    """Units in which loggers write a channel, those per length of a line contact among them."""
+    unit = UNIT_OF.get(channel, "")
+    return FIELD_UNITS.get(unit, {}) | UNITS_PER_LENGTH.get(unit, {})
+
+
+def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
+    """``"Tangential force [N]"`` and ``"tangential_force_N"`` as ``("tangential_force", "N")``."""
+    name = unicodedata.normalize("NFKC", name).lstrip("#%/; ")
+    bracketed = re.fullmatch(r"(.+?)[\s_]*[\[(]\s*([^\[\]()]+?)\s*[\])]", name)
+    match = bracketed or re.fullmatch(r"(.+?)(?:,\s+|[\s_/]*[_\[(\s/]\s*)([^\s_\[\]()/]+)\s*[\])]?", name)
+    told = usual_unit(match[2]) if match else ""
+    stem, unit = (match[1], told) if match and told in known else (name, None)
+    if unit is None and bracketed and usual_unit(bracketed[2]) in KNOWN_UNITS:
+        stem = bracketed[1]
+    stem = re.sub(r"[\s_.\-]+", "_", plain(stem).strip())
+    return stem.removesuffix("_in") if unit else stem, unit
+
+
+#: What stands beside a usual name and does not change what is measured: a sensor, a channel's number, "measured".
+_BESIDE = frozenset(
+    ("ch", "channel", "kanal", "canal", "voie", "ai", "sensor", "transducer", "capteur", "aufnehmer", "signal", "gauge")
+    + ("measured", "measurement", "actual", "running", "ist", "mesure", "gemessen", "gemessene", "medido", "medida")
+    + ("scaled", "calibrated", "filtered", "skaliert", "gefiltert")
+)
+#: What stands beside the name of a channel whose zero was set.
+_TARED = frozenset(
+    ("tared", "zeroed", "net", "netto", "corrected", "compensated", "tariert", "genullt", "korrigiert", "tarado")
+    + ("tarada", "taree", "tare", "corrigee", "corrige", "corregida", "corregido", "tarowana")
+)
+#: What stands beside the name of what is counted.
+_COUNTED = frozenset(
+    ("label", "no", "nr", "num", "number", "nummer", "numero", "index", "id", "count", "counter", "zahler", "total")
+    + ("elapsed", "current", "of", "de", "name", "n°", "№", "番号", "编号", "번호")
+)
+_RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
+
+
+def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) -> list[int]:
+    """Places of the columns of a channel's usual names, the most usual first; then of those with a sensor or number
+    beside the name.
+
+    Of columns of one name, that with a unit of the channel stands before its raw twin, and that whose zero was set
+    before the other.
+
+    units: what is told of each column's unit, "" where nothing is; else by the names.
+    """
+    known, told = units_of(channel), [stem_and_unit(name, units_of(channel)) for name in names]
+    own = list(units) or [unit or "" for _, unit in told]
+    physical = [unit in known for unit in own]
+    beside = _BESIDE if channel in UNIT_OF else _BESIDE | _COUNTED
+    parts = [re.split(r"[_()]+", stem) for stem, _ in told]
+    tared = [not _TARED.isdisjoint(words) for words in parts]
+    exact = ["_".join(word for word in words if word and word not in _TARED) for words in parts]
+    bare = [_alone(word, beside) for word in exact]
+    found = list[int]()
+    for words in (exact, bare):
+        for name in USUAL_NAMES[channel]:
+            alike = [place for place, word in enumerate(words) if word == name]
+            if alike and not any(physical[place] for place in alike):
+                alike += [place for place, word in enumerate(bare) if word == name and place not in alike]
+            for better in (physical, tared):
+                alike = [place for place in alike if better[place]] or alike
+            # Of two columns of one name and unit, one is as likely as the other; times of several channels are alike.
+            distinct = len({own[place] for place in alike}) == len(alike)
+            if alike and (distinct or channel == "time"):
+                found.append(alike[0])
+    return list(dict.fromkeys(found))
+
+
+def _alone(stem: str, beside: frozenset[str]) -> str:
+    """``"ch_1_displacement"`` and ``"wegaufnehmer_1"`` as ``"displacement"`` and ``"weg"``."""
+    words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
+    return "_".join(dict.fromkeys(word for word in words if word not in beside and not re.fullmatch(r"\W*\d*", word)))
+
+
+#: Encodings of texts that are none in UTF-8, the likeliest first where the words of none are known.
+_ENCODINGS = (
+    *("cp1252", "cp932", "cp1251", "cp1250", "gb18030", "cp949", "big5", "euc_jp", "iso8859_2", "koi8_r"),
+    *("cp1254", "cp1253", "cp866", "cp850", "cp852"),
+)
+
+_WORDS = frozenset(
+    word for names in USUAL_NAMES.values() for name in names for word in re.findall(r"[^\W\d_]+", name) if len(word) > 1
+)
+
+_HEAD_bytes = 20_000  #: In which the names of columns stand.
+
+
+def encoding_of(data: bytes) -> str:
+    """In which encoding a text seems to be: that in which most of its words are known ones."""
+    if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        return "utf-16"
+    try:
+        data.decode("utf-8")
+    except UnicodeDecodeError:
+        runs = re.findall(rb"[\x80-\xff]+", data)
+        # Chinese signs stand in pairs of bytes, several at a time, or are full-width brackets (0xA3 ..); letters of
+        # the West stand alone among others.
+        paired = all(len(run) % 2 == 0 for run in runs) and any(len(run) > 3 or run[0] == 0xA3 for run in runs)
+        head = data[: data.find(b"\n", _HEAD_bytes)] if len(data) > _HEAD_bytes else data
+        return max(("gb18030", *_ENCODINGS) if paired else _ENCODINGS, key=lambda encoding: _known(head, encoding))
+    return "utf-8-sig" if data.startswith(codecs.BOM_UTF8) else "utf-8"
+
+
+def _known(head: bytes, encoding: str) -> int:
+    """How many words of a text are usual ones in an encoding; -1 where it is not in it."""
+    try:
+        words = re.findall(r"[^\W\d_]+", plain(head.decode(encoding)))
+    except UnicodeDecodeError:
+        return -1
+    return sum(word in _WORDS for word in words)
