@@ -23,6 +23,7 @@ from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
 from wirewear.study import FIDELITIES
 from wirewear.sweeps.signature import CHANGED, NOMINAL, Signature, draw_signature, signature_of, signature_study
+from wirewear.views.diagnosis_wording import plain
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",
@@ -41,23 +42,21 @@ def rows(signature: Signature) -> pl.DataFrame:
 
 def sheet(signatures: list[Signature]) -> Figure:
     """One small panel for each effect: the loop of the cycle at which it differs most, on the nominal one."""
-    columns = 5
+    columns = 4
     lines = -(-len(signatures) // columns)
-    figure = new_figure(1.55 * lines + 0.5)
+    figure = new_figure(1.85 * lines + 0.5)
     panels = list(figure.subplots(lines, columns, sharex=True, sharey=True, squeeze=False).flat)
     for axes, signature in zip(panels, signatures, strict=False):
         place = max(range(len(signature.cycles)), key=partial(_difference, signature))
         nominal, changed = signature.loops[place]
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
             axes.plot(*smooth_loop(loop), **style)
-        axes.set_title(f"{signature.effect.name}\ncycle {cycle_name(nominal.cycle)}", fontsize=6.0)
+        axes.set_title(plain(signature.effect.name), fontsize=7.5, pad=20)
         energy, friction = (
             100.0 * signature.changes()[name][place] for name in ("dissipated_energy_mJ", "friction_max")
         )
-        words = f"energy {_percent(energy)}\nmax Q/P {_percent(friction)}"
-        # Soft rigs' branches go through the middle.
-        behind = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 1.0}
-        axes.text(0.0, 0.0, words, fontsize=5.2, ha="center", va="center", bbox=behind)
+        words = f"cycle {cycle_name(nominal.cycle)}\nenergy {_percent(energy)}, max Q/P {_percent(friction)}"
+        axes.text(0.0, 1.03, words, fontsize=6.5, ha="left", va="bottom", transform=axes.transAxes)
         axes.tick_params(labelsize=7)
     for place, axes in enumerate(panels[len(signatures) :], len(signatures)):
         axes.set_visible(False)

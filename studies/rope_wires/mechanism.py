@@ -9,15 +9,19 @@ of the unworn state under a surface that recedes; and as they are. Leaves mechan
 import csv
 import tomllib
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
-import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from wirewear import lives
+from wirewear.base.errors import counted
 from wirewear.interior.damage import Begun, Damage
+from wirewear.pictures import style
 from wirewear.simulation import simulate
 from wirewear.study import study_from_tables
 
@@ -25,7 +29,13 @@ STUDY = Path(__file__).with_name("study.toml")
 CYCLES = [1, 10, 100, 300, 1000, 3000]  #: Recorded; lives that are longer go on as the last one.
 STROKES_um, LOAD_N = (0.2, 0.5, 1.5, 5.0, 15.0, 45.0), 2.0
 LOADS_N, STROKE_um = (1.0, 4.0), 1.5
-KINDS = ("no_wear", "worn_stress_nothing_removed", "unworn_stress_removed", "as_it_is")
+#: Columns of mechanism.csv, and what they are called.
+KINDS = {
+    "no_wear": "no wear",
+    "unworn_stress_removed": "unworn stress, damage removed",
+    "worn_stress_nothing_removed": "worn stress, nothing removed",
+    "as_it_is": "both (default)",
+}
 BODY = "moving"
 
 
@@ -40,7 +50,7 @@ def row(stroke_um: float, load_N: float) -> dict[str, float]:
     unworn = lives(simulate(study_from_tables(tables, STUDY.name), fidelity="quick"), [BODY])[0]
     damage, nothing = whole.damage, np.zeros(len(whole.columns_mm))
     fresh = [replace(span, rates=damage.spans[0].rates[:1]) for span in damage.spans]
-    ways = replace(damage, worn_mm=lambda _: nothing), replace(damage, spans=fresh)
+    ways = replace(damage, spans=fresh), replace(damage, worn_mm=lambda _: nothing)
     cycles = (unworn.cycles, *map(until_one, ways), whole.cycles)
     return {"stroke_um": stroke_um, "load_N": load_N, **dict(zip(KINDS, cycles, strict=True))}
 
@@ -51,17 +61,20 @@ def until_one(damage: Damage) -> float:
     return np.inf if begun is None else begun.cycles
 
 
-def draw(rows: list[dict[str, float]], path: Path) -> None:
-    """Lives over the stroke, each way."""
-    figure, axes = plt.subplots(figsize=(6.4, 4.0), layout="constrained")
+def draw(rows: list[dict[str, float]]) -> Figure:
+    """Lives over the stroke, each way, called as in docs/life.md."""
+    figure = style.new_figure(3.6)
+    axes = figure.subplots()
     strokes = sorted((one for one in rows if one["load_N"] == LOAD_N), key=lambda one: one["stroke_um"])
-    for kind, style in zip(KINDS, ("C7o:", "C0s--", "C1^--", "C3o-"), strict=True):
-        label = kind.replace("_", " ").replace("stress ", "stress, ")
-        axes.loglog([one["stroke_um"] for one in strokes], [one[kind] for one in strokes], style, label=label)
-    axes.set(xlabel="displacement amplitude [µm]", ylabel="cycles to initiation")
-    axes.grid(visible=True, which="major", alpha=0.3)
-    axes.legend(frameon=False)
-    figure.savefig(path, dpi=150)
+    for place, ((kind, label), mark) in enumerate(zip(KINDS.items(), "os^D", strict=True)):
+        lives_of = [one[kind] for one in strokes]
+        look = style.variant_style(place) | ({"color": style.GREY} if kind == "no_wear" else {})
+        axes.loglog([one["stroke_um"] for one in strokes], lives_of, marker=mark, label=label, **look)
+    axes.set(xlabel="displacement amplitude [µm]", ylabel="cycles until a crack begins")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}" if value < 1e4 else counted(round(value))))
+    figure.legend(loc="outside upper center", ncols=2)
+    return figure
 
 
 @click.command()
@@ -74,7 +87,7 @@ def main(output: Path) -> None:
         table = csv.DictWriter(file, list(rows[0]))
         table.writeheader()
         table.writerows(rows)
-    draw(rows, output / "mechanism.png")
+    style.save(partial(draw, rows), output / "mechanism.png")
 
 
 if __name__ == "__main__":

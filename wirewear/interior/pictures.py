@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from PIL import Image
 
-from geometry.arrays import Array
+from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.interior.bodies import BodyState, Tracked, body_grid, section, untracked
@@ -34,6 +34,7 @@ STRESS_COLOURS: Colormap = LinearSegmentedColormap.from_list(
 _LEVELS = 11
 #: What a section near the contact shows, over the contact's half extent.
 _AROUND = 2.2
+_ARROWS = 12  #: Arrows of shear across the contact, at most.
 _PIXELS = 1100
 #: Edges of bodies sharper than this are drawn.
 _SHARP_deg = 40.0
@@ -79,17 +80,12 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
             cmap=PRESSURE_COLOURS,
             norm=Normalize(0.0, largest),
         )
-        loaded = pressure > 0.0
+        drawn = _spread(points[:, :2], pressure > 0.0, 2.0 * reach / _ARROWS)
         if strongest > 0.0:
-            axes.quiver(
-                *points[loaded, :2].T,
-                *shear[loaded].T,
-                color=INK,
-                angles="xy",
-                scale_units="xy",
-                scale=strongest / (0.35 * reach),
-                width=0.004,
-            )
+            # As long as the way to the next arrow at most, so that pressures are seen between them.
+            scale = strongest / (1.7 * reach / _ARROWS)
+            look = {"color": INK, "angles": "xy", "scale_units": "xy", "width": 0.0025, "headwidth": 4.0}
+            axes.quiver(*points[drawn, :2].T, *shear[drawn].T, scale=scale, **look)
         axes.set(
             aspect="equal",
             xlim=(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach),
@@ -105,6 +101,16 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
     )
     figure.suptitle(_moment(states[0]), fontsize=9)
     return figure
+
+
+def _spread(places: Array, loaded: BoolArray, step: float) -> IntArray:
+    """Of the loaded places (n, 2) the one nearest to the middle of each square of that width, as indices."""
+    found = np.flatnonzero(loaded)
+    squares = np.floor(places[found] / step)
+    off = np.linalg.norm(places[found] - (squares + 0.5) * step, axis=1)
+    order = np.argsort(off)
+    _, first = np.unique(squares[order], axis=0, return_index=True)
+    return found[order[first]]
 
 
 def draw_cut(states: Sequence[BodyState]) -> Figure:

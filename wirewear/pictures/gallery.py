@@ -26,7 +26,6 @@ from wirewear.pictures.scar_maps import contact_maps, draw_map, profile, scar_se
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import Loop, RunResult, read_results
-from wirewear.results.scar import called
 
 DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the held body where colours stand for runs.
 
@@ -113,7 +112,7 @@ def draw_depths(axes: Axes, results: Sequence[RunResult]) -> None:
             depth = result.evolution[f"max_depth_{body}_um"]
             axes.plot(result.evolution["cycle"], np.where(depth > 0.0, depth, np.nan), color=colour, linestyle=dashes)
     for body, dashes in lines:
-        axes.plot([], [], color=style.GREY, linestyle=dashes, label=called(body))
+        axes.plot([], [], color=style.GREY, linestyle=dashes, label=results[0].called(body))
     axes.legend(loc="upper left")
     axes.set(title="worst depth", ylabel="depth [µm]")
     style.cycle_axis(axes)
@@ -256,7 +255,7 @@ def _draw_last_sections(axes: Axes, results: Sequence[RunResult]) -> None:
         if index == with_scars[0][0]:
             axes.plot(x, unworn, color=style.GREY, linewidth=1.0, linestyle=(0, (3, 2)))
         axes.plot(x, worn, **style.variant_style(index))
-        axes.set_title(f"{called(scar.body)}, {style.cycle_name(scar.cycle)} cycles")
+        axes.set_title(f"{with_scars[0][1].called(scar.body)}, {style.cycle_name(scar.cycle)} cycles")
     axes.set(xlabel="position along the motion x [µm]", ylabel="height z [µm]")
 
 
@@ -304,7 +303,7 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     )
     scar = result.scar(cycle, result.bodies[1])
     draw_map(right, scar, half_x, half_y, norm)
-    right.set(title=f"{called(scar.body)}, deepest {scar.max_depth_um:.3g} µm", xlabel="x [µm]", ylabel="y [µm]")
+    right.set(title=f"{result.called(scar.body)}, deepest {scar.max_depth_um:.3g} µm", xlabel="x [µm]", ylabel="y [µm]")
     style.sliding_arrow(right)
     style.scale_bar(right, style.round_below(0.4 * half_x))
     figure.colorbar(ScalarMappable(norm, style.DEPTH_COLOURS), ax=right, label="worn depth [µm]", shrink=0.8, pad=0.02)

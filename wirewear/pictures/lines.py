@@ -78,12 +78,12 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
     ):
         axes.set_title(title)
     for axes in (*panels[0], panels[1][0]):
-        axes.set(xlim=(-reach, reach), xlabel="x (µm)")
+        axes.set(xlim=(-reach, reach), xlabel="x [µm]")
     for axes in panels[0]:
-        axes.set(ylim=(deepest, 0.0), ylabel="depth (µm)")
+        axes.set(ylim=(deepest, 0.0), ylabel="depth [µm]")
     panels[1][0].set_ylim(bottom=0.0)
-    panels[1][0].set_ylabel("pressure (MPa)")
-    panels[1][1].set(xlabel="displacement (µm)", ylabel="tangential force (N/mm)")
+    panels[1][0].set_ylabel("pressure [MPa]")
+    panels[1][1].set(xlabel="displacement [µm]", ylabel="tangential force [N/mm]")
     figure.legend(*panels[1][1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     style.panel_letters(list(panels.ravel()))
     return figure
@@ -99,7 +99,7 @@ def line_profiles(result: RunResult) -> Figure:
         for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
             scar = result.scar(cycle, body)
             axes.plot(scar.axial_um, -scar.depth_um[:, 0], color=colour, label=style.cycle_name(cycle))
-        axes.set(title=f"worn depth, {body}", xlabel="x (µm)", ylabel="depth (µm)")
+        axes.set(title=f"worn depth, {body}", xlabel="x [µm]", ylabel="depth [µm]")
         axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
         axes.set_xlim(-reach, reach)
     lowest = min(axes.get_ylim()[0] for axes in panels[0])
@@ -108,7 +108,7 @@ def line_profiles(result: RunResult) -> Figure:
     for colour, cycle in zip(style.cycle_colours(len(cycles)), cycles, strict=True):
         scar = result.scar(cycle, "pad")
         panels[1][0].plot(scar.axial_um, scar.pressure_MPa[:, 0], color=colour, label=style.cycle_name(cycle))
-    panels[1][0].set(title="pressure at mid-stroke", xlabel="x (µm)", ylabel="pressure (MPa)", xlim=(-reach, reach))
+    panels[1][0].set(title="pressure at mid-stroke", xlabel="x [µm]", ylabel="pressure [MPa]", xlim=(-reach, reach))
     panels[1][0].set_ylim(bottom=0.0)
     _growth(panels[1][1], result)
     handles, labels = panels[1][0].get_legend_handles_labels()
@@ -124,7 +124,7 @@ def _growth(axes: Axes, result: RunResult) -> None:
         worn = depth > 0.0
         if worn.any():
             axes.plot(cycles[worn], depth[worn], color=colour, linestyle=dashes, marker="o", markersize=3, label=body)
-    axes.set(title="largest depth", ylabel="depth (µm)")
+    axes.set(title="largest depth", ylabel="depth [µm]")
     style.cycle_axis(axes)
     if axes.lines:
         axes.set_yscale("log")

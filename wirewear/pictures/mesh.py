@@ -79,21 +79,21 @@ def body_meshes(
     names: what the bodies are called.
     first_moving: the driven body's mesh for the fresh contact, shown beside that for the grown scar.
     """
-    patches = {f"patch of the {names[0]}": moving}
+    patches = {f"contact patch of the {names[0]}": moving}
     if first_moving is not None:
-        patches = {"fresh contact": first_moving, "grown scar": moving}
-    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.35)
+        patches = {"patch of the fresh contact": first_moving, "patch of the grown scar": moving}
+    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.5)
     panels = figure.subplots(1, 1 + len(patches))
     angle = radians(crossing_angle_deg)
     lower = _Body(moving, MOVING_COLOUR, names[0], lambda points: points)
     upper = _Body(fixed, FIXED_COLOUR, names[1], lambda points: upper_position(points, angle))
     views = [_rendered([lower, upper], (-0.55, -0.75, 0.5), None)]
-    titles = [f"{counted(len(moving.mesh.cells) + len(fixed.mesh.cells))} hexahedra"]
+    titles = [f"both bodies\n{counted(len(moving.mesh.cells) + len(fixed.mesh.cells))} elements"]
     height_mm = 1.3 * max(_extent(wire) for wire in patches.values())
     for name, wire in patches.items():
         alone = _Body(wire, MOVING_COLOUR, "", lambda points: points)
         views.append(_rendered([alone], (-0.15, -0.35, 0.9), height_mm))
-        titles.append(f"{name}: {_elements(wire)}")
+        titles.append(f"{name}\n{_elements(wire)}")
     for axes, view, title in zip(panels, views, titles, strict=True):
         _show(axes, view)
         axes.set_title(title)
@@ -105,7 +105,7 @@ def body_meshes(
 
 def _elements(body: BodyMesh) -> str:
     along, across = (1e3 * axis.fine_mm for axis in (body.geometry.axial, body.geometry.transverse))
-    return f"{along:.1f} × {across:.1f} µm"
+    return f"elements of {along:.1f} × {across:.1f} µm"
 
 
 def _extent(body: BodyMesh) -> float:

@@ -19,7 +19,6 @@ from geometry.arrays import Array
 from wirewear.pictures import style
 from wirewear.pictures.smooth import smooth_field, smooth_scar, worn_half_extent
 from wirewear.results import RunResult, Scar
-from wirewear.results.scar import called
 
 TALLEST_PANEL = 0.75  #: Height over width that a panel should not exceed.
 
@@ -46,7 +45,7 @@ def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure
             scars = shown[cycle, body]
             _draw_section(axes, results, scars, x)
             axes.set(
-                title=f"{called(body)}, {style.cycle_name(scars[0].cycle)} cycles",
+                title=f"{results[0].called(body)}, {style.cycle_name(scars[0].cycle)} cycles",
                 aspect=exaggeration,
                 xlim=(-half_width, half_width),
                 ylim=(bottom, top),
@@ -93,10 +92,10 @@ def _half_extent(scar: Scar) -> float:
     return float(abs(x[worn]).max()) if worn.any() else float(abs(x).max())
 
 
-#: Field, label of its colour bar, unit of its largest value and where that is, colours: the rows of the picture.
+#: Field, label of its colour bar, colours: the rows of the picture.
 _ROWS = (
-    ("pressure_MPa", "pressure [MPa]", "MPa at a node", style.PRESSURE_COLOURS),
-    ("slip_distance_um", "slip [µm]", "µm", style.SLIP_COLOURS),
+    ("pressure_MPa", "pressure [MPa]", style.PRESSURE_COLOURS),
+    ("slip_distance_um", "slip [µm]", style.SLIP_COLOURS),
 )
 
 
@@ -108,19 +107,19 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     panel_width_in = 0.80 * style.WIDTH_in / len(scars)
     figure = style.new_figure(len(_ROWS) * (panel_width_in * half_y / half_x + 0.42) + 0.5)
     grid = figure.subplots(len(_ROWS), len(scars), sharex=True, sharey=True, squeeze=False)
-    for row, (field, label, unit, colours) in zip(grid, _ROWS, strict=True):
+    for row, (field, label, colours) in zip(grid, _ROWS, strict=True):
+        slip = field == "slip_distance_um"
         # By the root, as pressure falls by orders of magnitude while the scar grows.
         norm = PowerNorm(0.5, 0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
         for axes, scar in zip(row, scars, strict=True):
-            _draw(
-                axes, scar, field, norm, colours, _step_um(result, scar.cycle) if field == "slip_distance_um" else 0.0
-            )
-            note = f"max {_short(float(getattr(scar, field).max()))} {unit}"
+            _draw(axes, scar, field, norm, colours, _step_um(result, scar.cycle) if slip else 0.0)
+            note = f"max {_short(float(scar.slip_distance_um.max()))} µm" if slip else f"mean {_mean(scar):.0f} MPa"
             axes.text(0.0, 1.03, note, transform=axes.transAxes, ha="left", va="bottom", fontsize=7.5)
             axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
         row[0].set_ylabel("y [µm]")
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, aspect=18, pad=0.015)
-        ticks = root_ticks(float(norm.vmax or 1.0))
+        # The largest pressure is that of a node, which does not converge: it is not written.
+        ticks = root_ticks(float(norm.vmax or 1.0))[: None if slip else -1]
         bar.set_ticks(ticks, labels=[_short(tick) for tick in ticks], minor=False)
     for axes, scar in zip(grid[0], scars, strict=True):
         axes.set_title(f"cycle {style.cycle_name(scar.cycle)}", pad=16)
@@ -129,9 +128,15 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
     style.sliding_arrow(grid[1, 0])
     style.scale_bar(grid[0, 0], style.round_below(0.5 * half_x))
     shown = "pressure at mid-stroke moving towards +x, and distance slid in the cycle"
-    body = f"{result.label}, {called(held)}" if result.label else called(held)
+    body = f"{result.label}, {result.called(held)}" if result.label else result.called(held)
     figure.suptitle(f"{body}: {shown}", x=0.01, ha="left", fontsize=9)
     return figure
+
+
+def _mean(scar: Scar) -> float:
+    """Mean pressure [MPa] of the nodes under pressure: the load over the area that carries it."""
+    area = np.outer(np.gradient(scar.axial_um), np.gradient(scar.transverse_um)) * (scar.pressure_MPa > 0.0)
+    return float((area * scar.pressure_MPa).sum() / area.sum()) if area.any() else 0.0
 
 
 def touched_half_extent(scars: Sequence[Scar]) -> tuple[float, float]:
@@ -183,7 +188,7 @@ def scars_from_above(results: Sequence[RunResult]) -> Figure:
     figure, grid = _grid_of_maps(rows, Normalize(0.0, deepest(rows)))
     for row, scars, result in zip(grid, rows, results, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            axes.set_title(f"{result.label}: {called(scar.body)}")
+            axes.set_title(f"{result.label}: {result.called(scar.body)}")
             _draw_layers(axes, result, scar)
             note = f"{style.cycle_name(scar.cycle)} cycles\ndeepest {scar.max_depth_um:.1f} µm"
             axes.text(0.03, 0.96, note, transform=axes.transAxes, ha="left", va="top", fontsize=7.5)
@@ -206,7 +211,7 @@ def scar_series(result: RunResult, cycles: Sequence[int]) -> Figure:
     for axes in grid[-1]:
         axes.set_xlabel("x, sliding [µm]")
     for axes, body in zip(grid[:, 0], result.bodies, strict=True):
-        axes.set_ylabel(f"{called(body)}\ny [µm]")
+        axes.set_ylabel(f"{result.called(body)}\ny [µm]")
     style.scale_bar(grid[0, 0], style.round_below(0.5 * grid[0, 0].get_xlim()[1]))
     figure.suptitle(result.label, x=0.01, ha="left", fontweight="bold", fontsize=9)
     return figure

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
-from wirewear.results.scar import called, flagged, limit_of
+from wirewear.results.scar import flagged, limit_of
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -32,15 +32,18 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
     table.add_column(Text(f"{results[0].name}, {results[0].fidelity} fidelity{of_length}"), overflow="fold")
     for result in results:
         table.add_column(Text(result.variant), justify="right", overflow="fold")
-    bodies = results[0].bodies
+    bodies, name_of = results[0].bodies, results[0].called
     layered = [body for body in bodies if any(len(result.layer_faces_um(body)) for result in results)]
     for section in (
         _STATE,
         [*_MOTION, *_bulk_rows(results)],
         [
-            *((f"deepest wear, {called(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
-            *((f"layers worn through, {called(body)} [cycle]", _worn_through(body)) for body in layered),
-            *((f"worn volume, {called(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3)) for body in bodies),
+            *((f"deepest wear, {name_of(body)} [µm]", _at(f"max_depth_{body}_um", -1)) for body in bodies),
+            *((f"layers worn through, {name_of(body)} [cycle]", _worn_through(body)) for body in layered),
+            *(
+                (f"worn volume, {name_of(body)} [10⁻³ mm³]", _at(f"worn_volume_{body}_mm3", -1, 1e-3))
+                for body in bodies
+            ),
         ],
         _PRESSURES,
         _quality_rows(results),
@@ -122,7 +125,7 @@ def _bulk_rows(results: Sequence[RunResult]) -> list[Row]:
 
         return told
 
-    rows = [(f"bulk stress along the {called(body)} [MPa]", cell(body)) for body in results[0].bodies]
+    rows = [(f"bulk stress along the {results[0].called(body)} [MPa]", cell(body)) for body in results[0].bodies]
     return [row for row in rows if any(row[1](result) != NOTHING for result in results)]
 
 

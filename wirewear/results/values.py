@@ -360,6 +360,11 @@ class RunResult:
         require_body(body, self.label, self.bodies)
         return _nearest(cycle, self.scars_of(body), lambda scar: scar.cycle, f"scars of the {called(body)}")
 
+    def called(self, body: str) -> str:
+        """What a body is called in sentences and headings; one that has no name but its place by its shape too."""
+        shape = self.study.get("bodies", {}).get(body, {}).get("shape")
+        return f"{shape} ({body})" if shape and body in ("lower", "upper") else called(body)
+
     def scars_of(self, body: str) -> list[Scar]:
         """A body's scars in the order of logging."""
         return [scar for scar in self.scars if scar.body == body]

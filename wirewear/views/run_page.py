@@ -17,7 +17,7 @@ from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
-from wirewear.results.scar import called, health, limit_of
+from wirewear.results.scar import health, limit_of
 from wirewear.views.run_maps import (
     LOADS,
     TRANSITION,
@@ -115,7 +115,7 @@ def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:
             "energy_ratio": numbers(columns["ratio"]),
         },
         "courses": {name: numbers(column) for name, column in columns.items()},
-        "depths": [(called(body), numbers(evolution[f"max_depth_{body}_um"])) for body in bodies],
+        "depths": [(result.called(body), numbers(evolution[f"max_depth_{body}_um"])) for body in bodies],
         "pressures": [(words, dash, numbers(evolution[name])) for name, words, dash in pressures],
         "loops": [_loop(loop) for loop in sorted(result.loops, key=lambda loop: loop.cycle)],
         "friction": _friction(result),
@@ -164,7 +164,7 @@ def _scars(result: RunResult, body: str) -> dict[str, Any]:
     """
     cycles = chosen_cycles(result.scar_cycles(), MOST_SCARS)
     scars = [result.scar(cycle, body) for cycle in cycles]
-    own: dict[str, Any] = {"cycles": list(cycles), "called": called(body)}
+    own: dict[str, Any] = {"cycles": list(cycles), "called": result.called(body)}
     if result.length_mm:
         x, smooth = scars[-1].axial_um, scars
         deepest = max(scar.max_depth_um for scar in scars)
@@ -218,12 +218,12 @@ def sentence(result: RunResult) -> str:
         where = f" on {result.length_mm:g} mm of the contact" if result.length_mm else ""
         text += (
             f" {energy:.3g} J of friction{where} have worn {figure_volume(worn)}: {depths[other]:.3g} µm deep in the "
-            f"{called(other)}, {depths[driven]:.3g} µm in the {called(driven)}."
+            f"{result.called(other)}, {depths[driven]:.3g} µm in the {result.called(driven)}."
         )
     for body in result.bodies:
         through = [f"at cycle {counted(round(cycle))}" if cycle else "not yet" for cycle in result.worn_through(body)]
         if through:
-            text += f" The {called(body)}'s layers, from the outermost, are worn through {', '.join(through)}."
+            text += f" The {result.called(body)}'s layers, from the outermost, are worn through {', '.join(through)}."
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
 
 
@@ -282,7 +282,9 @@ def balance(result: RunResult) -> list[tuple[str, str]]:
     energy = evolution["accumulated_energy_J"]
     volumes, both = {body: evolution[f"worn_volume_{body}_mm3"] for body in result.bodies}, result.worn_volume_mm3
     rows = [("friction energy that wore, in all", f"{energy[-1]:.4g} J")]
-    rows += [(f"worn volume of the {called(body)}", figure_volume(float(own[-1]))) for body, own in volumes.items()]
+    rows += [
+        (f"worn volume of the {result.called(body)}", figure_volume(float(own[-1]))) for body, own in volumes.items()
+    ]
     rows.append(("worn volume of both bodies", figure_volume(float(both[-1]))))
     rows.append(
         ("volume per energy, from the line through all points", f"{figure(slope_mm3_per_J(energy, both))} mm³/J")
