@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -32,7 +34,7 @@ from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
 from wirewear.views.diagnosis_page import ten_lines
 from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
-from wirewear.views.diagnosis_wording import _one, explanations, sentence_of, share
+from wirewear.views.diagnosis_wording import _one, explanations, of_pairs, sentence_of, share
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
 FIRST = np.array([2.0])
@@ -290,3 +292,31 @@ def test_effects_that_cannot_be_told_apart_are_one_explanation_and_so_are_the_ha
     assert _one(causes[3], [("rotational_compliance", "tangential_compliance")]).startswith(
         "one of rotational compliance or tangential compliance, which"
     )
+
+
+def test_a_check_that_shows_no_gap_claims_no_shrink() -> None:
+    seen, unseen = (
+        Shrink(4.4, 0.57, 0.98, 1.0, (1.0, 1.0), 1.0, (9,), None, None),
+        Shrink(1.09, 0.32, 1.0, 1.0, (1.0, 1.0), 1.0, (9,), None, None),
+    )
+    cause = Cause("free_play", 0.99, {"gap_um": Estimate(3.0, (2.9, 3.1))})
+    answers = [
+        Diagnosis("a", "b", "explained", "", one, {}, None, (), (cause,), (), (), None, ()) for one in (seen, unseen)
+    ]
+    told, silent = (next(line for line in ten_lines(one).splitlines() if "check on" in line) for one in answers)
+    assert "falls from 4.40 to 0.57 scatters, chance alone leaves 0.98; shrink 100 % (100 % to 100 %)" in told
+    assert "shrink" not in silent
+    assert "no gap by which to judge" in silent
+
+
+def test_of_balls_and_oblique_wires_an_answer_says_that_pairs_are_seldom_named() -> None:
+    def record(length_mm: float, *angles_deg: float) -> Any:
+        bodies = {name: SimpleNamespace(axis_angle_deg=angle) for name, angle in zip("ab", angles_deg, strict=True)}
+        return SimpleNamespace(
+            tables=SimpleNamespace(length_mm=length_mm, body=bodies.__getitem__, body_names=("a", "b"))
+        )
+
+    assert "seldom both named" in of_pairs(record(0.0, 0.0, 0.0))[0]
+    assert of_pairs(record(0.0, 0.0, 40.0))
+    assert not of_pairs(record(0.0, 0.0, 90.0))
+    assert not of_pairs(record(8.0, 0.0, 0.0))

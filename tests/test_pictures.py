@@ -6,6 +6,8 @@ import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,10 +21,11 @@ from geometry import build_body
 from geometry.arrays import Array
 from tests.commands import wirewear
 from tests.synthetic_results import bowl, result
+from wirewear.interior.pictures import _spread
 from wirewear.pictures import loops_by_run, save, scar_sections, scars_from_above, style
 from wirewear.pictures.gallery import section_cycles
-from wirewear.pictures.mesh import PARTS, PIXELS, _Drawn, _show, round_facets
-from wirewear.pictures.scar_maps import touched_half_extent
+from wirewear.pictures.mesh import PARTS, PIXELS, _Drawn, _elements, _show, round_facets
+from wirewear.pictures.scar_maps import contact_maps, touched_half_extent
 from wirewear.pictures.scar_surfaces import worn_surface
 from wirewear.pictures.smooth import smooth_field, smooth_scar
 from wirewear.results import Scar, write_result
@@ -271,3 +274,33 @@ def share_of(path: Path, colour: object, *, part: float = 1.0) -> float:
 def shows(path: Path, *colours: object, part: float = 1.0) -> bool:
     """Whether something is drawn in each of these colours."""
     return all(share_of(path, colour, part=part) > LEAST for colour in colours)
+
+
+def test_the_size_beside_a_mesh_is_said_to_be_that_of_its_elements() -> None:
+    axis = {"axial": SimpleNamespace(fine_mm=0.0362), "transverse": SimpleNamespace(fine_mm=0.0117)}
+    meshed: Any = SimpleNamespace(geometry=SimpleNamespace(**axis))
+    assert _elements(meshed) == "elements of 36.2 × 11.7 µm"
+
+
+def test_bodies_that_have_but_a_place_are_called_by_their_shape_in_pictures() -> None:
+    bodies = {"lower": {"shape": "cylinder"}, "upper": {"shape": "tube"}}
+    run = dataclasses.replace(result("compliant", 167.0), study={"bodies": bodies})
+    assert [run.called(name) for name in bodies] == ["cylinder (lower)", "tube (upper)"]
+    assert run.called("moving") == "moving wire"
+
+
+def test_arrows_of_shear_leave_room_to_see_the_pressure_between_them() -> None:
+    places = np.stack(np.meshgrid(*2 * [np.linspace(-20.0, 20.0, 81)]), axis=-1).reshape(-1, 2)
+    loaded = np.hypot(*places.T) < 14.0
+    drawn = _spread(places, loaded, 28.0 / 12)
+    assert loaded[drawn].all()
+    assert 80 < len(drawn) < 150
+    apart = np.linalg.norm(places[drawn][:, None] - places[drawn], axis=2)
+    assert np.median(apart[apart > 0.0].reshape(len(drawn), -1).min(axis=1)) > 1.5
+
+
+def test_a_map_of_pressure_states_the_load_over_its_area_and_no_value_of_a_node() -> None:
+    figure = contact_maps(result("compliant", 167.0), [100_000])
+    notes = [text.get_text() for axes in figure.axes for text in axes.texts]
+    assert any(note.startswith("mean ") and note.endswith(" MPa") for note in notes)
+    assert not any("node" in note for note in notes)

@@ -21,6 +21,7 @@ _WIDE, _HIGH, _COLOURS = 1275, 790, 255
 
 _ACCURACY = "runs/pictures/accuracy"
 _RECORD = "studies/steel_wires/example_records/rigid_stated_compliant_rig"
+_MESH = "wirewear mesh studies/steel_wires/study.toml --output runs/pictures/mesh"
 _STEEL = (
     "wirewear run studies/steel_wires/study.toml --variant compliant --fidelity standard --output runs/pictures/steel"
 )
@@ -31,6 +32,7 @@ DRAWN = {
         f"accuracy_{name}.png": (f"python -m studies.benchmarks.accuracy --output {_ACCURACY}  # accuracy_{name}.png",)
         for name in ("fresh", "levels", "partial_slip")
     },
+    "boundary_conditions.png": (f"{_MESH}  # boundary_conditions.png",),
     "compared.png": (
         f"wirewear fit {_RECORD} --output runs/pictures/fit",
         f"wirewear compare runs/pictures/fit/run {_RECORD} --output runs/pictures/compared  # loops.png",
@@ -45,7 +47,7 @@ DRAWN = {
     ),
     "inside.png": (_STEEL, "wirewear fields runs/pictures/steel --cycle 100  # fields/section_0000100_016.png"),
     "mechanism.png": ("python studies/rope_wires/mechanism.py --output runs/pictures/mechanism  # mechanism.png",),
-    "mesh.png": ("wirewear mesh studies/steel_wires/study.toml --output runs/pictures/mesh  # mesh.png",),
+    "mesh.png": (f"{_MESH}  # mesh.png",),
     "scars_3d.png": (_STEEL, "wirewear show runs/pictures/steel  # pictures/scars_3d.png"),
     "tribometers.png": ("python -m studies.tribometers.article --output runs/pictures/tribometers  # tribometers.png",),
 }

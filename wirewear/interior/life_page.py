@@ -179,7 +179,7 @@ def _draw_growth(axes: Axes, life: BodyLife) -> None:
     if low <= cycles[-1]:
         axes.axvspan(low, min(high, cycles[-1]), color=VARIANT_COLOURS[0], alpha=0.15, linewidth=0.0)
     if largest[-1] < 0.99 * largest.max():
-        axes.text(0.04, 0.05, "falls as damaged\nmetal wears off", transform=axes.transAxes, fontsize=7.5)
+        axes.text(0.97, 0.05, "falls as damaged\nmetal wears off", transform=axes.transAxes, ha="right", fontsize=7.5)
     axes.set(
         title="largest sum left", xlabel="cycles", ylabel="Miner's sum", ylim=(_DRAWN * largest.max() or _DRAWN, 10.0)
     )

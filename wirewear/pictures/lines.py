@@ -128,6 +128,7 @@ def _growth(axes: Axes, result: RunResult) -> None:
     style.cycle_axis(axes)
     if axes.lines:
         axes.set_yscale("log")
+        axes.yaxis.set_major_formatter(lambda value, _: f"{value:g}")
         axes.legend()
     else:
         axes.text(0.5, 0.5, "nothing is worn", transform=axes.transAxes, ha="center", va="center")

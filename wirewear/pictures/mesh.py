@@ -82,7 +82,9 @@ def body_meshes(
     patches = {f"contact patch of the {names[0]}": moving}
     if first_moving is not None:
         patches = {"patch of the fresh contact": first_moving, "patch of the grown scar": moving}
-    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.5)
+    figure = new_figure((0.5 if first_moving is None else 0.37) * WIDTH_in + 0.66)
+    # Titles of two lines stand clear of the edge.
+    figure.set_layout_engine("constrained", h_pad=0.08)
     panels = figure.subplots(1, 1 + len(patches))
     angle = radians(crossing_angle_deg)
     lower = _Body(moving, MOVING_COLOUR, names[0], lambda points: points)

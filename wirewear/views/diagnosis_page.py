@@ -14,6 +14,7 @@ from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.frame import numbers
 from wirewear.base.reading import with_checksum
 from wirewear.base.writing import finite, json_text, write_text, writing
+from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
@@ -26,7 +27,16 @@ from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
 from wirewear.results.scar import called
 from wirewear.views.diagnosis_values import program
-from wirewear.views.diagnosis_wording import next_measurement, parameters_told, plain, share, steps, told, worth_telling
+from wirewear.views.diagnosis_wording import (
+    next_measurement,
+    of_pairs,
+    parameters_told,
+    plain,
+    share,
+    steps,
+    told,
+    worth_telling,
+)
 
 if TYPE_CHECKING:
     from wirewear.views.diagnosis_values import Diagnosis
@@ -41,6 +51,7 @@ VERDICTS = {
     "no_gap": ("No gap", "good"), "explained": ("Gap explained", ""),
     "ambiguous": ("Gap with several possible causes", "open"), "unexplained": ("Gap without a known cause", "bad"),
 }  # fmt: skip
+IN_PART = "Gap explained in part", "open"  #: The same where known effects remove most of it.
 
 
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
@@ -62,7 +73,7 @@ def page(diagnosed: Diagnosed) -> str:
     values = {
         "d": diagnosis,
         "diagnosed": diagnosed,
-        "said": VERDICTS[diagnosis.verdict],
+        "said": IN_PART if diagnosis.partial is not None else VERDICTS[diagnosis.verdict],
         "map": gap_map(diagnosed),
         "zones": zone_bars(diagnosed),
         "likely": worth_telling(diagnosis)[:5],
@@ -70,6 +81,7 @@ def page(diagnosed: Diagnosed) -> str:
         "steps": steps(diagnosis),
         "of_scar": bool(drawn["sections"]) and shows_in_scar(diagnosed),
         "next": next_measurement(diagnosis),
+        "pairs": () if diagnosis.verdict == "no_gap" else of_pairs(diagnosed.record),
         "sections": drawn["sections"],
         "data": frame.embedded(drawn),
         "script": frame.script(frame.HERE / "charts.js", TEMPLATE.with_name("diagnosis.js")),
@@ -94,16 +106,28 @@ def ten_lines(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict != "no_gap":
         places = [f"  where: {one.text} ({share(one.share)} of the gap)" for one in diagnosis.where[:2]]
         lines += places or ["  where: no zone alone is beyond chance, many together are"]
-        gap = diagnosis.shrink
-        shrink, low, high = (round(one, 2) + 0.0 for one in (gap.shrink, *gap.interval95))
         lines.append(
-            f"  gap {gap.before:.2f} → {gap.after:.2f} scatters (floor {gap.floor:.2f}); shrink {shrink:.0%} "
-            f"({low:.0%} to {high:.0%}) on {', '.join(map(counted, gap.held_out)) or 'all'}"
+            f"  check on what the fit did not use ({_left_out(diagnosis.shrink)}): {_checked(diagnosis.shrink)}"
         )
     lines += [f"  {what}: {text}" for what, text in steps(diagnosis)]
     if diagnosis.undetectable:
         lines.append(f"  could not be seen here: {', '.join(plain(name) for name in diagnosis.undetectable)}")
     return "\n".join(lines[:10])
+
+
+def _left_out(shrink: Shrink) -> str:
+    cycles = ", ".join(map(counted, shrink.held_out))
+    return f"{shrink.scar_words}cycle{'s' if len(shrink.held_out) > 1 else ''} {cycles}" if cycles else "nothing"
+
+
+def _checked(shrink: Shrink) -> str:
+    """Gap before and after beside what chance alone leaves, and whether that supports the explanation."""
+    floor = f"chance alone leaves {shrink.floor:.2f}"
+    if not shrink.shows_gap:
+        return f"the model alone differs by {shrink.before:.2f} scatters, {floor}: no gap by which to judge"
+    share, low, high = (f"{100.0 * one + 0.0:.0f} %" for one in (shrink.shrink, *shrink.interval95))
+    fall = f"the difference falls from {shrink.before:.2f} to {shrink.after:.2f} scatters, {floor}"
+    return f"{fall}; shrink {share} ({low} to {high})"
 
 
 #: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
@@ -319,7 +343,7 @@ def gap_bars(diagnosed: Diagnosed) -> list[Bar]:
         (*CURVES[0], shrink.before),
         *([(*CURVES[1], shrink.after)] if _explains(diagnosed) else []),
         *([("full simulation", CONFIRMED, confirmed.after)] if confirmed else []),
-        ("perfect model", MEASURED, shrink.floor),
+        ("chance alone (floor)", MEASURED, shrink.floor),
     ]
     return _bars(values, max((value for _, _, value in values if np.isfinite(value)), default=0.0) or 1.0)
 

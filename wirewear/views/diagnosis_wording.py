@@ -302,7 +302,20 @@ def of_the_record(
         )
     if not record.scars:
         notes.append("there are no scars: effects that only scars show cannot be seen")
-    return tuple(notes)
+    return (*notes, *of_pairs(record))
+
+
+def of_pairs(record: AnyRecord) -> tuple[str, ...]:
+    """What the blind check taught of two effects at once, for the contacts where they are seldom both named."""
+    if record.tables.length_mm:
+        return ()
+    one, other = (record.tables.body(name).axis_angle_deg for name in record.tables.body_names)
+    if abs(one - other) % 180.0 == 90.0:
+        return ()
+    said = (
+        "two effects at once, such as a rig that yields and free play, are seldom both named on balls and oblique wires"
+    )
+    return (f"{said}: look for a second one; a fit finds rig and play side by side",)
 
 
 def of_laws(causes: Sequence[Cause]) -> tuple[str, ...]:
