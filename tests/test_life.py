@@ -1,8 +1,9 @@
 """Criteria of life and lives of a pulled line contact against closed forms; damage that moves with what wears."""
 
 import json
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -14,15 +15,17 @@ from tests.browser import page_faults
 from tests.commands import wirewear
 from tests.studies import TABLES, line_study
 from wirewear import lives, reference
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import ResultError, StudyError
+from wirewear.base.reading import toml_text
 from wirewear.interior.averaging import kernel_of
 from wirewear.interior.criteria import LifeCurve
-from wirewear.interior.damage import Damage, Rates, Span
-from wirewear.interior.life import criterion_of
+from wirewear.interior.damage import Ahead, Damage, Rates, Span
+from wirewear.interior.life import criterion_of, require_life
 from wirewear.interior.life_page import NOT_AVERAGED
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import simulate
 from wirewear.study.life import CRITERIA, LifeTable
+from wirewear.study.programme import BlockCourse, CycleBlock, Schedule
 
 STEEL = Elastic(210000.0, 0.3)
 STRENGTH, B, DUCTILITY, C = 2000.0, -0.09, 0.5, -0.6
@@ -106,9 +109,11 @@ def worn_evenly(states: int, end: float, *, speed: float = SPEED) -> Damage:
     """A line contact that wears evenly: rates RATE exp(−d / LAMBDA_mm) below a surface that recedes at a speed."""
     depths = LAMBDA_mm * np.linspace(0.0, 8.0, 33)
     rates = tuple(
-        Rates(cycle, np.log10(RATE * np.exp(-depths / LAMBDA_mm))[None]) for cycle in np.geomspace(1.0, end, states)
+        Rates(round(cycle), np.log10(RATE * np.exp(-depths / LAMBDA_mm))[None])
+        for cycle in np.geomspace(1.0, end, states)
     )
-    return Damage(depths, [Span(0.0, end, rates)], lambda cycle: np.array([speed * cycle]))
+    on = [Ahead(1.0, rates[-1], np.array([speed]))]
+    return Damage(depths, [Span(0.0, end, rates)], lambda cycle: np.array([speed * cycle]), on)
 
 
 @pytest.mark.parametrize("states", [2, 4, 8])
@@ -151,7 +156,7 @@ def test_a_surface_that_recedes_by_round_off_is_gone_on_with_as_one_that_stays(s
 def test_blocks_high_and_low_add_up_by_miner_whatever_their_order_until_wear_takes_one_away() -> None:
     depths = LAMBDA_mm * np.linspace(0.0, 8.0, 33)
     fade = -depths / LAMBDA_mm / np.log(10.0)
-    high, low = (Rates(1.0, np.log10(rate) + fade[None]) for rate in (1e-3, 1e-4))
+    high, low = (Rates(1, np.log10(rate) + fade[None]) for rate in (1e-3, 1e-4))
 
     def after(first: Rates, second: Rates, speed: float) -> float:
         spans = [Span(0.0, 500.0, (first,)), Span(500.0, 1000.0, (second,))]
@@ -162,6 +167,149 @@ def test_blocks_high_and_low_add_up_by_miner_whatever_their_order_until_wear_tak
     assert after(low, high, 0.0) == pytest.approx(0.55)
     # Of what the high block did first, wear takes the most away.
     assert after(high, low, 2e-5) < 0.7 * after(low, high, 2e-5)
+
+
+DEPTHS_mm = LAMBDA_mm * np.linspace(0.0, 12.0, 97)
+
+
+@dataclass(frozen=True)
+class Asked:
+    """A block of a programme: its length, the share of life that a cycle takes at the surface, what it wears."""
+
+    cycles: int
+    rate: float
+    speed_mm: float = 0.0
+    decay_mm: float = LAMBDA_mm
+
+    @property
+    def rates(self) -> Rates:
+        return Rates(1, np.log10(self.rate) - DEPTHS_mm[None] / self.decay_mm / np.log(10.0))
+
+
+def begun_in_blocks(blocks: list[Asked], ran: int, sums: list[float]) -> list[float]:
+    """Cycles until sums are reached when a run of so many cycles of a programme goes on with it."""
+    schedule: Schedule[Any] = Schedule(
+        tuple(CycleBlock(cycles=block.cycles, contact={"friction": 0.1 * k}) for k, block in enumerate(blocks, 1)),
+        ran,
+        cast("Any", "alone"),
+        lambda values: cast("Any", values["contact"]["friction"]),
+    )
+    course = BlockCourse.of(schedule, ran)
+    ends, depths = [0.0], [0.0]
+    for one in course.done:
+        ends.append(one.end)
+        depths.append(depths[-1] + (one.end - one.start) * blocks[one.block].speed_mm)
+    damage = Damage(
+        DEPTHS_mm,
+        [Span(one.start, one.end, (blocks[one.block].rates,)) for one in course.done],
+        lambda cycle: np.array([np.interp(cycle, ends, depths)]),
+        [
+            Ahead(one.end - one.start, blocks[one.block].rates, np.array([blocks[one.block].speed_mm]))
+            for one in course.ahead
+        ],
+    )
+    return [np.inf if one is None else one.cycles for one in damage.begun(sums)]
+
+
+def miner(blocks: list[Asked], asked: float, most: int) -> float:
+    """The first cycle at which the sum of any point that is still there reaches what is asked, cycle by cycle."""
+    wears = any(block.speed_mm for block in blocks)
+    points = (np.arange(0.0, 6.0, 0.002) if wears else np.zeros(1)) * LAMBDA_mm
+    sums, worn, done = np.zeros_like(points), 0.0, 0
+    while done < most and worn < points[-1] + 1e-12:
+        for block in blocks:
+            count = max(1, block.cycles // 40)
+            for _ in range(block.cycles // count):
+                worn += 0.5 * count * block.speed_mm
+                below = points - worn
+                taken = count * block.rate * np.exp(-np.maximum(below, 0.0) / block.decay_mm)
+                sums += np.where(below >= 0.0, taken, 0.0)
+                worn += 0.5 * count * block.speed_mm
+                done += count
+                if sums[points >= worn].max(initial=0.0) >= asked:
+                    return done
+    return np.inf
+
+
+HIGH, LOW = Asked(2000, 4e-6), Asked(1000, 2e-7)
+WORN_HIGH, WORN_LOW = Asked(400, 2e-5, 1e-6), Asked(400, 1e-6, 4e-6)
+
+
+@pytest.mark.parametrize(
+    ("blocks", "ran"),
+    [
+        ([HIGH, LOW], 6000),  # whole turns
+        ([HIGH, LOW], 2300),  # ends inside a block of its first turn
+        ([LOW, Asked(500, 1e-6), HIGH, Asked(70, 3e-5)], 11000),  # several blocks, ends inside one
+        ([Asked(1, 1e-2), Asked(50, 1e-9)], 510),
+        ([WORN_HIGH, WORN_LOW], 1600),
+        ([WORN_HIGH, Asked(3000, 1e-7, 1e-8), Asked(100, 3e-5, 1e-7)], 5000),
+        ([Asked(400, 2e-4, 0.0, 0.5 * LAMBDA_mm), Asked(400, 1e-6, 2e-6)], 500),  # what the first does wears off
+    ],
+)
+def test_blocks_start_again_beyond_the_end_of_a_run(blocks: list[Asked], ran: int) -> None:
+    """Miner's repetition of the blocks, cycle by cycle, and a bound beyond the run of a life within it."""
+    sums = [0.02, 0.05, 0.15, 0.19, 1.0]
+    for asked, found in zip(sums, begun_in_blocks(blocks, ran, sums), strict=True):
+        expected = miner(blocks, asked, 200_000)
+        assert found == pytest.approx(expected, rel=0.01) or min(found, expected) > 190_000
+
+
+def test_blocks_that_a_run_has_not_reached_are_named_and_left_out() -> None:
+    study = line_study(programme=[{"cycles": 100}, {"cycles": 50, "contact": {"friction": 0.3}, "name": "dry"}])
+    short, whole = BlockCourse.of(study.schedule, 80), BlockCourse.of(study.schedule, 120)
+    assert short.not_reached == ("dry",)
+    assert [one.end - one.start for one in short.ahead] == [20.0, 80.0]
+    assert whole.not_reached == ()
+    assert [(one.block, one.end - one.start) for one in whole.ahead] == [(1, 30.0), (0, 100.0), (1, 20.0)]
+
+
+POINTS: dict[str, Any] = {
+    "format": 1, "name": "short of data",
+    "conditions": {"normal_load_N": 20.0, "displacement_amplitude_um": 30.0, "frequency_Hz": 1.0, "cycles": 2},
+    "contact": {"friction": 0.5},
+}  # fmt: skip
+ELASTIC = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
+SHORT = {
+    "wires": POINTS | {"kind": "crossed-wires", "wires": ELASTIC | {"diameter_mm": 1.0}},
+    "ball": POINTS | {"kind": "ball-on-flat", "bodies": {"ball": ELASTIC | {"diameter_mm": 6.0}, "flat": ELASTIC}},
+    "line": {name: table for name, table in TABLES.items() if name not in ("wear", "log")},
+}
+
+
+@pytest.mark.parametrize("contact", SHORT)
+@pytest.mark.parametrize("body", ["both", "lower", "upper"])
+@pytest.mark.parametrize(
+    ("stated", "lacking"),
+    [
+        ({"criterion": "stress-life", "fatigue_strength_coefficient_MPa": 475.0}, "fatigue_strength_exponent"),
+        ({"criterion": "crossland", "fatigue_strength_exponent": B}, "fatigue_strength_coefficient_MPa"),
+        (
+            {name: own for name, own in OWN.items() if name != "fatigue_ductility_exponent"},
+            "fatigue_ductility_exponent",
+        ),
+        (OWN | {"criterion": "fatemi-socie", "fatemi_socie_factor": 0.6}, "yield_strength_MPa"),
+        (OWN | {"criterion": "crossland", "torsion_fatigue_limit_MPa": 300.0}, "fatigue_limit_MPa"),
+        (OWN | {"threshold_MPa_sqrt_m": 6.0}, "fatigue_limit_MPa"),
+        (OWN | {"averaging": "line"}, "critical_distance_um"),
+    ],
+)
+def test_a_life_that_lacks_data_says_so_before_the_run(
+    contact: str, body: str, stated: dict[str, Any], lacking: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("wirewear.simulation.run_study", lambda *_, **__: pytest.fail("it is run first"))
+    Path("study.toml").write_text(toml_text(SHORT[contact] | {"life": stated}), encoding="utf-8")
+    assert f" needs {lacking}: state" in wirewear("life", "study.toml", "--body", body, code=2).output
+
+
+@pytest.mark.parametrize("log", [{"contact_states": 0}, {"loop_cycles": [1, 100]}])
+def test_a_life_that_lacks_recorded_stresses_of_a_block_says_so_before_the_run(log: dict[str, Any]) -> None:
+    blocks = [{"cycles": 100}, {"cycles": 50, "contact": {"friction": 0.3}, "name": "dry"}, {"cycles": 100}]
+    study = line_study(programme=blocks, conditions={"cycles": 250}, log={"loop_cycles": [1, 250]} | log, life=OWN)
+    with pytest.raises(ResultError, match=r"of (block 1 and )?dry, and there are none"):
+        require_life(study, study.body_names, {})
+    require_life(line_study(programme=blocks, conditions={"cycles": 250}, log=None), ("pad",), OWN)
 
 
 PULLED = """
@@ -220,6 +368,11 @@ def test_the_page_of_a_run_says_where_a_pulled_flat_cracks(tmp_path: Path, monke
     again = ["life", "runs/pulled", "--body", "specimen", "--wear-states", "1", "--json", "--output", "again"]
     stronger = wirewear(*again, "--set", "tensile_strength_MPa=1200")
     assert json.loads(stronger.stdout)["lives"][0]["cycles_to_initiation"] > 5.0 * found["cycles_to_initiation"]
+    assert found["data"]["endurance_cycles"] == 1e12
+    assert "<td>endurance_cycles</td>" in page
+    (endless,) = json.loads(wirewear(*again, "--set", "endurance_cycles=9").stdout)["lives"]
+    assert endless["cycles_to_initiation"] is None
+    assert "no crack begins, for no stress of it would make one within 9 cycles" in endless["sentence"]
     for mistake, told in (
         (["--set", "strength=3"], "unknown key 'strength'"),
         (["--set", "averaging"], "KEY=VALUE"),

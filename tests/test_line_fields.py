@@ -8,8 +8,9 @@ import pytest
 
 from geometry import build_planar
 from tests.bodies import STEEL
+from tests.commands import wirewear
 from tests.studies import line_study
-from wirewear import reference
+from wirewear import lives, reference
 from wirewear.base.errors import ResultError, StudyError
 from wirewear.interior.lines import INSIDE_LINES, state_grid
 from wirewear.interior.strength import StrengthAsked, strength_of, yield_sentence
@@ -29,6 +30,19 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         output=path,
     )
     return path
+
+
+@pytest.mark.parametrize(("asked", "body"), [("specimen", "specimen"), ("lower", "specimen"), ("fixed", "pad")])
+def test_fields_strength_and_lives_take_one_body_of_a_line_contact_by_the_same_names(
+    folder: Path, tmp_path: Path, asked: str, body: str
+) -> None:
+    wirewear("fields", folder, "--cycle", "1", "--body", asked, "--output", tmp_path)
+    assert {path.name.partition("_")[0] for path in tmp_path.glob("*.vtu")} == {body}
+    table = wirewear("strength", folder, "--cycle", "1", "--body", asked, "--output", tmp_path).output
+    assert body in table
+    assert ("pad" in table) == (body == "pad")
+    (life,) = lives(read_result(folder), [asked], values={"tensile_strength_MPa": 800.0})
+    assert life.body == body
 
 
 def test_recorded_forces_carry_the_load_and_the_friction(folder: Path) -> None:

@@ -20,6 +20,19 @@ from wirewear.base.errors import ResultError
 from wirewear.base.hdf5 import hdf5_image, sealed
 from wirewear.results import EVOLUTION_COLUMNS, Evolution, Loop, RunResult, Scar, read_result, write_result
 from wirewear.results.flat import evolution_table, loops_table, profiles_table, write_time_series
+from wirewear.results.scar import WIRES, body_named
+
+
+@pytest.mark.parametrize(
+    "bodies", [WIRES, ("flat", "ball"), ("specimen", "pad"), ("lower", "upper"), ("held", "lower")]
+)
+def test_bodies_are_found_by_their_names_and_by_how_they_stand(bodies: tuple[str, str]) -> None:
+    driven, held = bodies
+    assert [body_named(one, "run", bodies) for one in bodies] == list(bodies)
+    for names, body in ((("lower", "driven", "moving"), driven), (("upper", "held", "fixed"), held)):
+        assert {body_named(name, "run", bodies) for name in names if name not in bodies} == {body}
+    with pytest.raises(ResultError, match=f"^run: (wire|body) must be one of {driven}, {held}, or lower or upper, not"):
+        body_named("middle", "run", bodies)
 
 
 def test_every_logged_scar_is_a_surface_that_its_pvd_file_lists_by_cycle(tmp_path: Path) -> None:

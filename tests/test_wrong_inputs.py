@@ -199,7 +199,7 @@ def test_what_is_no_number_of_its_range_is_refused(command: Sequence[str], value
     assert f"'{command[-1]}'" in refused(*command, value)
 
 
-@pytest.mark.parametrize("options", [["--body", "moving"], ["--integration-points"], ["--no-pictures"]])
+@pytest.mark.parametrize("options", [["--integration-points"], ["--no-pictures"]])
 def test_options_of_wires_are_refused_for_lines(
     options: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -24,8 +24,9 @@ T = TypeVar("T")
 
 #: Which body is asked for; of the older name, all were wires.
 BODY = click.option(
-    "--body", "--wire", "body", default="both", show_default=True, help="One of the bodies, as fixed or ball."
-)
+    "--body", "--wire", "body", default="both", show_default=True,
+    help="One of the bodies by its name, as fixed, ball or specimen, or lower or upper.",
+)  # fmt: skip
 
 
 @cli.command()
@@ -71,18 +72,13 @@ def fields(
 
         result = one_run(result_path)
         kind = kind_of(result)
-        given = {
-            "--body": body != "both",
-            "--integration-points": integration_points,
-            "--no-pictures": no_pictures,
-            "--animate": animate,
-        }
+        given = {"--integration-points": integration_points, "--no-pictures": no_pictures, "--animate": animate}
         _require_known(result_path, kind, given)
-        bodies = asked_bodies(result, body)
+        bodies = asked_bodies(body, result.label, result.bodies)
         _tell_taken(cycle, result, bodies)
         usable_folder(folder)
         shown: dict[str, Any] = {
-            "wires": bodies,
+            "bodies": bodies,
             "integration_points": integration_points,
             "pictures": not no_pictures and "all" not in at,
             "animation": animate,
@@ -96,14 +92,11 @@ def fields(
         click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
 
 
-def asked_bodies(result: RunResult, body: str) -> tuple[str, ...]:
-    """Both bodies of a run, or the one of that name."""
-    if body == "both":
-        return result.bodies
-    from wirewear.results.scar import require_body
+def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, ...]:
+    """Both bodies, or the one that is called so. Raises ResultError of `where` if none is."""
+    from wirewear.results.scar import body_named
 
-    require_body(body, result.label, result.bodies)
-    return (body,)
+    return bodies if body == "both" else (body_named(body, where, bodies),)
 
 
 def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
@@ -192,9 +185,8 @@ def _assessing(
     result = one_run(path)
     kind = kind_of(result)
     inside = kind.inside
-    _require_known(path, kind, {"--body": body != "both"})
     every = cycles or _recorded(result.contact_forces)
-    bodies = asked_bodies(result, body)
+    bodies = asked_bodies(body, result.label, result.bodies)
     for cycle in cycles:
         _tell_taken(cycle, result, bodies)
     chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}

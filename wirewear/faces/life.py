@@ -13,6 +13,7 @@ from wirewear.base.writing import usable_folder
 from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output, paper
 from wirewear.faces.interior import BODY, asked_bodies
 from wirewear.study import FIDELITIES
+from wirewear.study.any_study import life_data
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -31,31 +32,29 @@ def lives(
 ) -> tuple[BodyLife, ...]:
     """The lives of bodies of a run, both by default, with what its study states in [life] and these values of keys.
 
-    wear_states: of each block of cycles at most.  tell: hears of each body and cycle that is looked at.
+    bodies: by their names, or lower and upper.  wear_states: of each block of cycles at most.  tell: hears of each body
+    and cycle that is looked at.
     Raises StudyError if a value cannot be, or data are lacking; ResultError if the run has recorded no contact forces;
     GeometryError if wear distorts a mesh too much.
     """
     from wirewear.interior.averaging import averaging_radius_mm
-    from wirewear.interior.life import WEAR_STATES, life_of
+    from wirewear.interior.life import WEAR_STATES, life_of, recorded_cycles
     from wirewear.interior.strength import StrengthAsked, assessable
     from wirewear.kinds import kind_of
+    from wirewear.results.scar import body_named
     from wirewear.study import study_from_tables
-    from wirewear.study.life import LifeTable, material_of_body
-    from wirewear.study.messages import validated
 
     inside = kind_of(result).inside
-    where = f"[life] of {result.label!r}"
-    asked = validated(LifeTable, (result.study.get("life") or {}) | dict(values or {}), where, StudyError)
     study = study_from_tables(result.study, result.label)
-    stretches = [(own.start, own.end, own.block) for own in study.schedule.stretches]
+    named = [body_named(body, result.label, result.bodies) for body in bodies or result.bodies]
     found = []
-    for body in bodies or result.bodies:
-        table = asked.of_material(material_of_body(result.study, body))
+    for body, table in life_data(study, named, values or {}).items():
         length_um = 2e3 * averaging_radius_mm(table, plane=False)
-        assessable(result, body, 1, StrengthAsked(averaging_length_um=length_um), inside)
+        first = min(recorded_cycles(result, body), default=1)
+        assessable(result, body, first, StrengthAsked(averaging_length_um=length_um), inside)
         states_at, told = partial(inside.states, result, body), partial(tell, body)
         most = wear_states or WEAR_STATES
-        found.append(life_of(result, body, table, states_at, stretches, wear_states=most, tell=told))
+        found.append(life_of(result, body, table, states_at, study.schedule, wear_states=most, tell=told))
     return tuple(found)
 
 
@@ -91,12 +90,18 @@ def life(
 
     A study is run first. Data of the material come from [life] of the study, or from the options.
     """
+    from wirewear.faces.looking import one_run
     from wirewear.faces.study_script import progress_bar
     from wirewear.interior.life_page import life_json, notes, sentence, write_lives
 
     named = {"criterion": criterion, "material": material, "averaging_length_um": averaging_length}
     values = {key: value for key, value in named.items() if value is not None} | dict(map(_pair, others))
-    result, beside = _run_or_read(path, fidelity, variant)
+    if path.suffix == ".toml":
+        result, beside = _run_first(path, fidelity, variant, body, values)
+    elif variant is None:
+        result, beside = one_run(path), path if path.is_dir() else path.parent
+    else:
+        raise ResultError("--variant is of a study: name the folder of the variant's run instead.")
     with progress_bar() as bar:
         task = bar.add_task("", total=None)
 
@@ -105,7 +110,9 @@ def life(
             if bar.disable:
                 click.echo(f"wirewear: {name}, cycle {counted(at)}", err=True)
 
-        found = lives(result, asked_bodies(result, body), values=values, wear_states=wear_states, tell=tell)
+        found = lives(
+            result, asked_bodies(body, result.label, result.bodies), values=values, wear_states=wear_states, tell=tell
+        )
     folder = usable_folder(output or beside / "life")
     written = write_lives(found, result.label, folder, cycle)
     if as_json:
@@ -126,21 +133,18 @@ def _pair(text: str) -> tuple[str, Any]:
         return key, value
 
 
-def _run_or_read(path: Path, fidelity: str, variant: str | None) -> tuple[RunResult, Path]:
-    """A result, or that of a study which is run first, and the folder beside which its life is written."""
-    from wirewear.faces.looking import one_run
+def _run_first(
+    path: Path, fidelity: str, variant: str | None, body: str, values: Mapping[str, Any]
+) -> tuple[RunResult, Path]:
+    """The result of a study, which is run unless data are lacking, and the folder beside which its life is written."""
+    from wirewear.interior.life import require_life
     from wirewear.kinds import kind_of, load_any_study
     from wirewear.simulation import ProgressBar, run_study
+    from wirewear.study.any_study import alone
 
-    if path.suffix != ".toml":
-        if variant is not None:
-            raise ResultError("--variant is of a study: name the folder of the variant's run instead.")
-        return one_run(path), path if path.is_dir() else path.parent
     study = load_any_study(path)
-    if variant is not None:
-        study = study.variant(variant)
-    elif study.variant_names:
-        raise StudyError(f"{path} has the variants {', '.join(study.variant_names)}: choose one with --variant.")
+    study = alone(study) if variant is None else study.variant(variant)
+    require_life(study, asked_bodies(body, study.name, study.body_names), values)
     folder, kind = default_output(path), kind_of(study)
     results = run_study(study, fidelity=fidelity, output=folder, resume=False, observer_of=ProgressBar, jobs=1)
     kind.write_beside(results, folder)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -22,12 +22,14 @@ from wirewear.interior.criteria import (
     SmithWatsonTopper,
     StressLife,
 )
-from wirewear.interior.damage import FLOOR, Begun, Damage, ENDLESS_cycles, Rates, Span
+from wirewear.interior.damage import FLOOR, Ahead, Begun, Damage, Rates, Span
 from wirewear.interior.state import InnerState
 from wirewear.interior.strength import stresses_of
 from wirewear.results import RunResult
 from wirewear.results.scar import called
+from wirewear.study.any_study import AnyStudy, life_data
 from wirewear.study.life import CURVE_KEYS, LifeTable
+from wirewear.study.programme import BlockCourse, Schedule
 
 #: The states of a body over a recorded cycle.
 StatesAt = Callable[[int], Sequence[InnerState[Any]]]
@@ -42,7 +44,7 @@ WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
 def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
     """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
     modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
-    limit = ENDLESS_cycles if table.endurance_cycles is None else table.endurance_cycles
+    limit = table.endurance_cycles
     if table.criterion in ("crossland", "stress-life"):
         strength, b = table.required(*CURVE_KEYS[:2])
         if table.criterion == "stress-life":
@@ -52,10 +54,8 @@ def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
         return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
     strength, b, ductility, c = table.required(*CURVE_KEYS)
     if table.criterion == "fatemi-socie":
-        # The material may tell its yield strength, with which no factor goes by itself.
-        stated = table.fatemi_socie_factor is not None
-        factor, yields = table.required("fatemi_socie_factor", "yield_strength_MPa") if stated else (1.0, strength)
-        weight = factor / yields
+        factor = table.fatemi_socie_factor
+        weight = 1.0 / strength if factor is None else factor / table.required("yield_strength_MPa")[0]
         terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))
         return FatemiSocie(material, LifeCurve(terms, limit), weight)
     terms = ((strength**2 / modulus, 2.0 * b), (strength * ductility, b + c))
@@ -133,6 +133,7 @@ class BodyLife:
     begun: Begun | None  #: The crack.
     low: Begun | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
     high: Begun | None
+    course: BlockCourse  #: The cycles of the run, and what would follow it.
     to_world: Array  #: From the body's axes to those of the test.
     plane: bool
 
@@ -172,10 +173,14 @@ class BodyLife:
     @property
     def normal(self) -> Array:
         """The normal (3,) of the plane on which it begins, in the axes of the test; zero of a criterion without."""
-        near = min(self.states, key=lambda one: abs(np.log(one.cycle / max(self._crack.cycles, 1.0))))
-        x, y = self.columns_mm[self._crack.column]
+        crack, k = self._crack, int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
+        cycle = min((one.cycle for one in self.states), key=lambda own: abs(np.log(own / max(crack.cycles, 1.0))))
+        if crack.beyond:
+            shares = [one.cycles * 10.0 ** one.rates.share[crack.column, k] for one in self.damage.ahead]
+            cycle = self.damage.ahead[int(np.argmax(shares))].rates.cycle
+        near = next(one for one in self.states if one.cycle == cycle)
+        x, y = self.columns_mm[crack.column]
         i, j = (int(np.abs(lines - at).argmin()) for lines, at in ((near.axial_mm, x), (near.transverse_mm, y)))
-        k = int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
         normal = self.to_world @ near.normal[i, j, k]
         return np.asarray(-normal if normal[0] < 0.0 else normal)
 
@@ -214,33 +219,37 @@ def life_of(
     body: str,
     table: LifeTable,
     states_at: StatesAt,
-    stretches: Sequence[tuple[float, float, int]],
+    schedule: Schedule[Any],
     *,
     wear_states: int = WEAR_STATES,
     tell: Callable[[int], None] = lambda _: None,
 ) -> BodyLife:
-    """The life of a body from the recorded cycles of its run, as many of them as it needs.
+    """The life of a body from the recorded cycles of its run under a schedule, as many of them as it needs.
 
-    stretches: of the cycles, from after one up to another, each with the number of its block.  wear_states: of each
-    block at most.  tell: hears of every cycle that is looked at.
-    Raises ResultError if the run has recorded no contact forces of the body; StudyError if data are lacking;
-    GeometryError if wear distorts a mesh too much.
+    wear_states: of each block at most.  tell: hears of every cycle that is looked at.
+    Raises ResultError if the run has recorded no contact forces of the body in one of its blocks; StudyError if data
+    are lacking; GeometryError if wear distorts a mesh too much.
     """
-    recorded = sorted({one.cycle for one in result.contact_forces if one.body == body})
+    recorded = recorded_cycles(result, body)
+    course = require_recorded(schedule, recorded, result.label)
     known: dict[int, LifeState] = {}
     depths, criterion, first = np.zeros(0), None, None
     thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
+    left = _chosen(recorded, course, wear_states)
     found: BodyLife | None = None
 
+    def until_ended() -> Iterator[int]:
+        """Cycles in turn, until all lives have ended."""
+        while left and (found is None or found.high is None or found.high.cycles >= left[0]):
+            yield left.pop(0)
+
     def upcoming() -> Iterator[int]:
-        """Cycles in turn, until all lives have ended; then the recorded ones on either side of the life."""
-        for cycle in _chosen(recorded, stretches, wear_states):
-            if found is not None and found.high is not None and not found.high.beyond and found.high.cycles < cycle:
-                break
-            yield cycle
+        """With the recorded ones on either side of the life."""
+        yield from until_ended()
         if found is not None and found.begun is not None and not found.begun.beyond:
             place = int(np.searchsorted(recorded, found.cycles))
             yield from [cycle for cycle in recorded[max(place - 1, 0) : place + 1] if cycle not in known]
+        yield from until_ended()
 
     for cycle in upcoming():
         tell(cycle)
@@ -250,22 +259,53 @@ def life_of(
             step = 0.5 * first.body.patch.smallest_element
             depths = step * (_GROWTH ** np.arange(_DEPTHS) - 1.0) / (_GROWTH - 1.0)
         known[cycle] = wear_state(states, criterion, table, depths, _worn(result, body, cycle))
+        if not all(course.among(known, one.block) for one in course.done if one.start < max(known)):
+            continue
         ordered = tuple(known[one] for one in sorted(known))
-        damage = _damage(result, body, ordered, depths, stretches, last=max(known) == recorded[-1])
+        damage = _damage(result, body, ordered, depths, course, last=max(known) == recorded[-1])
         begun, low, high = damage.begun(thresholds.tolist())
         plane = first.body.mesh.points.shape[1] == 2
-        found = BodyLife(body, table, ordered, damage, begun, low, high, first.to_world, plane)
+        found = BodyLife(body, table, ordered, damage, begun, low, high, course, first.to_world, plane)
     if found is None:
-        raise ResultError(f"{result.label}: no contact forces of the {called(body)} are recorded")
+        raise ResultError(f"{result.label}: no cycle of the {called(body)} is looked at")
     return found
 
 
-def _chosen(recorded: Sequence[int], stretches: Sequence[tuple[float, float, int]], count: int) -> list[int]:
+def recorded_cycles(result: RunResult, body: str) -> list[int]:
+    """The cycles of which there are contact forces of a body."""
+    return sorted({one.cycle for one in result.contact_forces if one.body == body})
+
+
+def require_life(study: AnyStudy[Any], bodies: Sequence[str], values: Mapping[str, Any]) -> None:
+    """Raise StudyError or ResultError where the run of a study will lack what the lives of its bodies need."""
+    life_data(study, bodies, values)
+    cycles = (*study.log.loop_cycles, study.conditions.cycles) if study.log.contact_states else ()
+    require_recorded(study.schedule, cycles, f"the study {study.name!r}")
+
+
+def require_recorded(schedule: Schedule[Any], cycles: Sequence[int], where: str) -> BlockCourse:
+    """The course of a test that records contact forces at these cycles. Raises ResultError if a block has none."""
+    course = BlockCourse.of(schedule, max(cycles, default=schedule.cycles))
+    silent = [
+        course.names[block]
+        for block in dict.fromkeys(one.block for one in course.done)
+        if not course.among(cycles, block)
+    ]
+    if silent:
+        of_blocks = f" of {' and '.join(silent)}" if schedule.blocks else ""
+        raise ResultError(
+            f"{where}: a life needs the contact forces of a recorded cycle{of_blocks}, and there are none: state "
+            "loop_cycles and contact_states in [log], and run it anew."
+        )
+    return course
+
+
+def _chosen(recorded: Sequence[int], course: BlockCourse, count: int) -> list[int]:
     """Of the recorded cycles of each block so many: the first, the last, and between them evenly by logarithms."""
     chosen: set[int] = set()
-    for number in {block for _, _, block in stretches}:
-        own = [c for c in recorded if any(s < c <= e and b == number for s, e, b in stretches)]
-        wanted = np.geomspace(own[0], own[-1], count) if len(own) > count else own
+    for block in {one.block for one in course.done}:
+        own = course.among(recorded, block)
+        wanted = np.geomspace(own[-1], own[0], count) if len(own) > count else own
         chosen |= {own[int(np.abs(np.log(np.array(own) / at)).argmin())] for at in wanted}
     return sorted(chosen)
 
@@ -277,38 +317,41 @@ def _worn(result: RunResult, body: str, cycle: int) -> Array:
 
 
 def _damage(
-    result: RunResult,
-    body: str,
-    states: Sequence[LifeState],
-    depths: Array,
-    stretches: Sequence[tuple[float, float, int]],
-    *,
-    last: bool,
+    result: RunResult, body: str, states: Sequence[LifeState], depths: Array, course: BlockCourse, *, last: bool
 ) -> Damage:
-    """Damage in columns on the lines of the last state, up to its cycle, or to the end of the run."""
+    """Damage in columns on the lines of the last state, up to its cycle, or to the end of the run and beyond."""
     lines = states[-1].axial_mm, states[-1].transverse_mm
     on = [one.onto(*lines) for one in states]
-    rates = {one.cycle: Rates(float(one.cycle), share) for one, (share, _) in zip(states, on, strict=True)}
-    end = stretches[-1][1] if last else float(states[-1].cycle)
+    rates = {one.cycle: Rates(one.cycle, share) for one, (share, _) in zip(states, on, strict=True)}
+    # Of a block's later turns only the last may be recorded: the nearest turn stands for the others.
+    of_block = {one.block: [rates[c] for c in course.among(rates, one.block)] for one in course.done}
+    end = course.end if last else float(states[-1].cycle)
     spans = []
-    for start, stop, block in stretches:
-        if start >= end:
+    for stage in course.done:
+        if stage.start >= end:
             break
-        inside = [c for c in rates if start < c <= stop]
-        # Of a block's later turns only the last may be recorded: the nearest turn stands for the others.
-        alike = [c for s, e, b in stretches for c in rates if b == block and s < c <= e]
-        nearest = min(alike or rates, key=lambda c: abs(c - stop))
-        spans.append(Span(start, min(stop, end), tuple(rates[c] for c in sorted(inside) or [nearest])))
+        inside = [one for one in of_block[stage.block] if one.cycle in stage]
+        nearest = min(of_block[stage.block], key=lambda one: abs(one.cycle - stage.end))
+        spans.append(Span(stage.start, min(stage.end, end), tuple(inside or [nearest])))
     cycles = np.array([0.0, *(one.cycle for one in states)])
     worn = np.array([np.zeros(len(on[0][1])), *(depth for _, depth in on)])
-    course, deepest = result.evolution["cycle"], result.evolution[f"max_depth_{body}_um"]
+    evolution, deepest = result.evolution["cycle"], result.evolution[f"max_depth_{body}_um"]
 
     def worn_mm(cycle: float) -> Array:
         """Between two states as the deepest point of the scar has it."""
         later = int(np.clip(np.searchsorted(cycles, cycle), 1, len(cycles) - 1))
         before, after = cycles[later - 1], cycles[later]
-        low, here, high = np.interp([before, min(cycle, after), after], [0.0, *course], [0.0, *deepest])
+        low, here, high = np.interp([before, min(cycle, after), after], [0.0, *evolution], [0.0, *deepest])
         part = (here - low) / (high - low) if high > low else (min(cycle, after) - before) / (after - before)
         return np.asarray(worn[later - 1] + part * (worn[later] - worn[later - 1]))
 
-    return Damage(depths, spans, worn_mm)
+    def speed_mm(block: int) -> Array:
+        """What a cycle of the block wears: over the last tenth of the run, or as long as it lasted last."""
+        stage = course.latest(block)
+        first, final = max(stage.start, 0.9 * stage.end), min(stage.end, end)
+        return (worn_mm(final) - worn_mm(first)) / (final - first)
+
+    # Up to a state before the last one, what follows is not asked.
+    following = course.ahead if last else ()
+    ahead = [Ahead(one.end - one.start, of_block[one.block][-1], speed_mm(one.block)) for one in following]
+    return Damage(depths, spans, worn_mm, ahead)

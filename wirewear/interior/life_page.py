@@ -35,8 +35,11 @@ def sentence(life: BodyLife) -> str:
     end = life.damage.end
     if life.begun is None:
         peak = float(life.growth[1].max())
-        why = ", for damage wears off faster than it grows" if life.damage.worn_mm(end).any() else ""
-        return f"{life.called}: no crack begins{why}; the largest sum is {frame.figure(peak)}."
+        why = f"no stress of it would make one within {_cycles(life.table.endurance_cycles)[0]} cycles"
+        # Less than the damage of one such cycle is what interpolation leaves of none.
+        if peak > 1.0 / life.table.endurance_cycles:
+            why = f"damage wears off faster than it grows; the largest sum is {frame.figure(peak)}"
+        return f"{life.called}: no crack begins, for {why}."
     median, first, *last = _cycles(life.cycles, *filter(np.isfinite, life.interval))
     between = f"{first} to {last[0]}" if last else f"from {first} on, or never"
     x, y = life.place_um
@@ -47,7 +50,8 @@ def sentence(life: BodyLife) -> str:
     told = f"after {median} cycles (95 % of lives by the scatter of data: {between})"
     how = f"a crack begins {told}"
     if life.begun.beyond:
-        how = f"no crack begins within {counted(round(end))} cycles; if it went on as at its end, one would {told}"
+        on = "as at its end" if len(life.course.ahead) == 1 else "with its blocks in turn"
+        how = f"no crack begins within {counted(round(end))} cycles; if it went on {on}, one would {told}"
     return f"{life.called}: {how}, at {where}, {deep}{worn}{angle}."
 
 
@@ -59,6 +63,9 @@ def _cycles(*lives: float) -> list[str]:
 def notes(life: BodyLife) -> list[str]:
     """What a reader must know of a life before using it."""
     found = [] if life.averaged else [NOT_AVERAGED]
+    if life.course.not_reached and any(one is None or one.beyond for one in (life.begun, life.high)):
+        names = " and ".join(life.course.not_reached)
+        found.append(f"The run ended before {names} of its programme: what is said of cycles beyond leaves that out.")
     if life.table.material is not None:
         item = material_named(life.table.material)
         found.append(f"Data of {item.name}: {item.fatigue_told}.")

@@ -21,7 +21,7 @@ from wirewear.interior.bodies import Tracked, plane_section, stressed_grid, untr
 from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.interior.state import InnerState, Inside, SolvedBody
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
-from wirewear.results import BODIES, ContactForces, RunResult
+from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import line_plan
 from wirewear.study import LineStudy, study_from_tables
 
@@ -88,6 +88,7 @@ def write_line_fields(
     *,
     cycle: float,
     at: Sequence[str | int] | None,
+    bodies: Sequence[str] = (),
     worn: bool = True,
     tracked: Tracked = untracked,
     **_shown: Any,
@@ -98,11 +99,12 @@ def write_line_fields(
     Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
     mesh too much.
     """
-    recorded = result.forces(cycle, BODIES[0])
+    bodies = bodies or result.bodies
+    recorded = result.forces(cycle, bodies[-1])
     written = []
     for one in tracked(range(len(recorded.phase)) if at is None else at, "solving and writing"):
         k = recorded.position(one)
-        states = {body: INSIDE_LINES.states(result, body, cycle, [k], worn=worn)[0] for body in BODIES}
+        states = {body: INSIDE_LINES.states(result, body, cycle, [k], worn=worn)[0] for body in bodies}
         grids = {body: state_grid(state) for body, state in states.items()}
         with writing(ResultError, f"cannot write fields to {folder}"):
             folder.mkdir(parents=True, exist_ok=True)
@@ -111,27 +113,28 @@ def write_line_fields(
                 with in_one_step(written[-1]) as partial:
                     grid.save(partial)
         if any(grid.cell_data["von_mises_MPa"].any() for grid in grids.values()):
-            written.append(_drawn(states["pad"], grids, folder / f"section_{recorded.cycle:07d}_{k:03d}.png"))
+            written.append(_drawn(states[bodies[-1]], grids, folder / f"section_{recorded.cycle:07d}_{k:03d}.png"))
     return written
 
 
-def _drawn(pad: InnerState[LineBody], grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
-    forces = pad.forces
+def _drawn(state: InnerState[LineBody], grids: Mapping[str, pyvista.UnstructuredGrid], path: Path) -> Path:
+    forces = state.forces
     # The recorded forces reach as far as the contact ever does.
-    reach = 1e3 * float(np.abs(pad.body.patch.axial_mm[forces.nodes]).max())
-    title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[pad.position]:.1f} µm"
+    reach = 1e3 * float(np.abs(state.body.patch.axial_mm[forces.nodes]).max())
+    title = f"cycle {cycle_name(forces.cycle)}, drive {forces.drive_um[state.position]:.1f} µm"
     return save(lambda: _section(list(grids.values()), 2.5 * reach, title), path)
 
 
 def _section(grids: Sequence[pyvista.UnstructuredGrid], half_um: float, title: str) -> Figure:
-    """Both bodies whole, and near the contact."""
+    """The bodies whole, and near the contact."""
     largest = max(float(grid.cell_data["von_mises_MPa"].max()) for grid in grids)
     levels = np.linspace(0.0, largest, _LEVELS)
     figure = new_figure(3.2)
     panels = figure.subplots(1, 2)
     everything = np.vstack([grid.points for grid in grids])
     whole = 0.52 * float(np.ptp(everything[:, [0, 2]], axis=0).max())
-    for axes, half, name in zip(panels, (whole, half_um), ("both bodies", "near the contact"), strict=True):
+    of_all = "both bodies" if len(grids) > 1 else "the whole body"
+    for axes, half, name in zip(panels, (whole, half_um), (of_all, "near the contact"), strict=True):
         for grid in grids:
             cut = plane_section(grid)
             values = np.clip(cut.values, 0.0, 0.9999 * largest)

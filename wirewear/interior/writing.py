@@ -39,7 +39,7 @@ def write_fields(
     *,
     cycle: float,
     at: Sequence[str | int] | None = ("mid-forward",),
-    wires: Sequence[str] = (),
+    bodies: Sequence[str] = (),
     worn: bool = True,
     integration_points: bool = False,
     pictures: bool = True,
@@ -58,8 +58,8 @@ def write_fields(
     """
     from wirewear.interior.pictures import animate_cycle
 
-    by_wire = [body_states(result, wire, cycle, at, worn=worn) for wire in tracked(wires or result.bodies, "solving")]
-    moments = list(zip(*by_wire, strict=True))
+    by_body = [body_states(result, one, cycle, at, worn=worn) for one in tracked(bodies or result.bodies, "solving")]
+    moments = list(zip(*by_body, strict=True))
     logged = moments[0][0].forces.cycle
     written = []
     with writing(ResultError, f"cannot write fields to {folder}"):

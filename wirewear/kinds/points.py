@@ -21,9 +21,7 @@ if TYPE_CHECKING:
 class AtAPoint(Kind):
     """What all contacts at a point have in common."""
 
-    inside_options: ClassVar[frozenset[str]] = frozenset(
-        ("--body", "--integration-points", "--no-pictures", "--animate")
-    )
+    inside_options: ClassVar[frozenset[str]] = frozenset(("--integration-points", "--no-pictures", "--animate"))
     scatters: ClassVar[bool] = True
     foresees_scars: ClassVar[bool] = False
     refined = elsewhere("wirewear.simulation:POINTS")

@@ -133,6 +133,9 @@ BODIES = ("pad", "specimen")  #: Bodies of a line contact.
 #: What bodies are called in sentences whose names say only how they stand.
 _CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
 
+#: What any driven, lower body and any held, upper one may be called as well.
+_BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
+
 GRID_COLUMNS = ("axial_um", "transverse_um")
 FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
 
@@ -150,11 +153,15 @@ def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
 
 
-def require_body(body: str, where: str, bodies: Sequence[str]) -> None:
-    """ResultError of `where` unless there is such a body."""
-    if body not in bodies:
-        what = "wire" if bodies == WIRES else "body"
-        raise ResultError(f"{where}: {what} must be one of {', '.join(bodies)}, not {body!r}")
+def body_named(name: str, where: str, bodies: Sequence[str]) -> str:
+    """The body of that name, or that the driven, lower one or the held, upper one is called so.
+    Raises ResultError of `where` if there is none.
+    """
+    for body, also in zip(bodies, _BY_PLACE, strict=True):
+        if name == body or (name in also and name not in bodies):
+            return body
+    what = "wire" if bodies == WIRES else "body"
+    raise ResultError(f"{where}: {what} must be one of {', '.join(bodies)}, or lower or upper, not {name!r}")
 
 
 def called(body: str) -> str:

@@ -18,9 +18,9 @@ from wirewear.results.contact_forces import ContactForces
 from wirewear.results.scar import (
     WIRES,
     Scar,
+    body_named,
     called,
     float_array,
-    require_body,
     require_equal_lengths,
     require_finite,
     require_increasing,
@@ -278,7 +278,8 @@ class RunResult:
             raise ResultError(f"evolution: column(s) missing: {', '.join(missing)}")
         object.__setattr__(self, "label", self.variant or self.name)
         for body in {*(scar.body for scar in self.scars), *(forces.body for forces in self.contact_forces)}:
-            require_body(body, self.label, self.bodies)
+            if body not in self.bodies:
+                raise ResultError(f"{self.label}: the bodies are {' and '.join(self.bodies)}, and {body!r} is none")
 
     @property
     def full_name(self) -> str:
@@ -299,7 +300,7 @@ class RunResult:
 
     def is_upper(self, body: str) -> bool:
         """Whether it is the body that stands above and is held."""
-        return body == self.bodies[1]
+        return body_named(body, self.label, self.bodies) == self.bodies[1]
 
     def of_length(self, length_mm: float) -> RunResult:
         """The result of so much of a line contact, whose conditions are stated per mm."""
@@ -357,7 +358,7 @@ class RunResult:
 
     def scar(self, cycle: float, body: str) -> Scar:
         """A body's scar logged nearest to `cycle`, or ResultError naming the logged ones."""
-        require_body(body, self.label, self.bodies)
+        body = body_named(body, self.label, self.bodies)
         return _nearest(cycle, self.scars_of(body), lambda scar: scar.cycle, f"scars of the {called(body)}")
 
     def called(self, body: str) -> str:
@@ -371,7 +372,7 @@ class RunResult:
 
     def forces(self, cycle: float, body: str) -> ContactForces:
         """Forces on a body logged nearest to `cycle`, or ResultError naming the logged ones."""
-        require_body(body, self.label, self.bodies)
+        body = body_named(body, self.label, self.bodies)
         forces = [one for one in self.contact_forces if one.body == body]
         if not forces:
             raise ResultError(

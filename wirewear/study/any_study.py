@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import Any, Generic, Self, TypeVar
@@ -13,6 +13,8 @@ from wirewear.base.frame import notebook_table
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
 from wirewear.study.keys import Table, values_in_no_variant
+from wirewear.study.life import LifeTable, material_of_body
+from wirewear.study.messages import validated
 from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles
 from wirewear.study.surfaces import LayerTable
 from wirewear.study.tables import CommonTables, Log
@@ -263,6 +265,21 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
         how = how.replace("{first}", study.variant_names[0])
         raise StudyError(f"the study {study.name!r} has the variants {', '.join(study.variant_names)}: {how}.")
     return study
+
+
+def life_data(
+    study: AnyStudy[Any], bodies: Iterable[str], values: Mapping[str, Any] | None = None
+) -> dict[str, LifeTable]:
+    """What a study states in [life], with these values of its keys, and of each of some bodies what its material adds.
+    Raises StudyError if a value cannot be, or data are lacking that the criterion needs.
+    """
+    tables = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
+    where = f"[life] of {(study.variant_name or study.name)!r}"
+    asked = validated(LifeTable, tables.get("life", {}) | dict(values or {}), where, StudyError)
+    found = {body: asked.of_material(material_of_body(tables, body)) for body in bodies}
+    for table in found.values():
+        table.required(*table.needed)
+    return found
 
 
 def _under(alone: Any, values: Mapping[str, Any]) -> Any:

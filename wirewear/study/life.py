@@ -29,6 +29,7 @@ _MEDIANS = {
 }
 _MEDIAN_STRENGTH = 1.5
 SCATTER_decades = 0.2  #: Where none is stated.
+ENDURANCE_cycles = 1e12  #: Where none is stated: no test has lasted so long.
 TENSILE_STRENGTH = "tensile_strength_MPa"
 CURVE_KEYS = (
     "fatigue_strength_coefficient_MPa", "fatigue_strength_exponent", "fatigue_ductility_coefficient",
@@ -62,8 +63,8 @@ class LifeTable(keys.Table):
     crossland_slope: Factor | None = Field(
         None, description="weight of the hydrostatic stress; without it that of both fatigue limits, or 0.3"
     )
-    endurance_cycles: Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e15))] | None = Field(
-        None, description="stresses under which lives are longer do no damage; 1e12 by default"
+    endurance_cycles: Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e15))] = Field(
+        ENDURANCE_cycles, description="stresses under which lives are longer do no damage, and a life is endless"
     )
     threshold_MPa_sqrt_m: Annotated[float, PlainValidator(Quantity("MPa_sqrt_m", 0.1, 100.0))] | None = Field(
         None, description="range of the stress intensity at the threshold, R = -1"
@@ -103,6 +104,21 @@ class LifeTable(keys.Table):
                 f"--set KEY=VALUE, or take the data of a material with --material ({known})."
             )
         return tuple(float(getattr(self, name)) for name in names)
+
+    @property
+    def needed(self) -> tuple[str, ...]:
+        """Keys that criterion and average need, such as the partner of one that alone would do nothing."""
+        found: tuple[str, ...] = CURVE_KEYS[:2] if self.criterion in ("crossland", "stress-life") else CURVE_KEYS
+        if self.criterion == "fatemi-socie" and self.fatemi_socie_factor is not None:
+            found += ("yield_strength_MPa",)
+        if self.criterion == "crossland" and self.crossland_slope is None and self.torsion_fatigue_limit_MPa:
+            found += ("fatigue_limit_MPa",)
+        if self.averaging_length_um is None and self.critical_distance_um is None:
+            if self.threshold_MPa_sqrt_m:
+                found += ("fatigue_limit_MPa",)
+            elif self.averaging != "volume":
+                found += ("critical_distance_um",)
+        return tuple(dict.fromkeys(found))
 
     @property
     def slope(self) -> float:

@@ -1,11 +1,11 @@
 """A test's programme: blocks of cycles under conditions of their own, in turn for as long as the test lasts."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import cycle
 from math import ceil
-from typing import Annotated, Any, Generic, TypeVar
+from typing import Annotated, Any, Generic, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
@@ -111,6 +111,63 @@ class Schedule(Generic[AnyStudy]):
     def at(self, done: float) -> Stretch[AnyStudy]:
         """That to which a cycle belongs."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The cycles after `start` up to `end` of a test."""
+
+    start: float
+    end: float
+    block: int  #: What conditions they are under: alike where these are.
+
+    def __contains__(self, cycle: float) -> bool:
+        """Whether that cycle is one of them."""
+        return self.start < cycle <= self.end
+
+
+@dataclass(frozen=True)
+class BlockCourse:
+    """The stages that a test went through, and the turn of its programme that would follow, again and again."""
+
+    done: tuple[Stage, ...]
+    ahead: tuple[Stage, ...]  #: From where the programme stands at the end; of blocks that the test has reached.
+    names: tuple[str, ...]  #: Of the blocks by their numbers.
+
+    @classmethod
+    def of(cls, schedule: Schedule[Any], end: float) -> Self:
+        """Of a test that ended after so many cycles; without a programme, it would go on as it was."""
+        turn = sum(block.cycles for block in schedule.blocks) or 1
+        alike: list[Any] = []
+        names, every = [], []
+        for own in replace(schedule, cycles=ceil(end) + turn).stretches:
+            if own.study not in alike:
+                alike.append(own.study)
+                names.append((schedule.blocks and schedule.blocks[own.block - 1].name) or f"block {own.block}")
+            every.append(Stage(own.start, own.end, alike.index(own.study)))
+        done = tuple(replace(one, end=min(one.end, end)) for one in every if one.start < end)
+        ahead = [replace(one, start=max(one.start, end)) for one in every if one.end > end]
+        return cls(done, tuple(one for one in ahead if one.block in {each.block for each in done}), tuple(names))
+
+    @property
+    def end(self) -> float:
+        """The test's last cycle."""
+        return self.done[-1].end
+
+    @property
+    def not_reached(self) -> tuple[str, ...]:
+        """Names of the blocks that the test ended before."""
+        return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
+
+    def among(self, cycles: Iterable[int], block: int) -> list[int]:
+        """Those of the cycles that belong to a block."""
+        return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
+
+    def latest(self, block: int) -> Stage:
+        """The last stage of a block that was at least half as long as its longest one."""
+        own = [one for one in self.done if one.block == block]
+        longest = max(one.end - one.start for one in own)
+        return next(one for one in reversed(own) if one.end - one.start >= 0.5 * longest)
 
 
 def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]]:

@@ -20,13 +20,12 @@ from wirewear.base.errors import StudyError, WirewearError, counted
 from wirewear.base.reading import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
-from wirewear.interior.life import life_of
+from wirewear.interior.life import life_of, require_life
 from wirewear.kinds import kind_of, load_any_study
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
 from wirewear.study import AnyStudy
-from wirewear.study.any_study import alone
-from wirewear.study.life import material_of_body
+from wirewear.study.any_study import alone, life_data
 from wirewear.study.messages import validated
 from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
@@ -223,19 +222,12 @@ def run_case(
 
 def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
     """Cycles until a crack begins in the first body of a finished run, endless if in none; None without [life]."""
-    table = study.tables.life
-    if table is None:
+    if study.tables.life is None:
         return None
-    stretches = [(own.start, own.end, own.block) for own in study.schedule.stretches]
+    inside = kind_of(result).inside
     return min(
-        life_of(
-            result,
-            body,
-            table.of_material(material_of_body(result.study, body)),
-            partial(kind_of(result).inside.states, result, body),
-            stretches,
-        ).cycles
-        for body in result.bodies
+        life_of(result, body, table, partial(inside.states, result, body), study.schedule).cycles
+        for body, table in life_data(study, result.bodies).items()
     )
 
 
@@ -313,9 +305,11 @@ def _require_possible(sweep: Sweep, where: str) -> None:
     for factor in sweep.design.factors:
         for end in (factor.low, factor.high):
             try:
-                varied(sweep.study, {**first, factor.key: end})
+                study = varied(sweep.study, {**first, factor.key: end})
             except StudyError as problem:
                 raise StudyError(f"{where}, {factor.key} = {end:g}: {problem}") from None
+    if study.tables.life is not None:
+        require_life(study, study.body_names, {})
 
 
 def varied(study: AnyStudy[Any], values: Mapping[str, float]) -> AnyStudy[Any]:
