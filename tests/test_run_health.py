@@ -1,5 +1,6 @@
 """How sound a run is: what closes exactly, what must be mirrored, and what a faulty cycle shows."""
 
+import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -15,6 +16,7 @@ from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.reading import of_own_definitions
 from wirewear.records import check_record
+from wirewear.simulation import simulate
 from wirewear.simulation.contact_forces import (
     at_mid_stroke,
     forces_on,
@@ -23,6 +25,8 @@ from wirewear.simulation.contact_forces import (
     pressure_figures,
 )
 from wirewear.simulation.tally import Counters, bends, energy_mismatch, judge
+from wirewear.study import study_from_tables
+from wirewear.views.run_page import run_page, runs_json, sentence
 
 EXAMPLE = Path(__file__).parents[1] / "studies/steel_wires/example_records/no_gap"
 MESH_mm = 0.010
@@ -150,3 +154,36 @@ def test_energy_bends_when_less_or_more_has_worn_than_a_power_tells(power: float
     now = (ratio, ratio**power, before + worn)
     assert not bends((1.0, 1.0, before), now)
     assert bends((1.0, 1.0, before), (ratio, 1.1 * now[1] + 0.1 * (before / worn + 1.0) * now[1], now[2]))
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize(
+    ("load_N_per_mm", "life", "borne_MPa"),
+    [
+        (1000.0, {}, 10_000.0),
+        (2000.0, {}, 10_000.0),
+        (20.0, {"yield_strength_MPa": 400.0}, 1120.0),
+        (20.0, {"tensile_strength_MPa": 600.0}, 1680.0),
+    ],
+)
+def test_a_pressure_that_no_such_body_bears_is_said_by_run_and_page(
+    load_N_per_mm: float, life: dict[str, float], borne_MPa: float
+) -> None:
+    steel = {"youngs_modulus_MPa": 2e5, "poissons_ratio": 0.3}
+    study = study_from_tables(
+        {
+            "format": 1, "name": "hard pressed", "kind": "cylinder-on-flat", "pad": {"radius_mm": 0.5, **steel},
+            "specimen": steel | {"youngs_modulus_MPa": 4e5}, "contact": {"friction": 0.5}, "life": life,
+            "conditions": {"normal_load_N_per_mm": load_N_per_mm, "displacement_amplitude_um": 5.0, "cycles": 1},
+        },
+        "s.toml",
+    )  # fmt: skip
+    run = simulate(study, fidelity="quick")
+    # A line contact of two half-planes: p0² = P E*/(π R).
+    largest = np.sqrt(load_N_per_mm / (np.pi * 0.5) / (0.91 / 2e5 + 0.91 / 4e5))
+    assert run.quality["pressure_against_strength"] == pytest.approx(largest / borne_MPa, rel=0.03)
+    said = f"{1e-3 * borne_MPa:.3g} GPa that they bear"
+    impossible = largest > borne_MPa
+    assert (said in sentence(run)) == (said in run_page([run])) == impossible
+    (told,) = json.loads(runs_json([run]))
+    assert (said in told["sentence"]) == (not told["quality"]["pressure_against_strength"]["sound"]) == impossible

@@ -14,6 +14,8 @@ if TYPE_CHECKING:
     from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.scar import BODIES, Scar
     from wirewear.results.values import (
+        BORNE,
+        BORNE_IS,
         BULK_WORK,
         COLUMN_MEANINGS,
         EVOLUTION_COLUMNS,
@@ -31,10 +33,10 @@ if TYPE_CHECKING:
     )
 
 __all__ = [
-    "BODIES", "BULK_WORK", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS", "LAYERS_OF_BODIES", "PLAY_TRAVEL",
-    "POSITIONS", "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL", "ContactForces", "Evolution", "Loop",
-    "RunResult", "Scar", "age_at", "largest_mean_pressure_MPa", "largest_means", "read_loops", "read_result",
-    "read_results", "sensor_of", "write_result",
+    "BODIES", "BORNE", "BORNE_IS", "BULK_WORK", "COLUMN_MEANINGS", "EVOLUTION_COLUMNS", "LATER_COLUMNS",
+    "LAYERS_OF_BODIES", "PLAY_TRAVEL", "POSITIONS", "PRESSURE_LENGTH", "RESULT_FILE_NAME", "SPRING_TRAVEL",
+    "ContactForces", "Evolution", "Loop", "RunResult", "Scar", "age_at", "largest_mean_pressure_MPa",
+    "largest_means", "read_loops", "read_result", "read_results", "sensor_of", "write_result",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -76,8 +76,16 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
     "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 2e-3),
     "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
     "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
+    "pressure_against_strength": (
+        "largest pressure against what the softer body bears, of which more is impossible",
+        1.0,
+    ),
     "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
 }
+
+
+#: Those that are of the test itself, and the same however finely it is solved.
+OF_THE_TEST = frozenset({"pressure_against_strength"})
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
-from wirewear.results.scar import flagged, limit_of
+from wirewear.results.scar import OF_THE_TEST, flagged, limit_of
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -53,8 +53,12 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
             table.add_row(Text(name), *(cell(result) for result in results))
         table.add_section()
     files = [Text(str(result.path), overflow="fold") for result in results if result.path]
-    beyond = any(value > limit_of(name) for result in results for name, value in result.quality.items())
-    remedy = [Text("What is more than its limit mostly falls with a finer --fidelity or [mesh].")] if beyond else []
+    beyond = {name for result in results for name, value in result.quality.items() if value > limit_of(name)}
+    remedy = (
+        [Text("What is more than its limit mostly falls with a finer --fidelity or [mesh].")]
+        if beyond - OF_THE_TEST
+        else []
+    )
     return Group(table, *remedy, *([Text("Results are in"), *files] if files else []))
 
 

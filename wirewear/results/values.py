@@ -99,6 +99,9 @@ PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is 
 #: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
 SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
 
+#: What they call the largest pressure that the softer body bears, and what that goes by, in words.
+BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
+
 BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
 
 #: Columns that results of earlier versions lack, which are then NaN: unknown.

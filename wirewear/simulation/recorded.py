@@ -23,6 +23,7 @@ from solvers import (
 )
 from wirewear.base.cache import installed
 from wirewear.results import (
+    BORNE,
     BULK_WORK,
     LAYERS_OF_BODIES,
     PLAY_TRAVEL,
@@ -33,6 +34,7 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
+from wirewear.simulation.borne import borne_settings
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.folder import MeshHistory
 from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_amplitude_mm
@@ -292,7 +294,9 @@ class Recorded(ABC):
     def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
         """The result so far."""
         tally = self.tally
-        cycling_s = tally.cycling_s
+        cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
+        settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)
+        largest = float(np.fmax.reduce([settings["hertz_pressure_MPa"], *evolution["max_mean_pressure_MPa"]]))
         return RunResult(
             name=self._study.name,
             variant=self._study.variant_name,
@@ -301,11 +305,11 @@ class Recorded(ABC):
             message=message,
             study=self.tables(),
             loops=tuple(self._loops),
-            evolution=Evolution.from_rows(self._rows),
+            evolution=evolution,
             scars=tuple(self._scars),
             contact_forces=tuple(self._forces),
-            settings=self.settings(history) | layer_settings(self._study.layers),
-            quality=tally.counters.quality(),
+            settings=settings,
+            quality=tally.counters.quality() | {"pressure_against_strength": largest / settings[BORNE]},
             versions={program: installed(program) for program in _PROGRAMS},
             timings_s={
                 "preparation": tally.preparation_s,

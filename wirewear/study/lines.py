@@ -219,6 +219,11 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         return {"specimen": self.specimen.layers, "pad": self.pad.layers}
 
     @property
+    def materials(self) -> dict[str, Elastic]:
+        """Of the specimen and of the pad."""
+        return {"specimen": self.specimen.elastic, "pad": self.pad.elastic}
+
+    @property
     def drive(self) -> Drive:
         """With the stresses that both bodies carry."""
         bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]

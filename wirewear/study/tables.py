@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Literal
 import numpy as np
 from pydantic import Field, PlainValidator
 
+from geometry import Elastic
 from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Waveform, WearLaw, WearRates
 from wirewear.base.errors import shown
 from wirewear.study import keys
@@ -298,6 +299,11 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     @abstractmethod
+    def materials(self) -> dict[str, Elastic]:
+        """Elastic constants of the driven body and of the held one, by their names."""
+
+    @property
+    @abstractmethod
     def drive(self) -> Drive:
         """Displacement, load and bulk stresses in the course of a cycle."""
 
@@ -357,6 +363,11 @@ class ContactTables(CommonTables):
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
         """Of the driven body and of the held one."""
         return {body.name: body.layers for body in self.bodies_of_test()}
+
+    @property
+    def materials(self) -> dict[str, Elastic]:
+        """Of the driven body and of the held one."""
+        return {body.name: body.material for body in self.bodies_of_test()}
 
     @property
     def drive(self) -> Drive:

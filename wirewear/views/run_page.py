@@ -15,7 +15,7 @@ from wirewear.base.writing import json_text, write_text, writing
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
 from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.results import PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
+from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users
 from wirewear.results.scar import health, limit_of
 from wirewear.views.run_maps import (
@@ -210,9 +210,13 @@ def sentence(result: RunResult) -> str:
     amplitude = float(evolution["displacement_amplitude_um"][-1])
     worn, (driven, other) = float(result.worn_volume_mm3[-1]), result.bodies
     depths = {body: float(evolution[f"max_depth_{body}_um"][-1]) for body in result.bodies}
-    text = taken_by_rig(result.label, amplitude, result.settings) + (
-        f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the surfaces slip ±{length(slip[-1])} of the "
-        f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
+    text = (
+        beyond_strength(result)
+        + taken_by_rig(result.label, amplitude, result.settings)
+        + (
+            f"{result.label}: after {cycles_of(evolution['cycle'][-1])} the surfaces slip ±{length(slip[-1])} of the "
+            f"±{length(amplitude)} imposed (at first ±{length(slip[0])}), in {regime(result)}."
+        )
     )
     if worn > 0.0:
         where = f" on {result.length_mm:g} mm of the contact" if result.length_mm else ""
@@ -225,6 +229,19 @@ def sentence(result: RunResult) -> str:
         if through:
             text += f" The {result.called(body)}'s layers, from the outermost, are worn through {', '.join(through)}."
     return text if result.status == "complete" else f"{text} The run is {result.status}: {result.message}."
+
+
+def beyond_strength(result: RunResult) -> str:
+    """A sentence where no body bears the pressure of a run; else nothing, as of results of earlier versions."""
+    ratio = result.quality.get("pressure_against_strength", 0.0)
+    if ratio <= limit_of("pressure_against_strength"):
+        return ""
+    borne = float(result.settings[BORNE])
+    return (
+        f"{result.label}: such a state is impossible, for the bodies would flow, which is not simulated: the pressure of "
+        f"{1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
+        f"({result.settings[BORNE_IS]}). "
+    )
 
 
 def taken_by_rig(label: str, amplitude_um: float, settings: Mapping[str, Any]) -> str:
