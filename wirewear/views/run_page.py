@@ -238,8 +238,8 @@ def beyond_strength(result: RunResult) -> str:
         return ""
     borne = float(result.settings[BORNE])
     return (
-        f"{result.label}: such a state is impossible, for the bodies would flow, which is not simulated: the pressure of "
-        f"{1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
+        f"{result.label}: such a state is impossible, as the bodies would flow, which is not simulated: the "
+        f"pressure of {1e-3 * ratio * borne:.3g} GPa is more than the {1e-3 * borne:.3g} GPa that they bear "
         f"({result.settings[BORNE_IS]}). "
     )
 
