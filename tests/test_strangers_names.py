@@ -79,20 +79,9 @@ def test_unknown_names_in_an_encoding_that_was_guessed_are_told_with_the_option(
 
 
 MISSING = (
-    "OVLD",
-    "OL",
-    "-OL",
-    "1.#INF",
-    "-1.#IND00",
-    "1.#QNAN",
-    "#N/A",
-    "#NV",
-    "#DIV/0!",
-    "inf",
-    "-Infinity",
-    "Overflow",
+    *("OVLD", "OL", "-OL", "1.#INF", "-1.#IND00", "1.#QNAN", "#N/A", "#NV", "#DIV/0!", "inf", "-Infinity", "Overflow"),
+    *("+Over", "NaN", "-nan(ind)", "n.a.", "–", "####", "Overrange", "INVALID", "<NA>"),
 )
-MISSING += ("+Over", "NaN", "-nan(ind)", "n.a.", "–", "####", "Overrange", "INVALID", "<NA>")
 
 
 @pytest.mark.parametrize("word", MISSING)

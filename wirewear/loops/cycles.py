@@ -1,5 +1,7 @@
 """Where a drive turns round and cycles begin; points without an order of time, such as of a picture, in their order."""
 
+from itertools import pairwise
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -12,6 +14,10 @@ NOISES, STEPS = 8.0, 1.5
 
 #: Way back within a sweep that is no turn: by this share of all the displacements, or of the sweeps beside it.
 LEAST, WOBBLE = 0.005, 0.25
+
+#: A sweep comes back by this share of the stroke; one that lasts longer than others by the first factor holds a block
+#: of smaller strokes, by the second one if these last less than that share of a sweep.
+OF_STROKE, LONG, LONGER, BRISK = 0.5, 1.25, 4.5, 0.4
 
 #: A way back of so few samples, within the samples and at their ends, and of so small a share of the usual sweep's, is
 #: a spike.
@@ -54,7 +60,59 @@ def turns_of(displacement_um: Array) -> Places:
             turns = np.delete(turns, -2)
         else:
             break
-    return turns
+    return _without_ripples(calm, turns)
+
+
+def _without_ripples(x: Array, turns: Places) -> Places:
+    """Turns (k,) of a path without those of ripples that ride on its sweeps.
+
+    Between turns that come back by a good part of the stroke, a ripple lasts no longer than a sweep does, be it the
+    slow one of a drive with a fast return; a block of smaller strokes does, and is parted by turns that come back by
+    less.
+    """
+    least = OF_STROKE * float(np.ptp(x[turns]))
+    lasts = np.diff(turns[_turns_by(x[turns], least)]).astype(float)
+    # The first sweep and the last one may be cut off.
+    inner, ends = lasts[1:-1], 4.0 * max(lasts[0], lasts[-1])
+    usual = float(np.percentile(inner, 25.0, method="lower")) if inner.size else 0.25 * ends
+    usual = min(usual, ends) if inner.size == 1 else usual
+    ripple = 0.0
+
+    def parted(sweeps: Places, least: float) -> list[int]:
+        """The turns behind the first one."""
+        nonlocal ripple
+        found = list[int]()
+        for part in (sweeps[a : b + 1] for a, b in pairwise(_turns_by(x[sweeps], least))):
+            last, swing = part[-1] - part[0], float(np.median(np.diff(part)))
+            if part.size > 2 and last > (LONG if swing > BRISK * usual else LONGER) * usual:
+                found += parted(part, 0.5 * least)
+            else:
+                found.append(int(part[-1]))
+                ripple = max(ripple, float(np.max(np.diff(x[part]) * np.sign(x[part[0]] - x[part[-1]]))))
+        return found
+
+    kept = np.array([turns[0], *parted(turns, least)])
+    # At the ends, a sweep that is cut off may be none.
+    for second in (1, -2):
+        if kept.size > 3 and abs(x[kept[second]] - x[kept[0 if second > 0 else -1]]) <= 1.5 * ripple:
+            kept = np.delete(kept, second)
+    return kept
+
+
+def _turns_by(levels: Array, least: float) -> Places:
+    """Places among levels (k,) of the first, the last, and those from which they come back by that much.
+
+    And of the outermost ones before the first of these and behind the last.
+    """
+    found, low, high, way = [0], 0, 0, 0
+    for place, level in enumerate(levels.tolist()):
+        low, high = low if levels[low] <= level else place, high if levels[high] >= level else place
+        if way >= 0 and levels[high] - level >= least:
+            found, low, way = [*found, high], place, -1
+        elif way <= 0 and level - levels[low] >= least:
+            found, high, way = [*found, low], place, 1
+    outermost = [] if not way else [high] if way > 0 else [low]
+    return np.array(sorted({*found, *outermost, levels.size - 1}))
 
 
 def cycles_between(displacement_um: Array, turns: Places) -> float:
