@@ -81,6 +81,29 @@ def test_all_pages_are_read_in_an_afternoon() -> None:
     assert sum(any(map(str.isalnum, word)) for word in words) <= MOST_WORDS_OF_ALL
 
 
+#: Words that read oddly in a page for engineers.
+ODD = re.compile(r"\b(told|believed|foreseen?|foresees|mended|begun|anew|in vain|lends)\b", re.IGNORECASE)
+
+
+@pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
+def test_a_page_is_in_plain_english(page: Path) -> None:
+    text = re.sub(r"`[^`]*`", "", FENCE.sub("", page.read_text(encoding="utf-8")))
+    assert ODD.findall(text) == []
+
+
+def test_the_limit_of_pairs_stands_wherever_an_answer_is_explained() -> None:
+    for page in ("README.md", "docs/tutorial.md", "docs/diagnosis.md"):
+        text = (ROOT / page).read_text(encoding="utf-8")
+        assert re.search(r"[Tt]wo (effects|causes) at once.{0,200}\bballs\b", re.sub(r"\s+", " ", text)), page
+
+
+def test_every_wear_coefficient_of_the_literature_has_its_source() -> None:
+    rows = re.findall(r"^\| (.+) \|$", (ROOT / "docs" / "wear_values.md").read_text(encoding="utf-8"), re.MULTILINE)
+    values = [cells for row in rows if "10⁻" in (cells := row.split(" | "))[2 if row.count(" | ") > 2 else 0]]
+    assert len(values) >= 6
+    assert all(re.search(r"\((19|20)\d\d\)|the same", cells[-1]) for cells in values)
+
+
 @pytest.mark.parametrize("page", READ_BY_PEOPLE, ids=lambda page: str(page.relative_to(ROOT)))
 def test_what_a_page_links_to_exists(page: Path) -> None:
     links = re.findall(r"\]\(([^)#\s]+)", FENCE.sub("", page.read_text(encoding="utf-8")))

@@ -222,7 +222,7 @@ def _give_up_unwritten() -> None:
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
 @click.version_option(package_name="wirewear", prog_name="wirewear")
 def cli() -> None:
-    """Simulate fretting tests of crossed wires and line contacts, and say why a measured one differs."""
+    """Simulate fretting tests of wires, balls on flats and line contacts, and say why a measured one differs."""
 
 
 def _allow_memory(context: click.Context, _parameter: click.Parameter, gigabytes: float | None) -> None:
