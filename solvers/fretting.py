@@ -2,14 +2,7 @@
 
 Cycles start and end at either end of the stroke; increments are those of a cosine, short near the
 reversals, where the contact changes from slip to stick and back. Cycles by which surfaces wear have theirs where the
-surfaces meet: spread evenly over the slip.
-
-Between two places nothing wears, so they must lie closer together than the surfaces' elements. Both strokes share the
-surface: where the places of one are moved a quarter of their distance, those of the other, its mirror image, lie half
-way between them, and together they are twice as dense.
-
-The bodies slide by what the drive moves and the holder does not. Where the holder stands along a stroke is known from
-one before; else it is taken to spring back as far to the other side as it was carried along, and to stand still.
+surfaces meet, see `solvers.wear_path`.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,23 +14,14 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact.problem import facing_offset
-from solvers.contact_state import ContactState, Guide, IncrementReport, Stroke, guide_from
+from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, Path
 from solvers.errors import SolverError
+from solvers.wear_path import WornPlaces, cosine_places, traced_path
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
 _MOST_REPEATS = 4
-
-# Share of the stroke over which the bodies must move against each other for places to be spread over that.
-_LEAST_SLIDING_SHARE = 0.25
-# Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
-_STICK_INCREMENTS = 2
-_SHIFT = 0.25
-_FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves has begun to slide.
-# The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
-# for they yield elastically while they stick, and no nearer than that share of its way to either side.
-_STUCK_SHARE = 0.04
 
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
@@ -60,6 +44,7 @@ class CycleTrace:
     start: ContactState  #: The state before.
     middle: ContactState  #: That when the drive passes zero moving towards +x.
     states: tuple[ContactState, ...]  #: n, at the same ends.
+    worn: WornPlaces | None = None  #: Where surfaces wear by it; None where at all of them.
 
     @property
     def friction_work(self) -> float:
@@ -78,16 +63,6 @@ def bulk_work(problem: ContactProblem, trace: CycleTrace) -> float:
         moved = problem.stretched(new.bulk - old.bulk, every, offset)
         total += 0.5 * float(problem.surface.areas @ ((old.traction + new.traction) * moved).sum(axis=1))
     return total
-
-
-def cosine_places(amplitude_mm: float, increments: int) -> Array:
-    """Places at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
-
-    Mirrored in the middle, so that both quarters are the same to the last bit.
-    """
-    quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 2 + 1) / (increments // 2))
-    quarter[-1] = 0.0
-    return np.concatenate([quarter, -quarter[-2::-1], [-amplitude_mm]])
 
 
 def first_quarter(
@@ -127,17 +102,10 @@ def traced_cycle(
 ) -> tuple[ContactState, CycleTrace]:
     """A cycle with the wear frozen, or its first half, from the end of the stroke where the state is.
 
-    Its increments are those by which surfaces wear: spread evenly over the slip of the guide, see `wear_path`.
+    Its increments are those by which surfaces wear: spread evenly over the slip of the guide, see `solvers.wear_path`.
     """
-    side, count = _side(state), increments // 2
-    out = None if guide is None else guide.stroke(side)
-    there = drive.stroke(side, side * wear_path(drive.amplitude_mm, side * state.holder_x, count, out))
-    if half:
-        return _follow(problem, state, there, 0.0, watch, guide)
-    home = None if guide is None else guide.stroke(-side)
-    carried = side * state.holder_x if out is None else -float(out.holder_x[-1])
-    back = drive.stroke(-side, -side * wear_path(drive.amplitude_mm, carried, count, home))
-    return _follow(problem, state, there + back, 0.0, watch, guide)
+    path = traced_path(drive, _side(state), state.holder_x, increments, guide, half=half)
+    return _follow(problem, state, path, 0.0, watch, guide)
 
 
 def closed_cycle(
@@ -313,53 +281,3 @@ def _fit(columns: Array, values: Array) -> list[float]:
 
 def _stiffness(compliance: float) -> float:
     return 1.0 / compliance if compliance else float("inf")
-
-
-def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: Stroke | None = None) -> Array:
-    """Drive at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
-
-    holder_x_mm: by how much the contact has carried the holder along at +amplitude.  before: a similar stroke.
-    """
-    carried = min(max(holder_x_mm, 0.0), amplitude_mm)
-    slides = amplitude_mm - carried
-    if slides < _LEAST_SLIDING_SHARE * amplitude_mm or increments < 2 * _STICK_INCREMENTS:
-        steps = np.cos(np.pi * np.arange(1, increments + 1) / increments)
-        steps[-1] = -1.0
-        return amplitude_mm * np.asarray(steps)
-    count = increments - _STICK_INCREMENTS
-    places, stuck = _places(amplitude_mm, carried, count, before)
-    between = amplitude_mm - places[0]
-    stuck = min(max(stuck, places[0] + _STUCK_SHARE * between), amplitude_mm - _STUCK_SHARE * between)
-    return np.concatenate([[stuck], places, [-amplitude_mm]])
-
-
-def _places(amplitude: float, carried: float, count: int, before: Stroke | None) -> tuple[Array, float]:
-    """Places (count,) along the slip, and where the contact still sticks."""
-    shares = (np.arange(count) + _SHIFT) / count
-    if before is None:
-        places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
-        return places, 0.5 * (amplitude + float(places[0]))
-    drive, holder = _with_knee(np.append(amplitude, before.drive), np.append(carried, before.holder_x))
-    # Round-off and creep must not let the bodies seem to slide back.
-    apart = np.minimum.accumulate(drive - holder)
-    start, end = float(apart[0]), float(apart[-1])
-    wanted = start - (start - end) * np.append(_STUCK_SHARE / count, shares)
-    found = -np.interp(-wanted, -apart, -drive)
-    return found[1:], float(found[0])
-
-
-def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:
-    """The stroke with the place at which sliding begins, where the holder that follows the drive meets the line on
-    which it stands while the bodies slide; increments of the stroke may be long.
-    """
-    ahead = np.append(True, np.diff(drive) < 0.0)
-    drive, holder = drive[ahead], holder[ahead]
-    rates = np.diff(holder) / np.diff(drive)
-    knee = int(np.argmax(rates < _FOLLOWS))
-    if rates[knee] >= _FOLLOWS or knee + 1 == len(rates):
-        return drive, holder
-    slope = float(np.clip(rates[knee + 1], -0.5, 0.5))
-    along = holder[knee + 1] - slope * drive[knee + 1] - holder[knee] + drive[knee]
-    place = float(np.clip(along / (1.0 - slope), drive[knee + 1], drive[knee]))
-    stands = holder[knee] + place - drive[knee]
-    return np.insert(drive, knee + 1, place), np.insert(holder, knee + 1, stands)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 import solvers
 from geometry.arrays import Array
 from solvers.contact_state import Guide, Stroke
-from solvers.fretting import wear_path
+from solvers.wear_path import wear_path
 from solvers.wear_step.symmetry import Mirror, with_images
 from tests.bodies import FRICTION, LOAD_N, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear.loops.sensor import enclosed_area

@@ -11,7 +11,7 @@ from threadpoolctl import threadpool_limits
 
 import solvers
 from geometry.arrays import Array
-from solvers.fretting import wear_path
+from solvers.wear_path import wear_path
 from tests.bodies import FRICTION, LOAD_N, crossed_wires, pressed
 from tests.studies import coarse
 from tests.wear_jumps import RATES, LINE_LOAD_N_per_mm, line_contact

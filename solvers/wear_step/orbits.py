@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +17,8 @@ from solvers.layers import layers_at_nodes
 from solvers.pairing import Pairing
 from solvers.wear import Rate
 from solvers.wear_step.influence import displaced
-from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored
+from solvers.wear_step.places import WearStop
+from solvers.wear_step.symmetry import Mirror, Symmetry
 
 
 @dataclass(frozen=True)
@@ -35,6 +35,8 @@ class Position:
     moved: float  #: Relative motion of the rigid bodies along x over the former, mm.
     moves: float  #: That over the latter.
     driven: float  #: The drive's, mean of both, mm.
+    #: Load times slip of which it stands for over that of its own: not 1 where increments beside it have no position.
+    share: float
 
     @property
     def nodes(self) -> IntArray:
@@ -47,31 +49,21 @@ class Position:
 
 
 def positions_of(
-    problem: ContactProblem,
-    start: ContactState,
-    states: Sequence[ContactState],
-    nodes: Sequence[IntArray],
-    half_cycle: Mirror | None,
+    problem: ContactProblem, stops: Sequence[WearStop], nodes: Sequence[IntArray], half_cycle: Mirror | None
 ) -> tuple[Position, ...]:
-    """The positions of a cycle traced with the wear frozen, from `start` through the ends of its increments.
+    """The positions at the stops of a cycle, see `stops_of`.
 
-    states: of the whole closed cycle, or of its first half where `half_cycle` maps that onto the second.
     nodes: of the primary that may touch at each position.
     """
-    last = states[0] if half_cycle is None else mirrored(states[0], half_cycle)
     pairings = [
         faced(problem, state, of, state.drive, state.holder_x, state.holder_tilt)
-        for state, of in zip(states, nodes, strict=True)
+        for (state, *_), of in zip(stops, nodes, strict=True)
     ]
-    passed = (start, *states, last)
-    strains = _strains(problem, passed, pairings)
-    met = [
-        _met(problem, pairing, passed[k : k + 3], [of_body[k : k + 2] for of_body in strains])
-        for k, pairing in enumerate(pairings)
-    ]
+    strains = _strains(problem, stops, pairings)
+    met = [_met(problem, *each) for each in zip(pairings, stops, strains, strict=True)]
     sticks = met[0].sticks if half_cycle is None else half_cycle.image(met[0].sticks, half_cycle.primary)
     following = (*(row.sticks for row in met[1:]), sticks)
-    return tuple(_position(row, state, after) for row, state, after in zip(met, states, following, strict=True))
+    return tuple(_position(row, stop, after) for row, stop, after in zip(met, stops, following, strict=True))
 
 
 def facing_nodes(problem: ContactProblem, state: ContactState, margin: float) -> IntArray:
@@ -96,25 +88,27 @@ class _Met:
     driven: float
 
 
-def _met(problem: ContactProblem, pairing: Pairing, states: tuple[ContactState, ...], strains: Sequence[Array]) -> _Met:
-    """Strains: motions of both bodies' nodes from state to state, (2, n, 3) each."""
-    (old, new, following), nodes = states, pairing.nodes
+def _met(problem: ContactProblem, pairing: Pairing, stop: WearStop, strains: Sequence[tuple[Array, Array]]) -> _Met:
+    """Strains: motions (n, 3) of both bodies' nodes over the slip before and over that after."""
+    old, new, following, nodes = stop.begins, stop.state, stop.ends, pairing.nodes
     lever = levers(problem, new.drive, new.holder_x)[nodes]
     # Slip after a position is that of the points that face each other there, as slip before it is: friction work is
     # then that of the mean traction, also where points move into and out of a strained contact.
-    slip, later = _slips(problem, pairing, lever, states, strains)
+    legs = ((old, new), (new, following))
+    slip, later = (_slip(problem, pairing, lever, *leg, moved) for leg, moved in zip(legs, strains, strict=True))
     size = np.linalg.norm(slip, axis=1)
     traction = new.traction[nodes]
     pressure = np.einsum("ij,ij->i", traction, pairing.frames[:, 0, :])
     tangential = np.einsum("ij,ikj->ik", traction, pairing.frames[:, 1:, :])
     # Newton's method knows which nodes stick: what else moves a little is the bodies' strain along the motion.
-    still = new.primary_slid[nodes] == old.primary_slid[nodes]
+    still = new.primary_slid[nodes] == stop.approached.primary_slid[nodes]
     sticks = (pressure > 0.0) & still & (problem.law.limit(pressure) > 0.0)
     moving = ~sticks & (size > 0.0)
     direction = np.zeros_like(slip)
     direction[moving] = -slip[moving] / size[moving, None]
     everywhere = np.zeros(problem.primary.patch.size, dtype=bool)
     everywhere[nodes] = sticks
+    driven = 0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive))
     return _Met(
         pairing=pairing,
         lever=lever,
@@ -125,49 +119,63 @@ def _met(problem: ContactProblem, pairing: Pairing, states: tuple[ContactState, 
         stuck=np.where(sticks[:, None], tangential, 0.0),
         moved=(new.drive - old.drive) - (new.holder_x - old.holder_x),
         moves=(following.drive - new.drive) - (following.holder_x - new.holder_x),
-        driven=0.5 * (abs(new.drive - old.drive) + abs(following.drive - new.drive)),
+        driven=driven if stop.driven is None else stop.driven,
     )
 
 
-def _position(met: _Met, state: ContactState, sticks: BoolArray) -> Position:
+def _position(met: _Met, stop: WearStop, sticks: BoolArray) -> Position:
     """sticks: (n,) which of all the primary's nodes stick at the next position."""
+    after = np.where(sticks[met.pairing.nodes], 0.0, met.after)
+    load = met.pairing.areas * np.maximum(stop.state.traction[met.pairing.nodes, 2], 0.0)
+    own = 0.5 * float(load @ (met.before + after))
     return Position(
-        state=state,
+        state=stop.state,
         pairing=met.pairing,
         lever=met.lever,
         direction=met.direction,
         stuck=met.stuck,
         before=met.before,
-        after=np.where(sticks[met.pairing.nodes], 0.0, met.after),
+        after=after,
         moved=met.moved,
         moves=met.moves,
         driven=met.driven,
+        share=1.0 if stop.load_slip is None or own == 0.0 else stop.load_slip / own,
     )
 
 
 def _strains(
-    problem: ContactProblem, states: Sequence[ContactState], pairings: Sequence[Pairing]
-) -> tuple[Array, Array]:
-    """Displacements (steps, n, 3) of the primary and the secondary from each state to the next, where paired."""
-    forces = [np.array([of.primary_force for of in states]), np.array([of.secondary_force for of in states])]
-    reached = [pairing.nodes for pairing in pairings], [pairing.opposite.columns for pairing in pairings]
-    own, other = (
-        displaced(body, np.unique(np.concatenate(nodes)), np.diff(force, axis=0))
-        for body, nodes, force in zip((problem.primary, problem.secondary), reached, forces, strict=True)
+    problem: ContactProblem, stops: Sequence[WearStop], pairings: Sequence[Pairing]
+) -> list[list[tuple[Array, Array]]]:
+    """Displacements (n, 3) of the primary and the secondary before and after each stop, where paired."""
+    # The slip after a stop is mostly that before the next one.
+    every = [[(stop.begins, stop.state), (stop.state, stop.ends)] for stop in stops]
+    legs = {(id(old), id(new)): (old, new) for both in every for old, new in both}
+    changes = (
+        np.array([new.primary_force - old.primary_force for old, new in legs.values()]),
+        np.array([new.secondary_force - old.secondary_force for old, new in legs.values()]),
     )
-    return own, other
+    reached = [pairing.nodes for pairing in pairings], [pairing.opposite.columns for pairing in pairings]
+    moved = (
+        displaced(body, np.unique(np.concatenate(nodes)), change)
+        for body, nodes, change in zip((problem.primary, problem.secondary), reached, changes, strict=True)
+    )
+    known = dict(zip(legs, zip(*moved, strict=True), strict=True))
+    return [[known[id(old), id(new)] for old, new in both] for both in every]
 
 
-def _slips(
-    problem: ContactProblem, pairing: Pairing, lever: Array, states: Sequence[ContactState], strains: Sequence[Array]
-) -> list[Array]:
-    """Slips (k, 2) in the local tangents of what faces each other in a pairing, from each state to the next, mm."""
-    slips = []
-    for (old, new), own, other in zip(pairwise(states), *strains, strict=True):
-        elastic = own[pairing.nodes] + pairing.opposite.averaged(other) / pairing.areas[:, None]
-        motion = _relative_motion(problem, pairing, lever, old, new, elastic)
-        slips.append(np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :])))
-    return slips
+def _slip(
+    problem: ContactProblem,
+    pairing: Pairing,
+    lever: Array,
+    old: ContactState,
+    new: ContactState,
+    strains: tuple[Array, Array],
+) -> Array:
+    """Slip (k, 2) in the local tangents of what faces each other in a pairing, from one state to another, mm."""
+    own, other = strains
+    elastic = own[pairing.nodes] + pairing.opposite.averaged(other) / pairing.areas[:, None]
+    motion = _relative_motion(problem, pairing, lever, old, new, elastic)
+    return np.asarray(np.einsum("ij,ikj->ik", motion, pairing.frames[:, 1:, :]))
 
 
 def _relative_motion(

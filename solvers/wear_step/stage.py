@@ -249,12 +249,14 @@ def _halfway(one: tuple[Array, Array], other: tuple[Array, Array]) -> tuple[Arra
 
 
 def _slip_lengths(cycle: Cycle, stretch: tuple[Array, Array]) -> Array:
-    """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it.
+    """Slip (N,) in mm that each unknown's pressure stands for: half of that before and half of that after it, and of
+    positions that are left out as much as does the same work.
 
     stretch: (N,) factors on the slip before and after each position.
     """
     before, after = cycle.traced_slips
-    return np.asarray(0.5 * (stretch[0] * before + stretch[1] * after))
+    shares = np.array([position.share for position in cycle.positions])[cycle.orbits.position]
+    return np.asarray(0.5 * shares * (stretch[0] * before + stretch[1] * after))
 
 
 def _stretch(

@@ -5,7 +5,7 @@ The stages are those of Alexander's singly diagonal Runge-Kutta method of second
 (L-stability), and all its weights are positive, so that every depth is worn by work that was done.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -22,6 +22,7 @@ from solvers.fretting import CycleTrace
 from solvers.wear import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position, facing_nodes, orbits_of, positions_of
+from solvers.wear_step.places import WearStop, stops_of
 from solvers.wear_step.stage import StageSolution, solve_stage, worn_by
 from solvers.wear_step.strokes import mean_slip
 from solvers.wear_step.surfaces import Cycle
@@ -221,18 +222,19 @@ def jump_cycles(
     Raises NotConvergedError if no pressures were found that fit, and PatchLeftError if the contact has reached the edge
     of either patch.
     """
-    problem = problem_at(done, start.wear.energy_mJ)
-    states, across = trace.states, symmetry.across
-    nodes = [_with_images(facing_nodes(problem, state, _MARGIN), across) for state in states]
+    problem, across = problem_at(done, start.wear.energy_mJ), symmetry.across
+    passed = stops_of(start, trace, symmetry.half_cycle)
+    nodes = [_with_images(facing_nodes(problem, stop.state, _MARGIN), across) for stop in passed]
     work = symmetry.strokes * trace.friction_work
     for _ in range(_MOST_SEARCHES):
-        kept, cycle = _cycle(problem, start, states, nodes, symmetry, work)
+        kept, cycle = _cycle(problem, start.wear, passed, nodes, symmetry, work)
         stages = two_stages(problem_at, cycle, start, trace, done, cycles)
         worn = [state_at(stages, cycle, index) for index in range(len(cycle.positions))]
         missing = [_missing(stages.problem, of.nodes, state) for of, state in zip(cycle.positions, worn, strict=True)]
         if not any(len(found) for found in missing):
             _require_inside(stages.problem, cycle, stages.last)
-            return _outcome(stages, cycle, dict(zip(kept, worn, strict=True)), trace, symmetry)
+            at = [passed[k].increment for k in kept]
+            return _outcome(stages, cycle, dict(zip(at, worn, strict=True)), trace, symmetry)
         for k, more in zip(kept, missing, strict=True):
             if len(more):
                 nodes[k] = _with_images(np.union1d(nodes[k], more), across)
@@ -241,8 +243,8 @@ def jump_cycles(
 
 def _cycle(
     problem: ContactProblem,
-    start: ContactState,
-    states: tuple[ContactState, ...],
+    wear: WearState,
+    passed: Sequence[WearStop],
     nodes: list[IntArray],
     symmetry: Symmetry,
     work_mJ: float,
@@ -251,7 +253,7 @@ def _cycle(
 
     work_mJ: friction work of the whole cycle.
     """
-    every = positions_of(problem, start, states, nodes, symmetry.half_cycle)
+    every = positions_of(problem, passed, nodes, symmetry.half_cycle)
     kept = [k for k, own in enumerate(every) if own.slides or (k == len(every) - 1 and len(own.nodes))]
     positions = tuple(every[k] for k in kept)
     orbits = orbits_of(problem, positions, symmetry)
@@ -259,7 +261,7 @@ def _cycle(
         (problem.primary, problem.secondary), [position.pairing for position in positions], orbits.rows, symmetry.across
     )
     wearing = problem.wear.factor(_TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes))
-    return kept, Cycle(positions, orbits, influences, start.wear, symmetry.half_cycle, wearing, problem.layers)
+    return kept, Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The strokes of a traced cycle: where they end, and whether the bodies' strain takes much of their motion."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,7 +9,9 @@ from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
 from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
+from solvers.wear_path import sliding_increments
 from solvers.wear_step.orbits import Position
+from solvers.wear_step.places import worn_places
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
 
 # A cycle is closed when friction at its end differs from that at its start by this share of it, summed over the nodes.
@@ -42,7 +45,10 @@ def closed_trace(
         if cycle == _MOST_CYCLES - 1 or _friction_difference(problem, start, image) <= _CLOSURE:
             break
         start, guide = end, with_images(trace.guide, mirror)
-    return start, trace
+    if drive.steady:
+        return start, trace
+    count = sliding_increments(increments) // symmetry.strokes
+    return start, replace(trace, worn=worn_places(problem, trace, count))
 
 
 def _friction_difference(problem: ContactProblem, first: ContactState, second: ContactState) -> float:

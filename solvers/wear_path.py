@@ -1,0 +1,173 @@
+"""Where the increments of a cycle end by which surfaces wear.
+
+Between two places nothing wears, so they must lie closer together than the surfaces' elements. Both strokes share the
+surface: where the places of one are moved a quarter of their distance, those of the other, its mirror image, lie half
+way between them, and together they are twice as dense.
+
+The bodies slide by what the drive moves and the holder does not. Where the holder stands along a stroke is known from
+one before; else it is taken to spring back as far to the other side as it was carried along, and to stand still.
+
+Where load or bulk stress change within the cycle, the contact slides and sticks by them as well, on a rig that yields
+even against the drive. Such cycles are followed in shorter increments, and surfaces wear at the ends of some of them.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.contact_state import Guide, Stroke
+from solvers.drive import Drive, Path
+
+# Share of the stroke over which the bodies must move against each other for places to be spread over that.
+_LEAST_SLIDING_SHARE = 0.25
+# Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
+_STICK_INCREMENTS = 2
+_SHIFT = 0.25
+_FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves has begun to slide.
+# The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
+# for they yield elastically while they stick, and no nearer than that share of its way to either side.
+_STUCK_SHARE = 0.04
+# Increments of a cycle in which the load changes, over those at whose ends surfaces wear.
+_FINER = 4
+_LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
+# Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
+_APART = 0.3
+
+
+def cosine_places(amplitude_mm: float, increments: int) -> Array:
+    """Places at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
+
+    Mirrored in the middle, so that both quarters are the same to the last bit.
+    """
+    quarter = amplitude_mm * np.cos(0.5 * np.pi * np.arange(1, increments // 2 + 1) / (increments // 2))
+    quarter[-1] = 0.0
+    return np.concatenate([quarter, -quarter[-2::-1], [-amplitude_mm]])
+
+
+def traced_path(
+    drive: Drive, side: float, holder_x_mm: float, increments: int, guide: Guide | None, *, half: bool
+) -> Path:
+    """The path of a cycle by which surfaces wear, or of its first half, from side x amplitude on.
+
+    holder_x_mm: where the holder stands there.  increments: of a cycle, at whose ends surfaces wear.  guide: of a
+    similar cycle.
+    """
+    count, strokes = increments // 2, list[Path]()
+    worn = None if drive.steady or guide is None else _evenly_slid(drive, increments, guide)
+    for own in (side,) if half else (side, -side):
+        before = None if guide is None else guide.stroke(own)
+        if drive.steady:
+            places = own * wear_path(drive.amplitude_mm, own * holder_x_mm, count, before)
+        else:
+            places = own * cosine_places(drive.amplitude_mm, _FINER * count)
+            places = places if worn is None else _with_places(places, worn[own])
+        strokes.append(drive.stroke(own, places))
+        holder_x_mm = -holder_x_mm if before is None else own * float(before.holder_x[-1])
+    return strokes[0] if half else strokes[0] + strokes[1]
+
+
+@dataclass(frozen=True)
+class WornPlaces:
+    """Those k of a traced cycle's increments at whose ends surfaces wear, for the others as well."""
+
+    increments: IntArray  #: (k,) increasing.
+    load_slip: Array  #: (k,) integral of the load over the slip of which each stands for, N mm.
+    driven: Array  #: (k,) what the drive moves while the bodies slide of which each stands for, mm.
+
+
+def spread_over_slip(slip: Array, weight: Array, count: int) -> Array:
+    """Where in m increments surfaces are to wear, each place a number of increments from the start.
+
+    About so many, evenly over the slip in either direction as in `wear_path`, and one where it ends.
+    slip: (m,) of each increment, signed, mm.  weight: (m,) by which lengths count.
+    """
+    length, places = np.abs(slip) * weight * slides(slip), list[float]()
+    sliding = np.flatnonzero(length)
+    for own in np.split(sliding, 1 + np.flatnonzero(np.diff(np.sign(slip[sliding])))) if len(sliding) else ():
+        passed = np.cumsum(length[own])
+        own_count = round(count * float(passed[-1] / length.sum()))
+        wanted = float(passed[-1]) * (np.arange(own_count) + _SHIFT) / max(own_count, 1)
+        at = np.searchsorted(passed, wanted)
+        places += [*(own[at] + 1.0 - (passed[at] - wanted) / length[own[at]]), own[-1] + 1.0]
+    return np.array(places)
+
+
+def slides(slip: Array) -> BoolArray:
+    """Which of a cycle's increments (m,) slide by more than next to nothing."""
+    return np.asarray(np.abs(slip) > _LEAST_SLIP * float(np.abs(slip).sum()))
+
+
+def sliding_increments(increments: int) -> int:
+    """By how many of a cycle's increments surfaces wear."""
+    return increments - 2 * _STICK_INCREMENTS
+
+
+def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Array]:
+    """Places of the strokes from either side on, in mm, evenly over the slip of a guide of the whole cycle."""
+    time = drive.waveform.times(guide.drive / drive.amplitude_mm, guide.phase)
+    slip = np.diff(guide.drive - guide.holder_x, prepend=guide.drive[-1] - guide.holder_x[-1])
+    found = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
+    places = np.interp(found, np.arange(len(time) + 1), np.append(guide.drive[-1], guide.drive))
+    falling = found <= np.count_nonzero(guide.phase <= 0.5)
+    return {1.0: places[falling], -1.0: places[~falling]}
+
+
+def _with_places(places: Array, others: Array) -> Array:
+    """Places along a stroke (m,) and others (k,) between them, without those that lie next to one of these."""
+    step, direction = _APART * np.abs(np.gradient(places)), float(np.sign(places[-1]))
+    fixed = (places == 0.0) | (np.arange(len(places)) == len(places) - 1)
+    inside = np.abs(np.subtract.outer(others, places[fixed])).min(axis=1) > float(step.min())
+    others = others[inside & (np.abs(others) < np.abs(places[-1]))]
+    near = np.abs(np.subtract.outer(places, others)).min(axis=1, initial=np.inf) < step
+    return np.asarray(direction * np.unique(direction * np.concatenate([places[fixed | ~near], others])))
+
+
+def wear_path(amplitude_mm: float, holder_x_mm: float, increments: int, before: Stroke | None = None) -> Array:
+    """Drive at the ends of the increments of half a cycle from +amplitude to -amplitude, shape (increments,).
+
+    holder_x_mm: by how much the contact has carried the holder along at +amplitude.  before: a similar stroke.
+    """
+    carried = min(max(holder_x_mm, 0.0), amplitude_mm)
+    slides = amplitude_mm - carried
+    if slides < _LEAST_SLIDING_SHARE * amplitude_mm or increments < 2 * _STICK_INCREMENTS:
+        steps = np.cos(np.pi * np.arange(1, increments + 1) / increments)
+        steps[-1] = -1.0
+        return amplitude_mm * np.asarray(steps)
+    count = increments - _STICK_INCREMENTS
+    places, stuck = _places(amplitude_mm, carried, count, before)
+    between = amplitude_mm - places[0]
+    stuck = min(max(stuck, places[0] + _STUCK_SHARE * between), amplitude_mm - _STUCK_SHARE * between)
+    return np.concatenate([[stuck], places, [-amplitude_mm]])
+
+
+def _places(amplitude: float, carried: float, count: int, before: Stroke | None) -> tuple[Array, float]:
+    """Places (count,) along the slip, and where the contact still sticks."""
+    shares = (np.arange(count) + _SHIFT) / count
+    if before is None:
+        places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
+        return places, 0.5 * (amplitude + float(places[0]))
+    drive, holder = _with_knee(np.append(amplitude, before.drive), np.append(carried, before.holder_x))
+    # Round-off and creep must not let the bodies seem to slide back.
+    apart = np.minimum.accumulate(drive - holder)
+    start, end = float(apart[0]), float(apart[-1])
+    wanted = start - (start - end) * np.append(_STUCK_SHARE / count, shares)
+    found = -np.interp(-wanted, -apart, -drive)
+    return found[1:], float(found[0])
+
+
+def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:
+    """The stroke with the place at which sliding begins, where the holder that follows the drive meets the line on
+    which it stands while the bodies slide; increments of the stroke may be long.
+    """
+    ahead = np.append(True, np.diff(drive) < 0.0)
+    drive, holder = drive[ahead], holder[ahead]
+    rates = np.diff(holder) / np.diff(drive)
+    knee = int(np.argmax(rates < _FOLLOWS))
+    if rates[knee] >= _FOLLOWS or knee + 1 == len(rates):
+        return drive, holder
+    slope = float(np.clip(rates[knee + 1], -0.5, 0.5))
+    along = holder[knee + 1] - slope * drive[knee + 1] - holder[knee] + drive[knee]
+    place = float(np.clip(along / (1.0 - slope), drive[knee + 1], drive[knee]))
+    stands = holder[knee] + place - drive[knee]
+    return np.insert(drive, knee + 1, place), np.insert(holder, knee + 1, stands)

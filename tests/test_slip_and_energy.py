@@ -1,0 +1,83 @@
+"""Slip, energy and wear of loops against a slider on a spring: loads that change, rigs that yield, free play."""
+
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+
+from wirewear import RunResult
+from wirewear.reference import SliderLoop, slider_loop
+from wirewear.simulation import simulate
+from wirewear.study import Study, study_from_tables
+
+LOAD_N, FRICTION, AMPLITUDE_um, COEFFICIENT = 5.0, 0.5, 42.0, 1e-9
+#: Each with the stiffness of its rig and the test's length.
+LOADS: dict[str, tuple[dict[str, Any], float | str, int]] = {
+    "behind the drive": ({"amplitude_share": 0.6, "lag_deg": 270.0}, 100.0, 3),
+    "twice a cycle": ({"amplitude_share": 0.6, "lag_deg": 60.0, "frequency_ratio": 2}, 100.0, 2000),
+    "of a table": ({"points": [[0.0, 0.4], [0.3, 1.6], [0.4, 0.3], [0.8, 1.2], [1.0, 0.4]]}, 400.0, 20),
+    "that opens": ({"amplitude_share": 1.3, "lag_deg": 200.0}, 250.0, 1),
+    "on a rigid rig": ({"amplitude_share": 0.6, "lag_deg": 120.0}, "rigid", 1),
+}
+
+
+def study(load: dict[str, Any] | None, stiffness: float | str, cycles: int, **conditions: Any) -> Study:
+    """A ball on a flat that wears so little that its shape stays."""
+    changing = {} if load is None else {"load_cycle": load}
+    tables = {
+        "format": 1,
+        "name": "on a rig",
+        "kind": "ball-on-flat",
+        "bodies": {"ball": {"diameter_mm": 6.35, "material": "steel"}, "flat": {"material": "steel"}},
+        "conditions": {"normal_load_N": LOAD_N, "displacement_amplitude_um": AMPLITUDE_um, "frequency_Hz": 10.0}
+        | {"cycles": cycles, **changing, **conditions},
+        "contact": {"friction": FRICTION},
+        "wear": {"energy_wear_coefficient_mm3_per_J": COEFFICIENT},
+        "holder": {"tangential_stiffness_N_per_mm": stiffness},
+        "log": {"loop_cycles": [1, cycles], "contact_states": 0},
+    }
+    return study_from_tables(tables, "on a rig")
+
+
+@cache
+def run(load: str) -> RunResult:
+    return simulate(study(*LOADS[load]), fidelity="quick")
+
+
+@cache
+def contact_um() -> tuple[float, float]:
+    """By how much the contact's own compliance makes slip, and energy over that of so much slip, less: by a loop under
+    a load that stays, on a rigid rig.
+    """
+    result = simulate(study(None, "rigid", 1), fidelity="quick")
+    energy_um = 250.0 * result.evolution["dissipated_energy_mJ"][0] / (FRICTION * LOAD_N)
+    return AMPLITUDE_um - result.evolution["slip_amplitude_um"][0], AMPLITUDE_um - energy_um
+
+
+def slider(load: str, amplitude_um: float = AMPLITUDE_um, contact: float = 0.0) -> SliderLoop:
+    """The slider's loop, with the contact's compliance in mm/N put to the spring's."""
+    cycle, stiffness, _ = LOADS[load]
+    if "points" in cycle:
+        times, shares = np.array(cycle["points"]).T
+    else:
+        times = np.linspace(0.0, 1.0, 2001)
+        lag, ratio = np.radians(cycle["lag_deg"]), cycle.get("frequency_ratio", 1)
+        shares = np.maximum(1.0 + cycle["amplitude_share"] * np.cos(2.0 * np.pi * ratio * times - lag), 0.0)
+    rig = 0.0 if isinstance(stiffness, str) else 1.0 / stiffness
+
+    def limit(time: Any) -> Any:
+        return FRICTION * LOAD_N * np.interp(time, times, shares)
+
+    return slider_loop(1e-3 * amplitude_um, limit, rig + contact)
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("load", LOADS)
+def test_the_energy_that_wears_is_that_of_the_loops_whatever_the_load_and_the_rig(load: str) -> None:
+    evolution = run(load).evolution
+    cycles, energy_mJ = LOADS[load][2], 1e3 * evolution["accumulated_energy_J"][-1]
+    assert energy_mJ == pytest.approx(cycles * evolution["dissipated_energy_mJ"][-1], rel=3e-3)
+    expected = slider(load, contact=1e-3 * contact_um()[1] / (FRICTION * LOAD_N)).energy_mJ
+    assert energy_mJ == pytest.approx(cycles * expected, rel=5e-3)
+    assert run(load).worn_volume_mm3[-1] == pytest.approx(1e-3 * COEFFICIENT * energy_mJ, rel=1e-9)
