@@ -37,7 +37,8 @@ def study(load: dict[str, Any] | None, stiffness: float | str, cycles: int, **co
         "holder": {"tangential_stiffness_N_per_mm": stiffness},
         "log": {"loop_cycles": [1, cycles], "contact_states": 0},
     }
-    return study_from_tables(tables, "on a rig")
+    made: Study = study_from_tables(tables, "on a rig")
+    return made
 
 
 @cache
