@@ -290,18 +290,11 @@ def _seconds(field: str) -> float | None:
 
 
 def _running(clock: Array) -> Array:
-    """Times of day (n,) as times that go on past midnight, evenly between the ticks of a clock with coarse ones."""
+    """Times of day (n,) as times that go on past midnight."""
     known = np.flatnonzero(np.isfinite(clock))
     time = clock.copy()
     time[known] = np.unwrap(clock[known], period=_DAY_s)
-    ticks = np.diff(time[known])
-    changes = known[1:][ticks > 0.0]
-    if changes.size < 2 or changes.size == ticks.size or np.any(ticks < 0.0):
-        return time
-    slope, start = np.polyfit(changes.astype(float), time[changes], 1)
-    places = np.arange(clock.size, dtype=float)
-    even: Array = start + slope * places
-    return even if float(np.abs(even[changes] - time[changes]).max()) <= 1.5 * float(ticks.max()) else time
+    return time
 
 
 def decoded(path: Path) -> tuple[bytes, str | None]:

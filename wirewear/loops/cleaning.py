@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from geometry.arrays import Array
+from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import MOST_CYCLES, WHOLE, cycle_starts, cycles_between, outline, signal_among, turns_of
 from wirewear.loops.drive import Drift, drift_of, rough, smooth_periodic
 from wirewear.loops.figures import LoopError
@@ -117,9 +118,14 @@ def clean_loop(
     time = np.arange(count, dtype=float) if time_s is None else _channel(time_s, "time_s", count)
     _require_change(displacement, "displacement_um")
     _require_change(force, "tangential_force_N")
+    clock = read_clock(time, displacement, force)
+    if clock.time_s is None:
+        time_s, time = None, np.arange(count, dtype=float)
+    else:
+        time = clock.time_s
     _require_change(time - time[0], "time_s")
 
-    notes = _clipping_notes(displacement, force)
+    notes = [*([clock.note] if clock.note else []), *_clipping_notes(displacement, force)]
     if normal is not None and clipped(normal, beside=displacement) is not None:
         normal, notes = None, [*notes, NORMAL_CLIPPED]
     joined = outline(displacement, force) if time_s is None else None

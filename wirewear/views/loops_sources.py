@@ -15,6 +15,7 @@ from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
 from wirewear.base.reading import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.loops.cleaning import FEWEST_SAMPLES
+from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import outline, split_cycles
 from wirewear.records import read_record
 from wirewear.records.columns import column_names
@@ -176,6 +177,11 @@ def _loops(
 ) -> Iterator[SampledLoop]:
     if "cycles" in channels and "cycle" not in channels:
         channels["cycle"] = channels["cycles"] + 1.0
+    if "time_s" in channels:
+        clock = read_clock(channels["time_s"], channels["displacement_um"], channels["tangential_force_N"])
+        remarks = (*remarks, clock.note) if clock.note else remarks
+        channels = {key: own for key, own in channels.items() if key != "time_s"}
+        channels |= {} if clock.time_s is None else {"time_s": clock.time_s}
     count = len(channels["displacement_um"])
     keys = {key: channels.get(key, np.ones(count)) for key in ("repeat", "cycle")}
     require_recorded(path, **keys)

@@ -11,6 +11,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError
+from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.drive import period_of, series
 from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, mapped_columns, shut
@@ -51,7 +52,12 @@ def conditions_of(
         x = x[np.isfinite(x)]
         if x.size < FEWEST or np.ptp(x) <= 0.0:
             raise RecordError(f"{text.path}: {x.size} complete samples of a displacement tell no loop.")
-        found, doubt = frequency_of(columns, source)
+        columns, clock = _clocked(columns)
+        remarks += [f"{text.path.name}: {clock.note}"] if clock.note else []
+        if "time_s" not in columns and ("cycle" in columns or not clock.gaps):
+            closed.pop("time_s", None)
+            source["columns"].pop("time_s", None)
+        found, doubt = frequency_of(columns, source, clock.doubt_s)
         if "frequency_Hz" not in known and _without_unit(text) and found and not _RIGS_Hz[0] <= found <= _RIGS_Hz[1]:
             source["columns"]["time_s"]["unit"] = OPEN
             remarks.append(f"{found:g} cycles in a unit of the column of time are none a second: which unit is it?")
@@ -78,6 +84,16 @@ def conditions_of(
     return conditions, signs, [*(one for one in (remark, other) if one), *remarks]
 
 
+def _clocked(columns: dict[str, Array]) -> tuple[dict[str, Array], Clock]:
+    """Columns with the times behind their clock, or without any where it does not tell them; and the clock."""
+    time, x = columns.get("time_s"), columns["displacement_um"]
+    if time is None or time.shape != x.shape:
+        return columns, Clock(time)
+    clock = read_clock(time.ravel(), x.ravel(), columns["tangential_force_N"].ravel())
+    rest = {key: own for key, own in columns.items() if key != "time_s"}
+    return rest | ({} if clock.time_s is None else {"time_s": clock.time_s.reshape(x.shape)}), clock
+
+
 def _without_unit(text: GuessedFile) -> bool:
     return "time_s" in text.columns and not text.columns["time_s"][1]
 
@@ -92,15 +108,19 @@ def _loops(
 ) -> list[MeasuredLoop]:
     """The loops as the import will read them, in the file's own numbers where a unit is open."""
     whole = LoopSource(**source | {"columns": {key: shut(own) for key, own in source["columns"].items()}})
-    number = frequency if isinstance(frequency, int | float) else np.nan
-    loops = [loop.complete for loop in loops_of(text.path, whole, number, length_mm)]
+    # Without times, loops are split where the drive turns, whatever a cycle lasts.
+    unknown = np.nan if "time_s" in source["columns"] or "sample_rate_Hz" in source else 1.0
+    number = frequency if isinstance(frequency, int | float) else unknown
+    loops = [loop.complete for loop in loops_of(text.path, whole, number, length_mm)[0]]
     return [loop for loop in loops if loop.time_s.size]
 
 
-def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> tuple[float | None, str]:
+def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
     """Cycles a second: of a log of many cycles by their starts, of one by its length; None where no time is told.
 
     And what stands against numbering cycles by it, if anything.
+
+    doubt_s: by how much times on either side of a gap may be off each other.
     """
     x = columns["displacement_um"]
     time = columns.get("time_s")
@@ -120,9 +140,8 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> tuple[flo
         steps = np.diff(time)
         usual = float(np.median(steps) * np.median([part.stop - part.start for part in parts]))
         gaps = np.flatnonzero(steps > 0.5 * usual) + 1
-        # A clock coarser than the samples tells no gaps.
-        if gaps.size and usual > 0.0:
-            return _across_gaps(np.split(x, gaps), np.split(time, gaps))
+        if gaps.size:
+            return _across_gaps(np.split(x, gaps), np.split(time, gaps), doubt_s)
         if len(parts) > 2:
             starts = time[[part.start for part in parts]]
             return _rounded(float(np.polyfit(np.arange(starts.size), starts, 1)[0]), 6), ""
@@ -131,7 +150,7 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any]) -> tuple[flo
     return _rounded(float(np.median(spans)), 6) if spans else None, ""
 
 
-def _across_gaps(pieces: Sequence[Array], times: Sequence[Array]) -> tuple[float | None, str]:
+def _across_gaps(pieces: Sequence[Array], times: Sequence[Array], doubt_s: float) -> tuple[float | None, str]:
     """The same of displacements in pieces of a log: by their cycles, and where the next gap is known well enough to be
     a whole number of these, by it.
     """
@@ -140,6 +159,7 @@ def _across_gaps(pieces: Sequence[Array], times: Sequence[Array]) -> tuple[float
     period = float(np.median(periods))
     quarter, rest = np.percentile(periods, [25.0, 75.0])
     unsure = max(float(rest - quarter), 0.5 * float(np.median(np.diff(whole[0][1])))) / period
+    off = doubt_s / period
     starts, numbers = list[float](), [0]
     for x, t in whole:
         sine, cosine = np.linalg.lstsq(series(t, period, 1), x, rcond=None)[0][-1:-3:-1]
@@ -147,7 +167,7 @@ def _across_gaps(pieces: Sequence[Array], times: Sequence[Array]) -> tuple[float
         if len(starts) == 1:
             continue
         ahead = (starts[-1] - starts[-2]) / period
-        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead))) > UNTOLD:
+        if max(unsure * ahead / max(numbers[-1], 1), abs(ahead - round(ahead)) + off) > UNTOLD:
             about = _rounded(float(np.median(periods)), 3)
             told = f"the cycles within the pieces of the log, some {about:g} a second, do not tell how many lie between"
             return about, f"{told} them: --frequency does it, as exactly as it is known"

@@ -14,6 +14,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
+from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import outline, split_cycles
 from wirewear.loops.sensor import enclosed_area
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, WIDTH_in, depth_scale, new_figure, save
@@ -214,9 +215,11 @@ def mapped_loops(
     Raises RecordError if a file cannot be read or lacks something, or a loop is there twice.
     """
     home = mapping_path.parent
-    loops = [
-        loop for file in sources.files_of(source, home) for loop in loops_of(file, source, frequency_Hz, length_mm)
-    ]
+    loops, told = list[MeasuredLoop](), list[str]()
+    for file in sources.files_of(source, home):
+        own, notes = loops_of(file, source, frequency_Hz, length_mm)
+        loops += own
+        told += [note for note in notes if note not in told]
     loops.sort(key=lambda loop: (loop.repeat, loop.cycle))
     for one, other in pairwise(loops):
         if (one.repeat, one.cycle) == (other.repeat, other.cycle):
@@ -227,8 +230,8 @@ def mapped_loops(
     turned = 2 * sum(drives_motion(loop.complete) for loop in loops) > len(loops)
     if turned:
         loops = [replace(loop, tangential_force_N=-loop.tangential_force_N) for loop in loops]
-    pressed, notes = pressing(loops)
-    return pressed, (*((TURNED,) if turned else ()), *notes)
+    pressed, of_load = pressing(loops)
+    return pressed, (*told, *((TURNED,) if turned else ()), *of_load)
 
 
 def drives_motion(loop: MeasuredLoop) -> bool:
@@ -245,8 +248,8 @@ def drives_motion(loop: MeasuredLoop) -> bool:
 
 def loops_of(
     file: Path, source: LoopSource, frequency: float, length_mm: float | None = None
-) -> Iterator[MeasuredLoop]:
-    """The loops of one file as they stand there; `length_mm` as of `mapped_loops`.
+) -> tuple[list[MeasuredLoop], tuple[str, ...]]:
+    """The loops of one file as they stand there, and notes on them; `length_mm` as of `mapped_loops`.
     Raises RecordError if the file cannot be read or lacks something.
     """
     named = sources.numbers_in_name(file, source)
@@ -256,7 +259,12 @@ def loops_of(
         columns["cycle"] = source.first_cycle + columns["cycles"]
     count = columns["displacement_um"].size
     repeat = columns.get("repeat", np.full(count, float(named.get("repeat", source.repeat))))
-    time = columns.get("time_s")
+    time, note = columns.get("time_s"), ""
+    if time is not None:
+        clock = read_clock(time, columns["displacement_um"], columns["tangential_force_N"])
+        time, note = clock.time_s, clock.note
+        if clock.gaps and "cycle" not in named.keys() | columns.keys():
+            raise RecordError(f"{file}: {note}, nor how many cycles lie in its gaps: give a column cycle.")
     if time is None and source.sample_rate_Hz is not None:
         time = np.arange(count) / source.sample_rate_Hz
     if "cycle" in columns:
@@ -277,16 +285,20 @@ def loops_of(
     if "cycle" not in columns and "cycle" not in named and time is not None:
         usual = float(np.median([part.size for part in parts]))
         parts = [part for part in parts if part.size >= WHOLE_CYCLE * usual]
+    loops = []
     for part in parts:
         own = np.arange(part.size) / (part.size * frequency) if time is None else time[part] - time[part[0]]
-        yield MeasuredLoop(
-            repeat=int(repeat[part[0]]),
-            cycle=int(cycle[part[0]]),
-            time_s=own,
-            displacement_um=columns["displacement_um"][part],
-            tangential_force_N=columns["tangential_force_N"][part],
-            normal_force_N=columns["normal_force_N"][part] if "normal_force_N" in columns else None,
+        loops.append(
+            MeasuredLoop(
+                repeat=int(repeat[part[0]]),
+                cycle=int(cycle[part[0]]),
+                time_s=own,
+                displacement_um=columns["displacement_um"][part],
+                tangential_force_N=columns["tangential_force_N"][part],
+                normal_force_N=columns["normal_force_N"][part] if "normal_force_N" in columns else None,
+            )
         )
+    return loops, ((f"{file.name}: {note}",) if note else ())
 
 
 def in_rows(file: Path, columns: dict[str, Array]) -> dict[str, Array]:

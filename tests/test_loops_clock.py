@@ -1,0 +1,106 @@
+"""Clocks that are coarser than the samples: all of these are used, with times set evenly between the ticks."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from geometry.arrays import Array
+from tests.synthetic_loops import Recipe, SyntheticLoop
+from wirewear.base.errors import RecordError
+from wirewear.loops import analyse_loop
+from wirewear.loops.clock import read_clock
+from wirewear.records.importing import guessing, import_record
+from wirewear.views.loops_sources import read_loops
+
+RATE_Hz, FREQUENCY_Hz = 600.0, 3.0
+LOOP = SyntheticLoop(Recipe(friction=0.6, contact_stiffness=1e6))
+
+
+def logged(
+    starts: Sequence[int], cycles: int, tick_s: float, begin_s: float = 0.0
+) -> tuple[Array, Array, Array, Array]:
+    """The time that a clock shows, displacement, force and the true time of cycles that were logged in pieces."""
+    samples = round(RATE_Hz / FREQUENCY_Hz)
+    _, x, force = LOOP.sampled(samples)
+    random = np.random.default_rng(3)
+    time = np.concatenate([start / FREQUENCY_Hz + np.arange(cycles * samples) / RATE_Hz for start in starts]) + begin_s
+    x, force = (np.tile(own, cycles * len(starts)) for own in (x, force))
+    x, force = x + 0.1 * random.standard_normal(x.size), force + 0.005 * random.standard_normal(x.size)
+    return tick_s * np.floor(time / tick_s + 1e-6), x, force, time
+
+
+def written(folder: Path, *columns: Array) -> Path:
+    head, path = "Time (s),Displacement (um),Force (N)\n", folder / "log.csv"
+    path.write_text(head + "\n".join(",".join(f"{one:.8g}" for one in row) for row in zip(*columns, strict=True)))
+    return path
+
+
+def guess(path: Path, **known: Any) -> guessing.GuessedMapping:
+    known = {"diameter_mm": 0.45, "normal_load_N": 2.0} | known
+    elastic = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+    return guessing.guessed_mapping([path], known, guessing.crossed_wires(known, elastic))
+
+
+@pytest.mark.parametrize("tick", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize("begin", [0.0, 0.137])
+def test_all_samples_of_a_coarse_clock_are_used(tmp_path: Path, tick: float, begin: float) -> None:
+    shown, x, force, true = logged([0], 10, tick, begin)
+    clock = read_clock(shown, x, force)
+    assert clock.time_s is not None
+    assert np.ptp(clock.time_s - true) < 0.5 / RATE_Hz
+    loops = read_loops(written(tmp_path, shown, x, force), normal_load="2")
+    assert len(loops) == 10
+    for loop in loops:
+        assert any("times were set evenly" in note for note in loop.notes)
+        figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, 2.0, time_s=loop.time_s)
+        assert not figures.outlier_samples
+        assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.005)
+
+
+@pytest.mark.parametrize("tick", [0.01, 0.1, 1.0])
+def test_one_cycle_of_a_coarse_clock_is_analysed_whole(tick: float) -> None:
+    shown, x, force, _ = logged([0], 1, tick)
+    figures = analyse_loop(x, force, 2.0, time_s=shown)
+    assert not figures.outlier_samples
+    assert figures.dissipated_energy_mJ.value == pytest.approx(LOOP.energy_mJ, rel=0.005)
+    assert any("clock" in note for note in figures.notes)
+
+
+@pytest.mark.parametrize("tick", [0.01, 0.1, 1.0])
+@pytest.mark.parametrize("starts", [(0,), (0, 99, 999)])
+def test_a_coarse_clock_tells_frequency_and_cycles_also_across_gaps(
+    tmp_path: Path, tick: float, starts: tuple[int, ...]
+) -> None:
+    found = guess(written(tmp_path, *logged(starts, 9, tick)[:3]))
+    assert found.tables["conditions"]["frequency_Hz"] == pytest.approx(FREQUENCY_Hz, rel=1e-4)
+    assert any("times were set evenly" in told for told in found.remarks)
+    (tmp_path / "mapping.toml").write_text(guessing.mapping_text(found))
+    record = import_record(tmp_path / "mapping.toml")
+    assert record.cycles == tuple(start + 1 + cycle for start in starts for cycle in range(9))
+    assert all(loop.time_s.size == 200 for loop in record.loops)
+    assert any("times were set evenly" in note for note in record.notes)
+
+
+@pytest.mark.parametrize("starts", [(0, 99, 999), (0, 7, 20, 60)])
+def test_pieces_shorter_than_two_ticks_are_refused_with_a_sentence(tmp_path: Path, starts: tuple[int, ...]) -> None:
+    path = written(tmp_path, *logged(starts, 4, 1.0)[:3])
+    with pytest.raises(RecordError, match=r"of 1 s, are too coarse to tell .* in its gaps: give a column cycle"):
+        guess(path)
+    assert len(read_loops(path)) == 4 * len(starts)
+
+
+def test_a_short_log_whose_clock_tells_nothing_is_read_without_it(tmp_path: Path) -> None:
+    found = guess(written(tmp_path, *logged([0], 4, 1.0)[:3]))
+    assert "time_s" not in found.tables["loops"]["columns"]
+    assert (found.tables["conditions"]["frequency_Hz"], found.tables["conditions"]["cycles"]) == ("?", 4)
+    assert any("too coarse to tell how fast" in told for told in found.remarks)
+
+
+def test_rows_that_were_written_twice_are_no_coarse_clock() -> None:
+    shown, x, force, _ = logged([0], 1, 1.0 / RATE_Hz)
+    twice = [np.repeat(own, 2) for own in (shown, x, force)]
+    assert read_clock(*twice).note == ""
+    assert len(analyse_loop(twice[1], twice[2], time_s=twice[0]).outlier_samples) == x.size
