@@ -157,6 +157,7 @@ def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServe
         page.open(server.url)
         dropped = json.dumps(logged())
         page.value(f"put([new File([{dropped}], 'cycle100.csv')])")
+        choose_kind(page, "crossed-wires")
         for flag, value in (("diameter", "0.45"), ("normal-load", "2"), ("cycles", "100")):
             page.value(f"document.querySelector('#step-guess [data-flag=\"--{flag}\"]').value = '{value}'")
         for name in ("guess", "look", "import", "check", "loops"):
@@ -168,6 +169,35 @@ def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServe
         page.open(server.url, 390, 800, phone=True)
         assert page.value(TOO_WIDE) == []
     assert (desk.folder / "record" / "experiment.toml").is_file()
+
+
+def choose_kind(page: Page, kind: str) -> None:
+    chosen = "document.querySelector('#step-guess [data-flag=\"--kind\"]')"
+    page.value(f"{chosen}.value = '{kind}'; {chosen}.dispatchEvent(new Event('change', {{bubbles: true}}))")
+
+
+@pytest.mark.seconds
+@needs_browser
+def test_the_page_presets_no_kind_of_contact_names_units_and_speaks_of_no_option_of_a_command_line(
+    server: DeskServer,
+) -> None:
+    server.desk.add("test.csv", HEADER.encode())
+    go, labels = "document.querySelector('#step-guess button')", "[...document.querySelectorAll('#step-guess label')]"
+    visible = f"{labels}.filter(one => !one.hidden).map(one => one.textContent)"
+    with browser() as page:
+        page.open(server.url)
+        assert page.value(f"{go}.disabled")
+        choose_kind(page, "ball-on-flat")
+        wait_for(page, f"!{go}.disabled")
+        shown = page.value(visible)
+        assert any("diameter [mm]" in one for one in shown)
+        assert not any(one.endswith("length") or "length [mm]" in one for one in shown)
+        choose_kind(page, "cylinder-on-flat")
+        wait_for(page, f"{visible}.some(one => one.includes('length [mm]'))")
+        assert not any("diameter [mm]" in one for one in page.value(visible))
+        assert "--" not in page.value("document.body.innerText")
+        assert page.value("forPage('say --pad-material NAME')") == "say “pad material” NAME"
+        assert not page.problems
 
 
 def begun(page: Page, desk: Desk, name: str) -> None:

@@ -8,6 +8,16 @@ const made = (kind, values = {}, ...inside) => {
 };
 const WORDS = { idle: "", running: "running", done: "done", failed: "failed" };
 const shown = new Map();
+// Units by what a command calls a value; what the kinds of contact are called, and options that only some of them have.
+const UNITS = { MM: "mm", UM: "µm", N: "N", HZ: "Hz", DEG: "°", GB: "GB", MPa: "MPa", UM_PER_N: "µm/N", mm3: "mm³", "mm3/J": "mm³/J" };
+const KINDS = { "crossed-wires": "two wires that cross", "ball-on-flat": "ball on flat", "cylinder-on-flat": "cylinder on flat",
+  "line-contact": "flat with rounded edges on flat", "point-contact": "two other bodies" };
+const LINES = ["cylinder-on-flat", "line-contact"];
+const ONLY = { "--length": LINES, "--radius": LINES, "--face-half-width": LINES, "--edge-radius": LINES, "--pad-material": [...LINES, "ball-on-flat"],
+  "--diameter": ["crossed-wires", "ball-on-flat"], "--crossing-angle": ["crossed-wires"] };
+const named = flag => flag.replace(/^-+/, "").replaceAll("-", " ");
+// On a page, an option of the command line is a field.
+const forPage = text => text.replace(/--([a-z][a-z-]*)/g, (_, name) => `“${named(name)}”`);
 
 async function ask(method, place, body) {
   const answer = await fetch(place, { method, body });
@@ -24,17 +34,27 @@ async function put(files) {
 }
 
 function option(one) {
+  const unit = UNITS[one.hint], asked = one.flag === "--kind";
   const input = one.choices
-    ? made("select", {}, made("option", { value: "", textContent: "as it is" }), ...one.choices.map(c => made("option", { value: c, textContent: c })))
-    : made("input", one.hint === null ? { type: "checkbox" } : { type: "text", placeholder: one.hint });
+    ? made("select", {}, made("option", { value: "", textContent: asked ? "choose" : "as it is" }), ...one.choices.map(c => made("option", { value: c, textContent: (asked && KINDS[c]) || c })))
+    : made("input", one.hint === null ? { type: "checkbox" } : { type: "text", placeholder: unit ? "" : one.hint.replace(/^(integer|float)( range)?$/, "number") });
   input.dataset.flag = one.flag;
-  return made("label", {}, input, `${one.flag.replace(/^-+/, "").replaceAll("-", " ")}: ${one.help}`);
+  return made("label", {}, input, `${asked ? "what touches" : named(one.flag)}${unit ? ` [${unit}]` : ""}: ${asked ? "choose it first." : forPage(one.help)}`);
+}
+
+// A step that asks for the kind of contact waits until it is chosen, and then shows what that kind has.
+function fitKind(parts) {
+  const kind = parts.own.querySelector("[data-flag='--kind']");
+  if (!kind) return true;
+  for (const input of parts.own.querySelectorAll("[data-flag]"))
+    input.parentElement.hidden = !!kind.value && !(ONLY[input.dataset.flag] ?? [kind.value]).includes(kind.value);
+  return !!kind.value;
 }
 
 function chosen(section) {
   const values = {};
   for (const input of section.querySelectorAll("[data-flag]"))
-    values[input.dataset.flag] = input.type === "checkbox" ? input.checked : input.value;
+    if (!input.parentElement.hidden) values[input.dataset.flag] = input.type === "checkbox" ? input.checked : input.value;
   return JSON.stringify(values);
 }
 
@@ -49,6 +69,7 @@ function section(step) {
     ask("PUT", "steps/" + step.name, chosen(own));
   };
   parts.end.onclick = () => ask("PUT", "stop");
+  own.onchange = () => ask("GET", "state");
   own.append(made("h2", { textContent: step.title }), parts.begin, parts.end, parts.state, parts.bar);
   if (step.options.length) own.append(made("details", { open: step.name === "guess" }, made("summary", { textContent: "options" }), made("div", { className: "options" }, ...step.options.map(option))));
   own.append(parts.text, parts.left);
@@ -82,12 +103,12 @@ function show(state) {
   for (const step of state.steps) {
     if (!shown.has(step.name)) shown.set(step.name, section(step));
     const parts = shown.get(step.name), running = step.state === "running";
-    parts.begin.disabled = !step.ready || state.steps.some(one => one.state === "running");
+    parts.begin.disabled = !fitKind(parts) || !step.ready || state.steps.some(one => one.state === "running");
     parts.end.hidden = !running;
     tell(parts, step, running);
     parts.text.hidden = !step.lines.length;
     parts.text.classList.toggle("said", step.state === "failed");
-    const text = step.lines.join("\n");
+    const text = forPage(step.lines.join("\n"));
     if (parts.text.textContent !== text) { parts.text.textContent = text; parts.text.scrollTop = parts.text.scrollHeight; }
     if (parts.edit && !parts.edit.dataset.changed && state.mapping !== null) parts.edit.value = state.mapping;
     const left = running ? "" : step.left.join("\n") + step.seconds;
