@@ -17,6 +17,7 @@ from wirewear.interior.strength import StrengthAsked, strength_of, yield_sentenc
 from wirewear.results import read_result
 from wirewear.simulation import run_study
 from wirewear.simulation.line_model import line_plan, placed_body
+from wirewear.simulation.line_runs import LineRun
 
 pytestmark = pytest.mark.slow
 
@@ -110,3 +111,9 @@ def test_a_stated_grip_lets_the_pad_give_way() -> None:
     gives = [float(pressed.ravel() @ one.dense @ pressed.ravel()) for one in (held, firm)]
     width = build_planar(geometry).mesh.surface_lengths("grip").sum()
     assert gives[0] - gives[1] == pytest.approx(1.0 / (1e3 * width), rel=0.05)
+
+
+def test_bodies_of_a_programme_are_meshed_inside_as_they_were_in_the_run() -> None:
+    study = line_study(programme=[{"cycles": 10}, {"cycles": 10, "conditions": {"displacement_amplitude_um": 40.0}}])
+    assert line_plan(study, "quick").specimen == LineRun.of(study, "quick").planned.specimen
+    assert line_plan(study, "quick").specimen == line_plan(study.envelope, "quick").specimen

@@ -121,12 +121,13 @@ class LinePlan:
 
 
 def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
-    """Meshes and steps of a line contact.
+    """Meshes and steps of a line contact, for all blocks of its programme.
 
     The patch holds the scar that gross slip on a rigid rig would wear, and the contact of a pad that tilts as far as
     the stroke can tilt it, with a margin; on the specimen the stroke as well.
     Raises StudyError if the patch does not fit on a body.
     """
+    study = study.driven.envelope
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
     load = conditions.drive.load.largest * conditions.normal_load_N_per_mm

@@ -92,7 +92,7 @@ class LineRun(PlannedRun):
     @classmethod
     def of(cls, study: LineStudy, fidelity: str) -> "LineRun":
         """The plan of a study at a fidelity; StudyError where it cannot be meshed."""
-        return cls(study, fidelity, line_plan(study.driven.envelope, fidelity))
+        return cls(study, fidelity, line_plan(study, fidelity))
 
     @property
     def identity(self) -> Identity:
