@@ -64,7 +64,7 @@ def draw_section(states: Sequence[BodyState]) -> Figure:
 
 def draw_tractions(states: Sequence[BodyState]) -> Figure:
     """The contact from above for each body: pressure as colour, shear as arrows of its size and direction."""
-    figure = new_figure(3.6)
+    figure = new_figure(4.1)
     panels = figure.subplots(1, len(states), squeeze=False)[0]
     fields = [_tractions(state) for state in states]
     largest = max(float(pressure.max()) for _, pressure, _ in fields)
@@ -84,8 +84,8 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
         if strongest > 0.0:
             # As long as the way to the next arrow at most, so that pressures are seen between them.
             scale = strongest / (1.7 * reach / _ARROWS)
-            look = {"color": INK, "angles": "xy", "scale_units": "xy", "width": 0.0025, "headwidth": 4.0}
-            axes.quiver(*points[drawn, :2].T, *shear[drawn].T, scale=scale, **look)
+            look = {"angles": "xy", "scale_units": "xy", "width": 0.006, "edgecolor": INK, "linewidth": 0.4}
+            axes.quiver(*points[drawn, :2].T, *shear[drawn].T, scale=scale, color="white", **look)
         axes.set(
             aspect="equal",
             xlim=(centre[0] - 1.4 * reach, centre[0] + 1.4 * reach),
