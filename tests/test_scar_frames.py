@@ -18,7 +18,7 @@ from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
-from wirewear.records.reading import frame_of
+from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.study import load_study

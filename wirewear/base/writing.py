@@ -7,6 +7,7 @@ writes the file: a lock that ended with the process tells that nobody is at it.
 
 from __future__ import annotations
 
+import ctypes
 import errno
 import fcntl
 import json
@@ -14,7 +15,7 @@ import os
 import secrets
 import shutil
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from math import isfinite
 from pathlib import Path
@@ -158,11 +159,15 @@ def in_one_step(path: Path) -> Iterator[Path]:
 
 
 @contextmanager
-def folder_in_one_step(path: Path) -> Iterator[Path]:
-    """A new folder beside `path` to fill; it becomes `path`, which may at most be an empty folder, when all went well.
-    Raises OSError if the folder cannot be written, or `path` holds files.
+def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterator[Path]:
+    """A new folder beside `path` to fill; it becomes `path` when all went well.
+
+    in_place_of: what `path` may hold that goes; if any is named, whatever else is there stays. Else `path` may at most
+    be an empty folder.
+    Raises OSError if the folder cannot be written, or `path` holds files that cannot stay.
     """
-    path = link_followed(path)
+    # The name of "." is that of the folder.
+    path = link_followed(path).resolve()
     path.parent.mkdir(parents=True, exist_ok=True)
     _remove_abandoned(path)
     partial, holder = _beside(path, folder=True)
@@ -170,12 +175,59 @@ def folder_in_one_step(path: Path) -> Iterator[Path]:
         yield partial
         for inner in partial.rglob("*"):
             _synchronise(inner)
-        _synchronise(partial)
-        partial.replace(path)
+        if in_place_of and path.is_dir():
+            for other in path.iterdir():
+                if other.name not in in_place_of:
+                    _link(other, partial / other.name)
+            shutil.copymode(path, partial)
+            _synchronise(partial)
+            _exchange(partial, path)
+        else:
+            _synchronise(partial)
+            partial.replace(path)
         _synchronise(path.parent)
     finally:
         os.close(holder)
         shutil.rmtree(partial, ignore_errors=True)
+
+
+def _link(source: Path, target: Path) -> None:
+    """A second name of a file, or of all files of a folder; a copy where the file system knows no such names."""
+    if source.is_dir() and not source.is_symlink():
+        shutil.copytree(source, target, symlinks=True, copy_function=lambda own, other: _link(Path(own), Path(other)))
+        return
+    try:
+        os.link(source, target, follow_symlinks=False)
+    except OSError:
+        shutil.copy2(source, target, follow_symlinks=False)
+
+
+_AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
+
+
+def _exchange(new: Path, old: Path) -> None:
+    """Exchange two folders in one step; where the system knows none, the old one is put back if the new cannot come.
+    Raises OSError if they cannot be exchanged.
+    """
+    rename = getattr(ctypes.CDLL(None), "renameat2", None)
+    names = (_AT_WORKING_FOLDER, os.fsencode(new), _AT_WORKING_FOLDER, os.fsencode(old), _SWAP)
+    if rename is not None and rename(*names) == 0:
+        return
+    # A name that nobody takes for abandoned, should the process end between the steps.
+    aside = old.with_name(f"{old.name}.before.{secrets.token_hex(4)}")
+    old.rename(aside)
+    try:
+        new.rename(old)
+    except OSError:
+        aside.rename(old)
+        raise
+    aside.rename(new)
+
+
+def require_absent(paths: Iterable[Path], kind: type[WirewearError]) -> None:
+    """See that there is nothing at these paths yet. Raises WirewearError, of the given kind, if there is."""
+    if (there := next((path for path in paths if path.exists()), None)) is not None:
+        raise kind(f"{there} exists already, and is not overwritten unasked: choose another folder, or --overwrite.")
 
 
 def is_special(path: Path) -> bool:

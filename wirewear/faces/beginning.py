@@ -221,13 +221,21 @@ def fit(
     from wirewear.base.locks import occupied
     from wirewear.faces.study_script import wide_console
     from wirewear.fitting import GivenWear, check_by_run, fit_record
-    from wirewear.fitting.report import check_table, fit_json, fit_table, write_fit, write_stated
+    from wirewear.fitting.report import (
+        check_table,
+        fit_json,
+        fit_table,
+        require_no_other_study,
+        write_fit,
+        write_stated,
+    )
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import write_page
 
     if wear_coefficient is not None and worn_volume is not None:
         raise RecordError("give either --wear-coefficient or --worn-volume: each follows from the other.")
+    require_no_other_study(output)
     given = GivenWear(wear_coefficient, worn_volume)
     if into_record:
         usable_file(record_path / TABLE_FILE_NAME)

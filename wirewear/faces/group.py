@@ -17,8 +17,8 @@ from click.core import ParameterSource
 from click.decorators import FC
 
 from wirewear.base.budget import MOST_MEMORY_GB
-from wirewear.base.errors import Quantity, WirewearError, tell_plainly
-from wirewear.base.reading import example
+from wirewear.base.errors import Quantity, RunError, WirewearError, tell_plainly
+from wirewear.base.reading import TABLE_FILE_NAME, example
 from wirewear.base.writing import usable_file, usable_folder, why_not_written
 
 INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
@@ -80,13 +80,17 @@ class Given(click.Path):
 class OutputFolder(click.Path):
     """A folder that files will be written to: tried before anything is computed."""
 
-    def __init__(self) -> None:
-        """Any path."""
+    def __init__(self, *, of_record: bool = False) -> None:
+        """Any path that is no record; of_record: what is written may be one."""
         super().__init__(path_type=Path)
+        self.of_record = of_record
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
-        """The path; RunError where no files can be written to it."""
-        return usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
+        """The path; RunError where no files can be written to it, or it is a record."""
+        path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
+        if not self.of_record and (path / TABLE_FILE_NAME).exists():
+            raise RunError(f"{path} is a record, whose files are not to be mixed with others: choose another folder.")
+        return path
 
 
 class OutputFile(click.Path):
@@ -279,6 +283,10 @@ scheduler_option = click.option(
     metavar="ADDRESS",
     help="Dask cluster, such as tcp://10.0.0.1:8786, instead of --jobs; its workers must see the same folders.",
 )
+
+
+#: An option of commands that write what may take another's place.
+overwrite_record = click.option("--overwrite", is_flag=True, help="Also in place of what was not made in the same way.")
 
 
 def a_list(*names: str, told: str) -> Callable[[FC], FC]:

@@ -2,12 +2,13 @@
 
 import codecs
 from pathlib import Path
+from typing import Any
 
 import click
 
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
-from wirewear.base.writing import json_text, prepared_folder, usable_file
+from wirewear.base.writing import json_text, usable_file
 from wirewear.faces.group import (
     Finite,
     Given,
@@ -18,6 +19,7 @@ from wirewear.faces.group import (
     cli,
     default_output,
     most_memory,
+    overwrite_record,
     paper,
 )
 from wirewear.study import FIDELITIES
@@ -100,11 +102,12 @@ def loops_command(
 @click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
 @click.option("--variant", metavar="NAME", help="Which variant of the study.")
 @click.option("--record", "record_path", metavar="RECORD", type=Given(), help="To be corrected.")
-@click.option("--output", metavar="DIR", type=OutputFolder(), help="Where the corrected record goes.")
+@click.option("--output", metavar="DIR", type=OutputFolder(of_record=True), help="Where the corrected record goes.")
+@overwrite_record
 @click.option("--json", "as_json", is_flag=True, help="Print the calibration as JSON.")
 @most_memory
 def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float, fidelity: str, variant: str | None,
-              record_path: Path | None, output: Path | None, as_json: bool) -> None:  # fmt: skip
+              record_path: Path | None, output: Path | None, overwrite: bool, as_json: bool) -> None:  # fmt: skip
     """Calibrate a remote displacement sensor by simulation under a range of loads, and correct a record with it."""
     from rich.console import Console
     from rich.markup import escape
@@ -118,7 +121,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         parse_loads,
         parse_near,
     )
-    from wirewear.records import read_record, write_record
+    from wirewear.records import read_record, require_place, write_record
     from wirewear.study import load_study
 
     if (record_path is None) != (output is None):
@@ -126,8 +129,9 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     study = load_study(study_path)
     study = study if variant is None else study.variant(variant)
     record = None if record_path is None else read_record(record_path, "crossed-wires")
+    place: dict[str, Any] = {"made_of": [record_path], "overwrite": overwrite}
     if output is not None:
-        prepared_folder(output)
+        require_place(output, **place)
     with progress_bar() as bar:
         task = bar.add_task(escape(study.name), total=1.0)
         calibration = solve(
@@ -140,7 +144,7 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
         )
     correction = None if record is None else corrected_record(record, calibration.polynomial)
     if correction is not None and output is not None:
-        write_record(output, correction.record)
+        write_record(output, correction.record, **place)
     if as_json:
         click.echo(json_text(calibration_json(study.name, calibration, correction)))
         return

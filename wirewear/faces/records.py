@@ -10,9 +10,21 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from wirewear.base.errors import RecordError
-from wirewear.base.reading import TABLE_FILE_NAME, Held, parsed_toml, read_text, recognised
+from wirewear.base.reading import Held, recognised
 from wirewear.base.writing import json_text
-from wirewear.faces.group import Finite, Given, OutputFolder, a_list, busy, cli, most_memory, of_block, paper, stage
+from wirewear.faces.group import (
+    Finite,
+    Given,
+    OutputFolder,
+    a_list,
+    busy,
+    cli,
+    most_memory,
+    of_block,
+    overwrite_record,
+    paper,
+    stage,
+)
 
 if TYPE_CHECKING:
     from wirewear.results import RunResult
@@ -100,7 +112,8 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
 
 @cli.command()
 @click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
-@click.option("--as-record", "folder", metavar="DIR", type=OutputFolder(), help="An experiment record.")
+@click.option("--as-record", "folder", metavar="DIR", type=OutputFolder(of_record=True),
+              help="An experiment record.")  # fmt: skip
 @click.option("--as-heights", "heights", metavar="DIR", type=OutputFolder(),
               help="Loops, and worn bodies as a profilometer sees them.")  # fmt: skip
 @click.option("--as-tables", "tables", metavar="DIR", type=OutputFolder(), help="Evolution, loops, scars.")
@@ -113,6 +126,7 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
 @click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
+@overwrite_record
 @a_list("--noise", told="displacement_um=0.15,tangential_force_N=0.008,depth_um=0.05")
 @a_list("--gain", told="displacement=1.02,tangential_force=0.98,normal_force=1")
 @a_list("--sensor", "sensor_list", told="linear_um_per_N=0.5,lag_s=1e-4,...")
@@ -131,10 +145,11 @@ def export(
     gain: str,
     sensor_list: str,
     length_mm: float | None,
+    overwrite: bool,
 ) -> None:
     """Write a simulation as an experiment record or files of a laboratory, as sensors would read it, or as tables."""
     from wirewear.kinds import kind_of
-    from wirewear.records import check_record, record_of_result, write_record
+    from wirewear.records import check_record, record_of_result, require_place, write_record
     from wirewear.records.exporting import write_as_heights
 
     chosen = [one for one in (folder, heights, tables) if one is not None]
@@ -143,13 +158,14 @@ def export(
     if not chosen:
         raise RecordError("say where to: --as-record DIR, --as-heights DIR, or --as-tables DIR.")
     if tables is not None:
-        _export_tables(_run_at(result_path, variant), tables, form)
+        _export_tables(_run_at(result_path, variant), tables, form, overwrite=overwrite)
         return
     sensor, depth_noise = _sensor_of(noise, gain, sensor_list)
     reading: dict[str, Any] = {"sensor": sensor, "depth_noise_um": depth_noise, "repeats": repeats}
     reading |= {"seed": seed, "samples": samples}
+    place: dict[str, Any] = {"made_of": [result_path], "overwrite": overwrite}
     if folder is not None:
-        _require_no_measurement(folder)
+        require_place(folder, **place)
     with busy("exporting the record"):
         result = _run_at(result_path, variant)
         record = record_of_result(result, length_mm=length_mm, **reading)
@@ -157,10 +173,10 @@ def export(
         if result.status != "complete":
             told.insert(0, f"The run {result.label!r} is not complete ({result.message}).")
         if heights is None:
-            written = [write_record(folder or Path(), record)]
+            written = [write_record(folder or Path(), record, **place)]
         else:
             surfaces = kind_of(result).surfaces(result, depth_noise, seed)
-            written = write_as_heights(heights, record.loops, surfaces, repeats)
+            written = write_as_heights(heights, record.loops, surfaces, repeats, overwrite=overwrite)
     for sentence in told:
         click.echo(f"wirewear: {sentence}", err=True)
     _echo(written)
@@ -193,49 +209,40 @@ def _sensor_of(noise: str, gain: str, others: str) -> tuple[Any, float]:
     return Sensor(**numbers, noise=SensorNoise(**noises)), depth_noise
 
 
-def _require_no_measurement(folder: Path) -> None:
-    """See that an exported simulation takes the place of no measured test. Raises RecordError if one stands there."""
-    path = folder / TABLE_FILE_NAME
-    if not path.is_file():
-        return
-    # The table alone: an export that was interrupted may have left files that do not go with it.
-    tables = parsed_toml(read_text(path, RecordError, "TOML file"), str(path), RecordError)
-    metadata = tables.get("metadata")
-    if not isinstance(metadata, dict) or metadata.get("source") != "simulated":
-        raise RecordError(
-            f"{folder} holds the record {str(tables.get('name'))!r}, which is not said to be simulated, and is not "
-            "overwritten: choose another folder."
-        )
-
-
-def _export_tables(result: Any, folder: Path, form: str) -> None:
+def _export_tables(result: Any, folder: Path, form: str, *, overwrite: bool) -> None:
     from wirewear.results.flat import write_flat_tables, write_netcdf
 
     with busy("writing tables"):
         written = (
-            [write_netcdf(result, folder / "run.nc")] if form == "netcdf" else write_flat_tables(result, folder, form)
+            [write_netcdf(result, folder / "run.nc", overwrite=overwrite)]
+            if form == "netcdf"
+            else write_flat_tables(result, folder, form, overwrite=overwrite)
         )
     _echo(written)
 
 
 @cli.command(name="import")
 @click.argument("mapping_path", metavar="MAPPING.toml", type=click.Path(path_type=Path))
-@click.option("--output", metavar="RECORD", required=True, type=OutputFolder())
+@click.option("--output", metavar="RECORD", required=True, type=OutputFolder(of_record=True))
+@overwrite_record
 @click.option(
     "--dry-run",
     is_flag=True,
     help="Show the first loop, draw it (RECORD_first_loop.png) and worn surfaces; write no record.",
 )
 @click.pass_context
-def import_command(context: click.Context, mapping_path: Path, output: Path, dry_run: bool) -> None:
+def import_command(context: click.Context, mapping_path: Path, output: Path, overwrite: bool, dry_run: bool) -> None:
     """Turn a laboratory's files into an experiment record, as a mapping file describes them.
 
     With --dry-run, the exit code is 1 where the record has problems such as a wrong unit.
     """
-    from wirewear.records import check_record, write_record
+    from wirewear.records import check_record, require_place, write_record
     from wirewear.records.importing import import_record
-    from wirewear.records.importing.importing import draw_import, import_text
+    from wirewear.records.importing.importing import draw_import, import_text, inputs_of
 
+    place: dict[str, Any] = {"made_of": inputs_of(mapping_path), "overwrite": overwrite}
+    if not dry_run:
+        require_place(output, **place)
     with busy("reading the files"):
         record = import_record(mapping_path)
         problems = check_record(record).problems
@@ -245,7 +252,7 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, dry
     if dry_run:
         _echo(draw_import(record, output))
     else:
-        click.echo(write_record(output, record))
+        click.echo(write_record(output, record, **place))
     if dry_run and problems:
         context.exit(1)
 

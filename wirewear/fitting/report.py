@@ -13,7 +13,7 @@ from wirewear.base.writing import prepared_folder, write_text
 from wirewear.fitting.fit import CheckedRun, stated_by
 from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.kinds import kind_of
-from wirewear.records.reading import with_checksums
+from wirewear.records.writing import with_checksums
 from wirewear.results.scar import called
 from wirewear.study.template import study_text
 
@@ -126,6 +126,16 @@ def _json(found: FittedParameter) -> dict[str, Any]:
     }
 
 
+_HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
+
+
+def require_no_other_study(folder: Path) -> None:
+    """See that a fit's study takes the place of none that was not fitted. Raises RecordError if one stands there."""
+    path = folder / "study.toml"
+    if path.exists() and _HEAD not in read_text(path, RecordError, "study file"):
+        raise RecordError(f"{path} is a study that was not fitted, and is not overwritten: choose another folder.")
+
+
 def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     """Write the study, and `[stated]` as a table of its own; return both paths.
     Raises RunError if the folder cannot be made or written.
@@ -133,7 +143,7 @@ def write_fit(fitted: FittedTest, folder: Path) -> list[Path]:
     prepared_folder(folder)
     study, stated = folder / "study.toml", folder / "stated.toml"
     stiff = STIFF * fitted.rigid_N_per_mm
-    lines = [f"Fitted to the record {fitted.record.name}; value and 95 % interval:"]
+    lines = [f"{_HEAD}{fitted.record.name}; value and 95 % interval:"]
     for name, found in fitted.parameters.items():
         value, interval = _shown(found, stiff)
         lines.append(f"  {NAMES[name]}: {value} ({interval})")

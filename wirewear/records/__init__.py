@@ -2,14 +2,15 @@
 
 from wirewear.records.checking import check_record
 from wirewear.records.exporting import record_of_result
-from wirewear.records.reading import read_record, write_record
+from wirewear.records.reading import read_record
 from wirewear.records.remarks import RecordReport, Remark
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, LineRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.records.writing import require_place, write_record
 
 __all__ = [
     "AnyRecord", "ExperimentRecord", "LineRecord", "MeasuredEvolution", "MeasuredLoop", "MeasuredProfile",
     "MeasuredScar", "RecordReport", "RecordTables", "Remark", "check_record", "read_record", "record_of_result",
-    "write_record",
+    "require_place", "write_record",
 ]  # fmt: skip

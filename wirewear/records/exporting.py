@@ -14,13 +14,13 @@ from geometry.arrays import Array
 from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.reading import TABLE_FILE_NAME
-from wirewear.base.writing import prepared_folder, write_csv, writing
+from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.contact_tables import TABLES, AnyTables
-from wirewear.records.reading import frame_of, loops_frame
 from wirewear.records.surfaces import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
+from wirewear.records.writing import frame_of, loops_frame
 from wirewear.results import BODIES, Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import Table
@@ -36,16 +36,18 @@ Surface = Callable[[], Mapping[str, Array]]
 
 
 def write_as_heights(
-    folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int
+    folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int, *, overwrite: bool
 ) -> list[Path]:
     """Write `loops.csv` and one file of heights for every surface and repeat; their paths.
-    Raises RecordError if a file cannot be written.
+    Raises RecordError if a file cannot be written, or is there and not to be overwritten.
     """
     frames = {"loops": loops_frame(loops)}
     frames |= {f"{n}_{r}": frame_of(own()) for n, own in surfaces.items() for r in range(1, repeats + 1)}
+    files = {folder / f"{name}.csv": frame for name, frame in frames.items()}
+    require_absent(() if overwrite else files, RecordError)
     prepared_folder(folder)
     with writing(RecordError, f"cannot write to {folder}"):
-        return [write_csv(folder / f"{name}.csv", frame) for name, frame in frames.items()]
+        return [write_csv(path, frame) for path, frame in files.items()]
 
 
 def scar_surfaces(result: RunResult, noise_um: float, seed: int) -> dict[str, Surface]:

@@ -1,4 +1,4 @@
-"""An experiment record read and written: a folder with experiment.toml and CSV files (format 1)."""
+"""An experiment record read: a folder with experiment.toml and CSV files (format 1)."""
 
 import copy
 import hashlib
@@ -9,7 +9,7 @@ from dataclasses import replace
 from difflib import get_close_matches
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from pydantic import BaseModel, ValidationError
@@ -17,19 +17,14 @@ from pydantic import BaseModel, ValidationError
 from geometry.arrays import Array, BoolArray
 from wirewear.base import reading
 from wirewear.base.errors import RecordError, shown
-from wirewear.base.locks import occupied
-from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
 from wirewear.records.normal_force import pressing
-from wirewear.records.surfaces import SCARS, MeasuredProfile, MeasuredScar, WornSurfaces
+from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.study.keys import Table, quantity_of
 from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
-
-if TYPE_CHECKING:
-    import polars as pl
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 _CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
@@ -219,83 +214,10 @@ def _frozen(values: Array) -> Array:
     return values
 
 
-def write_record(folder: str | Path, record: AnyRecord) -> Path:
-    """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
-
-    The files take the names of format 1; what a record before had there goes. A killed writer leaves no file half
-    written.
-    Raises RecordError if the record has no loops and must have some, or nothing at all, or a file cannot be written;
-    RunError if the folder cannot be made, or another command is writing to it.
-    """
-    folder, tables = Path(folder), record.tables
-    frames = {"loops": loops_frame(record.loops)} if record.loops else {}
-    if record.evolution:
-        sizes = [part.columns["cycle"].size for part in record.evolution]
-        columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in record.evolution], sizes)}
-        for column in EVOLUTION_COLUMNS[1:]:
-            columns[column.name] = np.concatenate([part.columns[column.name] for part in record.evolution])
-        columns["cycle"] = columns["cycle"].astype(np.int64)
-        frames["evolution"] = frame_of(columns)
-    for body in tables.body_names:
-        if own := record.scars_of(body):
-            frames[f"{tables.worn.name}_{body}"] = _write_surfaces(own)
-    if not frames or (tables.needs_loops and not record.loops):
-        what = "has no loops" if tables.needs_loops else "holds nothing"
-        raise RecordError(f"the record {record.name!r} {what}, so it cannot be written.")
-    files = {key: f"{key}.csv" for key in frames}
-    tables = tables.model_copy(update={"files": type(tables.files)(**files)})
-    with occupied(folder, f"the record {record.name}"), writing(RecordError, f"cannot write the record to {folder}"):
-        for key, frame in frames.items():
-            write_csv(folder / files[key], frame)
-        text = reading.toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
-        write_text(folder / reading.TABLE_FILE_NAME, with_checksums(text, folder, files))
-        for key in type(tables.files).model_fields:
-            if key not in files and key != "frames":
-                (folder / f"{key}.csv").unlink(missing_ok=True)
-    return folder
-
-
-def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
-    """Loops as the table of a record."""
-    sizes = [loop.time_s.size for loop in loops]
-    columns: dict[str, Any] = {
-        "repeat": np.repeat([loop.repeat for loop in loops], sizes),
-        "cycle": np.repeat([loop.cycle for loop in loops], sizes),
-        "sample": np.concatenate([np.arange(size) for size in sizes]),
-    }
-    for name in ("time_s", "displacement_um", "tangential_force_N"):
-        columns[name] = np.concatenate([getattr(loop, name) for loop in loops])
-    normal = [
-        np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N for loop in loops
-    ]
-    if any(loop.normal_force_N is not None for loop in loops):
-        columns["normal_force_N"] = np.concatenate(normal)
-    return frame_of(columns)
-
-
-def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.DataFrame":
-    parts = [{"repeat": np.full(one.points["x_um"].size, one.repeat), **one.points} for one in surfaces]
-    return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
-
-
-def frame_of(columns: Mapping[str, Any]) -> "pl.DataFrame":
-    """Columns as a table in which an empty field is a value that is missing."""
-    import polars as pl
-
-    return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
-
-
 _LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
 _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)
 
 Model = TypeVar("Model", bound=BaseModel)
-
-
-def with_checksums(text: str, folder: Path, names: Mapping[str, str]) -> str:
-    """The text of experiment.toml with the checksums of files of its folder, by their keys, and its own behind it."""
-    lines = [f"# sha256 {hashlib.sha256((folder / name).read_bytes()).hexdigest()} {name}\n" for name in names.values()]
-    text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
-    return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"
 
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.errors import ResultError, unit_of, words_of
-from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
+from wirewear.base.writing import in_one_step, require_absent, write_bytes, write_csv, writing
 from wirewear.results.scar import FIELD_COLUMNS, WIRES, Scar
 from wirewear.results.values import LOOP_COLUMNS, Loop, RunResult, extensive, scaled
 
@@ -115,10 +115,11 @@ def labelled(result: RunResult) -> xarray.DataTree:
     return tree
 
 
-def write_netcdf(result: RunResult, path: Path) -> Path:
+def write_netcdf(result: RunResult, path: Path, *, overwrite: bool = True) -> Path:
     """Write that tree as one netCDF 4 file.
-    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written.
+    Raises ResultError if xarray or h5netcdf is not installed, or the file cannot be written, or not overwritten.
     """
+    require_absent(() if overwrite else [path], ResultError)
     tree = labelled(result)
     try:
         import h5netcdf  # noqa: F401
@@ -270,13 +271,15 @@ def tables_of(result: RunResult) -> dict[str, Callable[[RunResult], pl.DataFrame
     return {"evolution": evolution_table, "loops": loops_table, **worn}
 
 
-def write_flat_tables(result: RunResult, folder: Path, ending: str) -> list[Path]:
+def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite: bool = True) -> list[Path]:
     """Write the tables of a result as "csv" or "parquet"; return their paths.
-    Raises ResultError if the folder cannot be written.
+    Raises ResultError if the folder cannot be written, or holds one that is not to be overwritten.
     """
+    tables = {folder / f"{name}.{ending}": table for name, table in tables_of(result).items()}
+    require_absent(() if overwrite else tables, ResultError)
     with writing(ResultError, f"cannot write tables to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        return [_written(folder / f"{name}.{ending}", table(result)) for name, table in tables_of(result).items()]
+        return [_written(path, table(result)) for path, table in tables.items()]
 
 
 def _written(path: Path, table: pl.DataFrame) -> Path:

@@ -180,9 +180,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     says.
     """
     path = Path(mapping_path)
-    require_mapping(path)
-    mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind])
-    mapping.require_whole(str(path))
+    mapping, notes = _mapping_of(path)
     home, length, model = path.parent, mapping.length_mm, TABLES[mapping.contact_kind]
     conditions = mapping.asked(path)
     loops: tuple[MeasuredLoop, ...] = ()
@@ -204,6 +202,27 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     files = {"loops": "loops.csv"} if loops else {}
     tables = model.model_validate(taken_over | {"conditions": conditions, "files": files})
     return ExperimentRecord(tables, loops, evolution, scars, (*notes, *filter(None, told), *turned))
+
+
+def _mapping_of(path: Path) -> tuple[Any, tuple[str, ...]]:
+    require_mapping(path)
+    mapping, notes = read_tables(path, MAPPINGS[tables_of_file(path).contact_kind])
+    mapping.require_whole(str(path))
+    return mapping, notes
+
+
+def inputs_of(mapping_path: Path) -> list[Path]:
+    """A mapping and the files that it names.
+    Raises RecordError, in one sentence, if the mapping cannot be read, or a file is not there.
+    """
+    mapping, _ = _mapping_of(mapping_path)
+    surfaces = (getattr(mapping.surfaces, body) for body in mapping.body_names)
+    found = [mapping_path]
+    for source in filter(None, (mapping.loops, mapping.evolution, *surfaces)):
+        columns = () if source.columns is None else sources.wanted_columns(source.columns).values()
+        for file in sources.files_of(source, mapping_path.parent):
+            found += [file, *(sources.file_of(own, file) for own in columns)]
+    return found
 
 
 def mapped_loops(

@@ -1,0 +1,163 @@
+"""An experiment record written: prepared in a folder beside its place, and put there in one step.
+
+A record takes the place of one that was made of the same file and is still as it was written, and of no other unasked.
+"""
+
+import hashlib
+import os
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wirewear.base import reading
+from wirewear.base.errors import RecordError
+from wirewear.base.locks import occupied
+from wirewear.base.writing import folder_in_one_step, link_followed, usable_folder, write_csv, write_text, writing
+from wirewear.records.contact_tables import TABLES
+from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged
+from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
+from wirewear.records.values import AnyRecord, MeasuredLoop
+
+if TYPE_CHECKING:
+    import polars as pl
+
+#: All that wirewear writes of a record, of whatever kind of contact.
+_FILES = (
+    reading.TABLE_FILE_NAME,
+    *dict.fromkeys(
+        f"{key}.csv"
+        for tables in TABLES.values()
+        for key in ("loops", "evolution", *(f"{tables.worn.name}_{body}" for body in tables.body_names))
+    ),
+)
+_MADE_OF = "# made of "  #: Before the path, from the record's folder, of the file that a record was made of.
+
+
+def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool = False) -> None:
+    """See that a record may be put into a folder, and could be; nothing is left or changed.
+
+    made_of: what it is made of, the mapping, run or record first.  overwrite: another one there may go.
+    Raises RecordError if the folder is or holds what the record is made of, or holds another record or a file that
+    would be lost; RunError if it cannot be written.
+    """
+    with writing(RecordError, f"cannot write the record to {folder}"):
+        place = link_followed(folder).resolve()
+    # The folder itself is tried by whoever is given it.
+    usable_folder(place.parent)
+    for path in made_of:
+        if path.resolve().is_relative_to(place):
+            raise RecordError(f"{folder} holds {path}, which the record is made of: choose another folder.")
+    if place.is_dir() and Path.cwd().is_relative_to(place):
+        raise RecordError(f"{folder} is the folder that the command was begun in, or holds it: choose another folder.")
+    if not overwrite and (lost := _lost(place, made_of)):
+        raise RecordError(
+            f"{folder} holds {lost}, and is not overwritten unasked: choose another folder, or overwrite it "
+            "(--overwrite)."
+        )
+
+
+def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
+    """What would be lost in a folder, in words; nothing where a record there was made in the same way."""
+    path = folder / reading.TABLE_FILE_NAME
+    if not path.is_file():
+        return next((name for name in _FILES if (folder / name).exists()), None)
+    text = reading.read_bytes(path, RecordError, "TOML file").decode("utf-8", "replace")
+    try:
+        unchanged = "# sha256 " in text and not require_unchanged(path)
+    except RecordError:
+        unchanged = False
+    if not unchanged:
+        return "a record that was written or changed by hand"
+    if _origin(folder, made_of) not in text.splitlines() and (made_of or f"\n{_MADE_OF}" in text):
+        return "a record that was not made of the same file"
+    return None
+
+
+def _origin(folder: Path, made_of: Sequence[Path]) -> str:
+    """The line of experiment.toml that says what a record was made of; nothing where that is not known."""
+    if not made_of:
+        return ""
+    return _MADE_OF + reading.spelled(os.path.relpath(made_of[0].resolve(), folder.resolve()))
+
+
+def write_record(
+    folder: str | Path, record: AnyRecord, *, made_of: Sequence[Path] = (), overwrite: bool = False
+) -> Path:
+    """Write a record to `folder`, which is made if need be, and return it; numbers keep all their digits.
+
+    The files take the names of format 1. What a record before had there goes, other files stay. Whoever reads, or is
+    killed at any moment, meets the record before or this one. `made_of` and `overwrite` are as of `require_place`.
+    Raises RecordError if the record has no loops and must have some, or nothing at all, has no place there, or a file
+    cannot be written; RunError if the folder cannot be made, or another command is writing to it.
+    """
+    folder, tables = Path(folder), record.tables
+    frames = {"loops": loops_frame(record.loops)} if record.loops else {}
+    if record.evolution:
+        sizes = [part.columns["cycle"].size for part in record.evolution]
+        columns: dict[str, Any] = {"repeat": np.repeat([part.repeat for part in record.evolution], sizes)}
+        for column in EVOLUTION_COLUMNS[1:]:
+            columns[column.name] = np.concatenate([part.columns[column.name] for part in record.evolution])
+        columns["cycle"] = columns["cycle"].astype(np.int64)
+        frames["evolution"] = frame_of(columns)
+    for body in tables.body_names:
+        if own := record.scars_of(body):
+            frames[f"{tables.worn.name}_{body}"] = _write_surfaces(own)
+    if not frames or (tables.needs_loops and not record.loops):
+        what = "has no loops" if tables.needs_loops else "holds nothing"
+        raise RecordError(f"the record {record.name!r} {what}, so it cannot be written.")
+    files = {key: f"{key}.csv" for key in frames}
+    tables = tables.model_copy(update={"files": type(tables.files)(**files)})
+    require_place(folder, made_of=made_of, overwrite=overwrite)
+    # One that is not there is nobody's.
+    held = occupied(folder, f"the record {record.name}") if folder.is_dir() else nullcontext()
+    with (
+        held,
+        writing(RecordError, f"cannot write the record to {folder}"),
+        folder_in_one_step(folder, in_place_of=_FILES) as partial,
+    ):
+        for key, frame in frames.items():
+            write_csv(partial / files[key], frame)
+        text = reading.toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
+        origin = f"\n{_origin(folder, made_of)}\n" if made_of else ""
+        write_text(partial / reading.TABLE_FILE_NAME, with_checksums(text + origin, partial, files))
+    return folder
+
+
+def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
+    """Loops as the table of a record."""
+    sizes = [loop.time_s.size for loop in loops]
+    columns: dict[str, Any] = {
+        "repeat": np.repeat([loop.repeat for loop in loops], sizes),
+        "cycle": np.repeat([loop.cycle for loop in loops], sizes),
+        "sample": np.concatenate([np.arange(size) for size in sizes]),
+    }
+    for name in ("time_s", "displacement_um", "tangential_force_N"):
+        columns[name] = np.concatenate([getattr(loop, name) for loop in loops])
+    normal = [
+        np.full(loop.time_s.size, np.nan) if loop.normal_force_N is None else loop.normal_force_N for loop in loops
+    ]
+    if any(loop.normal_force_N is not None for loop in loops):
+        columns["normal_force_N"] = np.concatenate(normal)
+    return frame_of(columns)
+
+
+def _write_surfaces(surfaces: Sequence[MeasuredScar | MeasuredProfile]) -> "pl.DataFrame":
+    parts = [{"repeat": np.full(one.points["x_um"].size, one.repeat), **one.points} for one in surfaces]
+    return frame_of({name: np.concatenate([part[name] for part in parts]) for name in parts[0]})
+
+
+def frame_of(columns: Mapping[str, Any]) -> "pl.DataFrame":
+    """Columns as a table in which an empty field is a value that is missing."""
+    import polars as pl
+
+    return pl.DataFrame(dict(columns)).with_columns(pl.selectors.float().fill_nan(None))
+
+
+def with_checksums(text: str, folder: Path, names: Mapping[str, str]) -> str:
+    """The text of experiment.toml with the checksums of files of its folder, by their keys, and its own behind it."""
+    lines = [f"# sha256 {hashlib.sha256((folder / name).read_bytes()).hexdigest()} {name}\n" for name in names.values()]
+    text += "\n# The files as wirewear wrote them. Whoever changes one on purpose deletes its line.\n" + "".join(lines)
+    return text + f"# sha256 {hashlib.sha256(text.encode()).hexdigest()} of the text above\n"
