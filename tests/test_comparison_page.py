@@ -6,6 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Annotation
 
 from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.synthetic_results import result
@@ -13,6 +15,7 @@ from wirewear import record_of_result
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures import style
 from wirewear.records import AnyRecord
+from wirewear.records.importing.importing import _mark_motion
 from wirewear.results import RunResult
 from wirewear.study import load_study
 from wirewear.views.comparison import ONE_REPEAT, RecordComparison, compare, differences_table, page, write_comparison
@@ -73,3 +76,17 @@ def test_what_is_piled_up_has_a_colour_of_its_own_and_a_place_on_the_scale(alone
     assert raised[1] > raised[0] + 0.2  # Green, which no depth has.
     assert np.abs(level - style.DEPTH_COLOURS(0.0)[:3]).max() < 0.02
     assert np.abs(deep - style.DEPTH_COLOURS(1.0)[:3]).max() < 0.02
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_the_first_loop_of_an_import_shows_where_its_force_must_be_positive(
+    alone: RecordComparison, sign: float
+) -> None:
+    loop = alone.record.loops[0]
+    axes = Figure().subplots()
+    _mark_motion(axes, dataclasses.replace(loop, tangential_force_N=sign * loop.tangential_force_N))
+    (arrow, said) = axes.texts
+    assert isinstance(arrow, Annotation)
+    assert arrow.xy[0] > arrow.xyann[0]
+    assert sign * arrow.xyann[1] > 0.0
+    assert "Q must be positive" in said.get_text()

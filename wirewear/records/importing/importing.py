@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
@@ -143,6 +144,7 @@ def _picture(loop: MeasuredLoop) -> Figure:
     left.plot(loop.displacement_um, loop.tangential_force_N, color=VARIANT_COLOURS[0], marker=".", markersize=3)
     left.plot(loop.displacement_um[:1], loop.tangential_force_N[:1], color=VARIANT_COLOURS[1], marker="o", markersize=6)
     left.set(xlabel="displacement δ [µm]", ylabel="tangential force Q [N]", title=f"{loop.name} (dot: first sample)")
+    _mark_motion(left, loop)
     right.plot(loop.time_s, loop.displacement_um, color=VARIANT_COLOURS[0])
     right.set_xlabel("time [s]")
     right.set_ylabel("displacement δ [µm]", color=VARIANT_COLOURS[0])
@@ -154,6 +156,19 @@ def _picture(loop: MeasuredLoop) -> Figure:
     for axes in (left, right):
         axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
     return figure
+
+
+def _mark_motion(axes: Axes, loop: MeasuredLoop) -> None:
+    """An arrow in the middle of the branch on which the displacement grows, and what the force must be there."""
+    x, q = loop.displacement_um, loop.tangential_force_N
+    steps = np.nan_to_num(np.gradient(x))
+    if not (growing := np.flatnonzero(steps > 0.5 * steps.max(initial=0.0))).size:
+        return
+    near = growing[np.argmin(np.abs(x[growing] - np.nanmean(x)))]
+    arrow = {"arrowstyle": "-|>", "color": VARIANT_COLOURS[1], "linewidth": 2.0, "mutation_scale": 14}
+    axes.annotate("", (x[near] + 0.12 * np.ptp(x[np.isfinite(x)]), q[near]), (x[near], q[near]), arrowprops=arrow)
+    said = "δ grows at the arrow:\nthere Q must be positive"
+    axes.text(0.5, 0.65, said, transform=axes.transAxes, ha="center", va="center", fontsize=7.5)
 
 
 #: A cycle cut off at a file's end is left out if it has fewer samples than this share of the usual one.
