@@ -14,6 +14,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, advance
+from solvers.contact.problem import sliding_force
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, phases
 from solvers.fretting import CycleTrace, Watch, settled
@@ -65,7 +66,7 @@ def closed_adaptive_cycle(
     """
     trace = moved or settled(problem, state, drive, settling_increments or increments, watch, guide)[1]
     state = trace.states[-1]
-    friction = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
+    friction = sliding_force(problem, state)
     largest, way = float(np.abs(trace.tangential_force).max()), np.abs(np.diff(trace.drive, prepend=trace.start.drive))
     # Of a rectangular loop that is its half height.
     opening = max(trace.friction_work / float(way.sum()), _LEAST_OPENING * largest)

@@ -10,8 +10,8 @@ A law stands in a file of its own and is named in `LIBRARY`, or in the entry poi
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from functools import cache
-from typing import ClassVar
+from functools import cache, cached_property
+from typing import ClassVar, Protocol
 
 import numpy as np
 
@@ -67,6 +67,16 @@ class Coulomb(FrictionLaw):
         return np.full_like(pressure_MPa, friction)
 
 
+class Within(Protocol):
+    """How pressure is spread within the elements about k nodes; see `WithinElements`."""
+
+    def among(self, chosen: slice, /) -> "Within":
+        """Some of the nodes."""
+
+    def share(self, friction: "Friction", /) -> float | Array:
+        """What a law's limit is over that by nodes' pressures alone, one or (k,)."""
+
+
 @dataclass(frozen=True)
 class Friction:
     """A law with a coefficient of friction, one or (k,), as the contact's equations see it; tractions are those on the
@@ -75,6 +85,13 @@ class Friction:
 
     coefficient: float | Array
     law: FrictionLaw = field(default_factory=Coulomb)
+    #: How the pressure is spread between nodes, of whose own a law that bends with it would know too little.
+    within: "Within | None" = None
+
+    @cached_property
+    def share(self) -> float | Array:
+        """Factor on the limit, one or (k,), by which it is the law's integral over elements."""
+        return 1.0 if self.within is None or self.law.proportional else self.within.share(self)
 
     @property
     def none(self) -> bool:
@@ -84,7 +101,8 @@ class Friction:
     def among(self, chosen: slice) -> "Friction":
         """The law at some of the k nodes."""
         each = self.coefficient
-        return replace(self, coefficient=each[chosen]) if isinstance(each, np.ndarray) else self
+        within = None if self.within is None else self.within.among(chosen)
+        return replace(self, coefficient=each[chosen] if isinstance(each, np.ndarray) else each, within=within)
 
     def differs(self, other: "Friction") -> bool:
         """Whether coefficients are others by more than `_SETTLED` of the largest."""
@@ -102,11 +120,11 @@ class Friction:
 
     def limit(self, pressure_MPa: Array) -> Array:
         """Largest tangential traction (k,) at pressures (k,), MPa; none under tension, which Newton may try."""
-        return self.law.limit(self.coefficient, np.maximum(pressure_MPa, 0.0))
+        return self.share * self.law.limit(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def derivative(self, pressure_MPa: Array) -> Array:
         """Derivative (k,) of the limit by the pressure, under tension that at no pressure."""
-        return self.law.derivative(self.coefficient, np.maximum(pressure_MPa, 0.0))
+        return self.share * self.law.derivative(self.coefficient, np.maximum(pressure_MPa, 0.0))
 
     def tangent(self, pressure_MPa: Array) -> tuple[Array, Array]:
         """The limit's straight tangent: its slope (k,), and its value (k,) extrapolated to no pressure."""

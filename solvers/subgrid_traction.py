@@ -286,7 +286,7 @@ def _ratios(traction: Array, pressure: Array, loaded: BoolArray) -> Array:
 
 def _scale(square: Array, pressure: Array) -> Array:
     """By how much the pressure between nodes must be larger to carry, around each node, what the nodes carry."""
-    fine = np.sqrt(np.maximum(_refined(square, _SAMPLES), 0.0))
+    fine = np.sqrt(np.maximum(refined(square, _SAMPLES), 0.0))
     hat = 1.0 - np.abs(np.arange(1 - _SAMPLES, _SAMPLES)) / _SAMPLES
     carried = _summed(fine, hat / _SAMPLES, hat / _SAMPLES)[::_SAMPLES, ::_SAMPLES]
     line = np.array([1.0, 4.0, 1.0]) / 6.0
@@ -341,7 +341,7 @@ def _on_line(square: Array, axis: int, line: int, along: float) -> float:
 
 
 @compiled
-def _refined(square: Array, parts: int) -> Array:
+def refined(square: Array, parts: int) -> Array:
     """The bicubic field on lines `parts` times as many, from the first node to the last."""
     along, across = (square.shape[0] - 1) * parts + 1, (square.shape[1] - 1) * parts + 1
     result = np.empty((along, across))

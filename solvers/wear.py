@@ -19,20 +19,24 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from geometry.arrays import Array, BoolArray
+from geometry.arrays import Array
 from solvers.contact_state import LocalState, WearState
 from solvers.errors import SolverError
 from solvers.layers import SurfaceLayer, friction_factor, receded
-from solvers.wear_law import EnergyLaw, WearLaw, WornCycle, breathing
+from solvers.wear_law import EnergyLaw, WearLaw, WornCycle
 
 if TYPE_CHECKING:
     from solvers.pairing import Pairing
     from solvers.placement import PlacedBody
 
 
+_FADING = 0.3  #: That part, of the whole way.
+
+
 @dataclass(frozen=True)
 class OxygenSupply:
-    """How far oxygen gets, and what its lack does.
+    """How far oxygen gets, and what its lack does: little is left of it over the last part of the way, where the wear
+    coefficient passes linearly from one value to the other.
 
     supply_W: friction power density (W/mm²) times the square of the distance (mm²) that oxygen gets from the edge.
     starved_factor: wear coefficient without oxygen over that with it.
@@ -52,19 +56,9 @@ class OxygenSupply:
 
     def factors(self, distance_mm: Array, power_density_W_per_mm2: float) -> Array:
         """Factors on wear at distances from the contact's edge."""
-        return breathing(distance_mm, self.reach_mm(power_density_W_per_mm2), self.starved_factor)
-
-
-def edge_distances(plane_mm: Array, pressed: BoolArray) -> Array:
-    """Distance (n,) in mm of every node (n, 2) to the nearest that bears no load; 0 where it bears none itself."""
-    from scipy.spatial import KDTree
-
-    distance = np.zeros(len(plane_mm))
-    if pressed.all():
-        return np.full(len(plane_mm), np.inf)
-    if pressed.any():
-        distance[pressed] = KDTree(plane_mm[~pressed]).query(plane_mm[pressed])[0]
-    return distance
+        reach = self.reach_mm(power_density_W_per_mm2)
+        breathes = np.clip((1.0 - distance_mm / reach) / _FADING, 0.0, 1.0)
+        return np.asarray(self.starved_factor + (1.0 - self.starved_factor) * breathes)
 
 
 # Wear work over which a rate is taken: beside what is done, and of it.
@@ -98,7 +92,7 @@ class WearRates:
     lower_layers: tuple[SurfaceLayer, ...] = ()
 
     def factor(self, cycle: WornCycle) -> float | Array:
-        """Factor on the wear work of a cycle, one for all unknowns or one for each, (N,)."""
+        """Factor on the wear work of a cycle, one for all places or one for each, (N,)."""
         factor = self.law.factor(cycle)
         if self.oxygen is None:
             return factor

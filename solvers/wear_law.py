@@ -12,7 +12,7 @@ it by its name.
 
 from abc import ABC
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import ClassVar, Literal, Protocol
 
@@ -25,7 +25,7 @@ from solvers.plugins import law_called, laws_by_name, require_positive
 
 
 class WornCycle(Protocol):
-    """What a law may know of the cycle that wears; N unknown pressures of its positions."""
+    """What a law may know of the cycle that wears, at N places within the elements of its positions."""
 
     @property
     def edge_distance_mm(self) -> Array:
@@ -64,7 +64,7 @@ class WearLaw(ABC):
         return friction
 
     def factor(self, cycle: WornCycle, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
-        """Factor on the wear work of a cycle, one for all unknowns or one for each, (N,)."""
+        """Factor on the wear work of a cycle, one for all places or one for each, (N,)."""
         return 1.0
 
     def counted(self, energy: Array, work: Array, /) -> Array:  # noqa: ARG002 - most laws ask for nothing
@@ -139,7 +139,7 @@ class PowerReduced(WearLaw):
     def work_per_slip(self, friction: Friction, /) -> Friction:
         """The friction, weighed by the pressure."""
         weighed = _Weighed(friction.law, self.reference_pressure_MPa, self.pressure_exponent)
-        return Friction(friction.coefficient, weighed)
+        return replace(friction, law=weighed)
 
     def factor(self, cycle: WornCycle, /) -> float:
         """By slip amplitude and frequency."""
@@ -169,16 +169,6 @@ class _Weighed(FrictionLaw):
         return weight * (self.of.derivative(friction, pressure_MPa) + bent * secant)
 
 
-# Over the last part of the way that oxygen gets, the wear coefficient passes linearly from one value to the other.
-_FADING = 0.3
-
-
-def breathing(distance_mm: Array, reach_mm: float, starved_factor: float) -> Array:
-    """Factors on wear at distances from the contact's edge, where oxygen gets so far."""
-    breathes = np.clip((1.0 - distance_mm / reach_mm) / _FADING, 0.0, 1.0)
-    return np.asarray(starved_factor + (1.0 - starved_factor) * breathes)
-
-
 @dataclass(frozen=True)
 class OxygenDistance(WearLaw):
     """Energy, but less where oxygen does not get: it gets d_O = d (f / 1 Hz)^m (p / 100 MPa)^n from the contact's edge.
@@ -206,7 +196,7 @@ class OxygenDistance(WearLaw):
     def factor(self, cycle: WornCycle, /) -> Array:
         """1 where oxygen gets."""
         reach = self.reach_mm(cycle.frequency_Hz, cycle.pressure_MPa)
-        return breathing(cycle.edge_distance_mm, reach, self.starved_factor)
+        return np.where(cycle.edge_distance_mm <= reach, 1.0, self.starved_factor)
 
 
 LIBRARY: tuple[type[WearLaw], ...] = (EnergyLaw, Archard, EnergyThreshold, PowerReduced, OxygenDistance)

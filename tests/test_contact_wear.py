@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from solvers import Archard, ContactProblem, ContactState, Drive, IncrementReport, OxygenSupply, SolverError, run_cycle
-from solvers.wear import edge_distances
 from tests.bodies import FRICTION, AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from tests.studies import MINIMAL, line_study
 from tests.wear_jumps import INCREMENTS, STROKE_mm, at_the_end, jumped, wires, worn
@@ -168,16 +167,6 @@ def test_oxygen_gets_as_far_as_the_root_of_its_supply_over_the_power_density() -
     for bad in ((0.0, 0.2), (1.0, -0.1)):
         with pytest.raises(SolverError, match="oxygen needs"):
             OxygenSupply(*bad)
-
-
-def test_distances_from_the_edge_are_those_to_the_nearest_open_node_in_any_direction() -> None:
-    x, y = np.meshgrid(np.arange(-5.0, 6.0), np.arange(-5.0, 6.0), indexing="ij")
-    plane = np.column_stack([x.ravel(), y.ravel()])
-    distance = edge_distances(plane, np.hypot(*plane.T) < 3.5).reshape(x.shape)
-    assert distance[5, 5] == pytest.approx(np.hypot(2.0, 3.0))
-    assert distance[0, 0] == 0.0
-    np.testing.assert_array_equal(distance, distance.T)
-    assert np.isinf(edge_distances(plane, np.ones(len(plane), dtype=bool))).all()
 
 
 @pytest.fixture(scope="module")

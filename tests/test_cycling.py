@@ -42,7 +42,7 @@ class Record:
     def restore(self, before: Result, done: float) -> None:
         self.rows = [row for row in before.measured if row[0] <= done]
 
-    def pressed(self, _state: ContactState, _report: IncrementReport) -> None:
+    def pressed(self, _problem: ContactProblem, _state: ContactState, _report: IncrementReport) -> None:
         pass
 
     def measured(

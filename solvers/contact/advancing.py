@@ -7,7 +7,16 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
-from solvers.contact.problem import ContactProblem, faced, law_at, levers, linearised, paired_before, vertical_gaps
+from solvers.contact.problem import (
+    ContactProblem,
+    faced,
+    law_at,
+    levers,
+    linearised,
+    paired_before,
+    sliding_force,
+    vertical_gaps,
+)
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
 from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, nothing_pressed, solve_contact
@@ -187,8 +196,7 @@ def _predicted_holder_position(problem: ContactProblem, state: ContactState, dri
         return state.holder_x + state.holder_rate * step
     # Turned round it sticks; else it goes on as it did, until friction holds no more.
     step *= 1.0 if slid_before else min(state.holder_rate, 1.0)
-    force = float(problem.surface.areas @ problem.law.limit(state.traction[:, 2]))
-    limit = force * compliance + 0.5 * problem.holder.play_mm
+    limit = sliding_force(problem, state) * compliance + 0.5 * problem.holder.play_mm
     return float(np.clip(state.holder_x + step, -limit, limit))
 
 

@@ -1,5 +1,6 @@
 """Two bodies pressed together by a holder, and the affine system that an increment poses on one pairing of them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, tan
@@ -8,6 +9,7 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, IntArray
+from solvers.between_nodes import WithinElements
 from solvers.compliance import PairedCompliance
 from solvers.contact_state import ContactState, DriveTiming, Holder, LocalState, WearState
 from solvers.errors import SolverError
@@ -288,7 +290,22 @@ def law_at(problem: ContactProblem, state: ContactState, pairing: Pairing, slip_
         lambda: timing.speed_mm_per_s(drive, falling=bool(slip_share.min() < 0.0)) * np.abs(slip_share[nodes]),
         problem.primary_is_upper,
     )
-    return problem.law_at(local)
+    return replace(problem.law_at(local), within=within_elements(problem, [state], np.zeros(len(nodes), dtype=int)))
+
+
+def within_elements(problem: ContactProblem, states: Sequence[ContactState], position: IntArray) -> WithinElements:
+    """How the pressures of states are spread within the primary's elements, for k nodes by the state of each (k,).
+
+    They are those along z: slopes are small where pressure falls to nothing.
+    """
+    return WithinElements(problem.primary.patch, [state.traction[:, 2] for state in states], position)
+
+
+def sliding_force(problem: ContactProblem, state: ContactState) -> float:
+    """Tangential force with which a state's contact would slide, N, had its surfaces never slid."""
+    pressure = state.traction[:, 2]
+    within = within_elements(problem, [state], np.zeros(len(pressure), dtype=np.int64))
+    return float(problem.surface.areas @ replace(problem.law, within=within).limit(pressure))
 
 
 def layers_between(problem: ContactProblem, state: ContactState, pairing: Pairing, traction: Array) -> LayersAtNodes:

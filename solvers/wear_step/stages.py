@@ -7,19 +7,18 @@ The stages are those of Alexander's singly diagonal Runge-Kutta method of second
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from geometry.arrays import Array, BoolArray, IntArray
+from geometry.arrays import Array, IntArray
+from solvers.between_nodes import WithinElements
 from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
-from solvers.contact.problem import faced, levers, vertical_gaps
+from solvers.contact.problem import faced, levers, vertical_gaps, within_elements
 from solvers.contact_state import ContactState, Guide, WearState, guide_from
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
-from solvers.wear import edge_distances
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position, facing_nodes, orbits_of, positions_of
 from solvers.wear_step.places import WearStop, stops_of
@@ -260,8 +259,10 @@ def _cycle(
     influences = Influences(
         (problem.primary, problem.secondary), [position.pairing for position in positions], orbits.rows, symmetry.across
     )
-    wearing = problem.wear.factor(_TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes))
-    return kept, Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers)
+    within = within_elements(problem, [position.state for position in positions], orbits.position)
+    traced = _TracedCycle(problem, positions, orbits, work_mJ, symmetry.strokes, within)
+    wearing = traced.at_unknowns(problem.wear.factor(traced))
+    return kept, Cycle(positions, orbits, influences, wear, symmetry.half_cycle, wearing, problem.layers, within)
 
 
 @dataclass(frozen=True)
@@ -273,6 +274,7 @@ class _TracedCycle:
     orbits: Orbits
     work_mJ: float  #: Friction work of the whole cycle.
     strokes: int  #: How often the positions come by in it.
+    within: WithinElements  #: Of the positions, for the unknowns.
 
     @property
     def frequency_Hz(self) -> float:
@@ -294,20 +296,25 @@ class _TracedCycle:
 
     @property
     def edge_distance_mm(self) -> Array:
-        plane = self.problem.primary.node_positions[:, :2]
+        # What comes into contact only as it wears lies at its edge, the last place.
+        return np.concatenate([*(spread.edge_distance_mm for spread in self.within.spreads), [0.0]])
+
+    def at_unknowns(self, factor: float | Array) -> float | Array:
+        """A factor, one for all or one for each place (N,), as means over the unknowns' supports."""
+        if not isinstance(factor, np.ndarray) or factor.ndim == 0:
+            return float(factor)
+        parts = np.split(factor[:-1], np.cumsum([len(spread.pressure_MPa) for spread in self.within.spreads])[:-1])
         found = [
-            edge_distances(plane, own)[position.nodes][rows]
-            for position, own, rows in zip(self.positions, self._pressed, self.orbits.rows, strict=True)
+            spread.averaged(part, float(factor[-1]))[position.nodes][rows]
+            for spread, part, position, rows in zip(
+                self.within.spreads, parts, self.positions, self.orbits.rows, strict=True
+            )
         ]
         return np.concatenate(found)
 
-    @cached_property
-    def _pressed(self) -> list[BoolArray]:
-        return [position.state.traction[:, 2] > 0.0 for position in self.positions]
-
     @property
     def _area(self) -> float:
-        return float(np.mean([self.problem.surface.areas[nodes].sum() for nodes in self._pressed]))
+        return float(np.mean([spread.area_mm2 for spread in self.within.spreads]))
 
 
 def _missing(problem: ContactProblem, nodes: IntArray, state: ContactState) -> IntArray:

@@ -7,7 +7,7 @@ together for them, where factors cost n³.
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
+from solvers.between_nodes import WithinElements
 from solvers.contact import ContactProblem
 from solvers.contact_state import LocalState, WearState
 from solvers.friction_law import Friction
@@ -193,6 +194,7 @@ class Cycle:
     half_cycle: Mirror | None
     wearing: float | Array  #: (N,) factor on the wear coefficients, or one for all.
     layers: tuple[ContactLayer, ...] = ()  #: Between the surfaces as the cycle was traced.
+    within: WithinElements | None = None  #: How pressure is spread within elements, for the unknowns.
     #: What is known so far of the equations of its pressures.
     similar: SimilarEquations = field(default_factory=SimilarEquations)
 
@@ -258,7 +260,7 @@ class Cycle:
             sliding,
             problem.primary_is_upper,
         )
-        return problem.law_at(local)
+        return replace(problem.law_at(local), within=self.within)
 
     def at(self, index: int) -> slice:
         """Where the nodes of a position stand."""

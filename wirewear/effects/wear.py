@@ -88,7 +88,8 @@ class ContactOxygenation(Effect[WearRates]):
     """Wear that is small where oxygen does not get.
 
     Oxygen diffuses in from the contact's edges and is used up in proportion to the friction power density q. It gets as
-    far as d = √(S/q); S is the supply. Beyond, debris does not oxidise, wear is adhesive and its coefficient smaller.
+    far as d = √(S/q); S is the supply. Beyond, debris does not oxidise, wear is adhesive and its coefficient smaller;
+    over the last 0.3 d, where little oxygen is left, it passes linearly from one to the other.
     Source: Arnaud, Baydoun and Fouvry, Tribol. Int. 161 (2021) 107077; of 39 tests of titanium, those with W-shaped
     scars have q a² above 0.31 to 0.38 W at Hertz's half-width a (Fouvry et al., Tribol. Int. 113 (2017) 460).
     """

@@ -211,7 +211,7 @@ class _Run:
         while True:
             try:
                 state, report = self.cycler.pressed(problem)
-                self.record.pressed(state, report)
+                self.record.pressed(problem, state, report)
                 state, done = self.cycler.moved_out(problem, state), 0.0
                 stepper = wear_stepper(self.test, self.cycler, problem)
                 while done < 1.0:

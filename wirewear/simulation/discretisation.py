@@ -21,6 +21,8 @@ from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
 
 #: Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its radius.
 _AT_EDGES = 2.5
+#: The same for laws of friction that bend with the pressure, which Coulomb's does not.
+_WITH_PRESSURE = 1.25
 
 
 @dataclass(frozen=True)
@@ -78,6 +80,8 @@ def discretise(study: Study, fidelity: str) -> Discretisation:
     expected = expected_contact(study)
     if expected.sticks and study.wear is not None:
         level = level.for_sticking()
+    if not study.contact.friction_law.proportional:
+        level = replace(level, per_contact_radius=_WITH_PRESSURE * level.per_contact_radius)
     if expected.face is not None:
         level = replace(level, per_contact_radius=_AT_EDGES * level.per_contact_radius)
     fresh, scar = expected.fresh, expected.scar

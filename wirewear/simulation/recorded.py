@@ -5,7 +5,7 @@ Loop, scars, a row of the evolution, how well energies and volumes close; whatev
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
-from math import nan
+from math import isnan, nan
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from solvers import (
     PlacedBody,
     SolverError,
     bulk_work,
+    law_error,
     measured_holder,
 )
 from wirewear.base.cache import installed
@@ -44,6 +45,8 @@ from wirewear.study import Body, Study
 from wirewear.study.surfaces import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
+
+_LAW_ERROR = "fresh_law_error"
 
 MEASURED = "measured_"  #: What names of a holder's measured elements begin with.
 
@@ -213,9 +216,11 @@ class Recorded(ABC):
         count = int((evolution["cycle"] <= done).sum())
         self._rows = [{name: float(column[i]) for name, column in evolution.items()} for i in range(count)]
 
-    def pressed(self, _state: ContactState, report: IncrementReport) -> None:
+    def pressed(self, problem: ContactProblem, state: ContactState, report: IncrementReport) -> None:
         """Record the fresh contact under the normal load alone."""
         self.tally.fresh = {"fresh_max_pressure_MPa": report.max_pressure}
+        if not isnan(error := law_error(problem, state)):
+            self.tally.fresh[_LAW_ERROR] = error
 
     def measured(
         self,
@@ -297,6 +302,8 @@ class Recorded(ABC):
         cycling_s, evolution = tally.cycling_s, Evolution.from_rows(self._rows)
         settings = self.settings(history) | layer_settings(self._study.layers) | borne_settings(self._study)
         largest = float(np.fmax.reduce([settings["hertz_pressure_MPa"], *evolution["max_mean_pressure_MPa"]]))
+        known = {"pressure_against_strength": largest / settings[BORNE]}
+        known |= {"law_between_nodes": tally.fresh[_LAW_ERROR]} if _LAW_ERROR in tally.fresh else {}
         return RunResult(
             name=self._study.name,
             variant=self._study.variant_name,
@@ -309,7 +316,7 @@ class Recorded(ABC):
             scars=tuple(self._scars),
             contact_forces=tuple(self._forces),
             settings=settings,
-            quality=tally.counters.quality() | {"pressure_against_strength": largest / settings[BORNE]},
+            quality=tally.counters.quality() | known,
             versions={program: installed(program) for program in _PROGRAMS},
             timings_s={
                 "preparation": tally.preparation_s,

@@ -1,0 +1,188 @@
+"""A contact between its nodes: where its edge runs, how pressure is spread over elements, and laws as integrals of it.
+
+A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to it. The
+square is fitted to the nodes (`SubgridTraction`) and sampled within elements. Nodes alone count whole supports as in
+contact or not: their area is off by a tenth where two elements span a contact's radius.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.friction_law import Friction
+from solvers.subgrid_traction import SubgridTraction, refined
+
+#: Samples across a contact that few elements span, and of an element each way at least and at most.
+_ACROSS, _FEWEST, _MOST = 48, 2, 8
+_AROUND = 4  #: Nodes without pressure about the contact that are looked at.
+#: A node's pressure is neither the value at the node, which the square takes it for, nor its support's mean, for which
+#: nodes alone count: integrals over a Hertz ellipse lie between both, at this share from the latter to the former.
+_BETWEEN = 0.75
+_OFF = 0.05  #: Of an element: how well the edge is known, of Hertz's ellipses.
+_LARGEST = 1.5  #: An integral over elements, over that of nodes, or the other way round.
+
+
+@dataclass(frozen=True, eq=False)
+class SpreadPressure:
+    """Pressure at m samples within the elements of a patch's n nodes, normal forces kept."""
+
+    nodal_MPa: Array  #: (n,) as solved for.
+    areas_mm2: Array  #: (n,) of the nodes.
+    places_mm: Array  #: (m, 2) of the samples under pressure, in the patch's axes.
+    pressure_MPa: Array  #: (m,).
+    parts_mm2: Array  #: (m,) areas of the samples.
+    edge_mm: Array  #: (e, 2) places where lines of samples leave the contact.
+    weights: csr_matrix  #: (n, m) hat functions of the nodes at the samples.
+    elements_across: float = 0.0  #: The contact where it is narrowest.
+
+    @classmethod
+    def of(cls, patch: ContactPatch, pressure_MPa: Array) -> "SpreadPressure":
+        """From nodal pressures (n,) on a patch; without samples where there is none."""
+        nodal, shape = np.maximum(pressure_MPa, 0.0), patch.shape
+        areas = patch.node_areas()
+        rows, columns = (_about(np.asarray(nodal.reshape(shape).any(axis=1 - axis))) for axis in (0, 1))
+        inner = nodal.reshape(shape)[rows][:, columns]
+        if not inner.size:
+            nothing = np.zeros((0, 2))
+            return cls(nodal, areas, nothing, np.zeros(0), np.zeros(0), nothing, csr_matrix((len(nodal), 0)))
+        tractions = np.zeros((*inner.shape, 3))
+        tractions[..., 2] = -inner
+        narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
+        samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
+        square = refined(SubgridTraction.of_nodes(tractions).square, samples)
+        lines = [
+            np.interp(np.arange(size) / samples, np.arange(len(own)), own)
+            for size, own in zip(square.shape, (patch.axial_mm[rows], patch.transverse_mm[columns]), strict=True)
+        ]
+        inside = square > 0.0
+        parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))[inside]
+        found = np.sqrt(square[inside])
+        load, carried = float(areas @ nodal), float(parts @ found)
+        places = np.column_stack([part[inside] for part in np.meshgrid(*lines, indexing="ij")])
+        edge = _edge(square, lines)
+        scale = load / carried if carried > 0.0 else 1.0
+        hats = _hats(shape, rows, columns, inside, samples)
+        across = min(
+            float(np.any(inside, axis=1 - axis).sum()) / samples for axis, size in enumerate(inner.shape) if size > 1
+        )
+        return cls(nodal, areas, places, scale * found, parts, edge, hats, across)
+
+    @property
+    def area_mm2(self) -> float:
+        """Of the contact."""
+        return float(self.parts_mm2.sum())
+
+    @cached_property
+    def edge_distance_mm(self) -> Array:
+        """Distance (m,) of the samples from the contact's edge; infinite where it has none on the patch."""
+        from scipy.spatial import KDTree
+
+        if not len(self.edge_mm):
+            return np.full(len(self.places_mm), np.inf)
+        return np.asarray(KDTree(self.edge_mm).query(self.places_mm)[0])
+
+    def averaged(self, values: Array, elsewhere: float) -> Array:
+        """Means (n,) of values (m,) at the samples over the nodes' supports by load, or a value for none.
+
+        Their mean by the nodes' loads is that of the samples by theirs.
+        """
+        weights, of_nodes = self.pressure_MPa * self.parts_mm2, self.areas_mm2 * self.nodal_MPa
+        load, of_values = self.weights @ weights, self.weights @ (weights * values)
+        mean = np.divide(of_values, load, out=np.full(len(load), elsewhere), where=load > 0.0)
+        wanted, found = float(weights @ values) * float(of_nodes.sum()), float(of_nodes @ mean) * float(weights.sum())
+        return np.asarray(mean * wanted / found if found > 0.0 else mean)
+
+    def integrals(self, friction: Friction) -> tuple[float, float]:
+        """A law's limit integrated over elements and summed over nodes, N; a local coefficient counts by its mean."""
+        coefficient = float(np.mean(friction.coefficient))
+        of_elements = self.parts_mm2 @ friction.law.limit(coefficient, self.pressure_MPa)
+        return float(of_elements), float(self.areas_mm2 @ friction.law.limit(coefficient, self.nodal_MPa))
+
+    def share(self, friction: Friction) -> float:
+        """What a law's limit is over that by its nodes' pressures alone."""
+        of_elements, of_nodes = self.integrals(friction)
+        if not of_nodes > 0.0 or not of_elements > 0.0:
+            return 1.0
+        return 1.0 + _BETWEEN * (min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST) - 1.0)
+
+    def law_error(self, friction: Friction) -> float:
+        """By how much a law's integral may be off, relative, as the contact's area is known so well alone: under the
+        same load another area has pressures that much lower.
+        """
+        if friction.law.proportional or not len(self.pressure_MPa):
+            return 0.0
+        coefficient, pressure = float(np.mean(friction.coefficient)), self.pressure_MPa
+        limit = float(self.parts_mm2 @ friction.law.limit(coefficient, pressure))
+        slope = float((self.parts_mm2 * pressure) @ friction.law.derivative(coefficient, pressure))
+        return 2.0 * self.edge_error * abs(1.0 - slope / limit) if limit > 0.0 else 0.0
+
+    @cached_property
+    def edge_error(self) -> float:
+        """By what share of its narrowest half-width the contact's edge may stand elsewhere."""
+        return _OFF / max(0.5 * self.elements_across, 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class WithinElements:
+    """How pressure is spread on a patch at the positions of k nodes or unknowns; found when it is first asked for."""
+
+    patch: ContactPatch
+    pressures_MPa: Sequence[Array]  #: Of the patch's nodes, each (n,).
+    position: IntArray  #: (k,) to which of them each belongs.
+
+    @cached_property
+    def spreads(self) -> tuple[SpreadPressure, ...]:
+        """Of each position."""
+        return tuple(SpreadPressure.of(self.patch, pressure) for pressure in self.pressures_MPa)
+
+    def among(self, chosen: slice) -> "WithinElements":
+        """Some of the nodes."""
+        return WithinElements(self.patch, self.pressures_MPa, self.position[chosen])
+
+    def share(self, friction: Friction) -> Array:
+        """What a law's limit is over that by nodes' pressures alone, (k,)."""
+        return np.array([own.share(friction) for own in self.spreads])[self.position]
+
+
+def _about(loaded: BoolArray) -> slice:
+    """The lines (n,) that bear load, with some around them."""
+    found = np.flatnonzero(loaded)
+    if not found.size:
+        return slice(0, 0)
+    return slice(max(int(found[0]) - _AROUND, 0), int(found[-1]) + _AROUND + 1)
+
+
+def _edge(square: Array, lines: Sequence[Array]) -> Array:
+    """Places (e, 2) where a field changes its sign between neighbouring samples."""
+    found = []
+    for axis in (0, 1):
+        along, others = np.moveaxis(square, axis, 0), lines[1 - axis]
+        i, j = np.nonzero((along[1:] > 0.0) != (along[:-1] > 0.0))
+        share = along[i, j] / (along[i, j] - along[i + 1, j])
+        crossed = lines[axis][i] + share * (lines[axis][np.minimum(i + 1, len(lines[axis]) - 1)] - lines[axis][i])
+        found.append(np.column_stack([crossed, others[j]][:: 1 if axis == 0 else -1]))
+    return np.concatenate(found)
+
+
+def _hats(shape: tuple[int, ...], rows: slice, columns: slice, inside: BoolArray, samples: int) -> csr_matrix:
+    """Hat functions of a patch's nodes, all but some lines of which are left out, at the samples inside (n, m)."""
+    i, j = np.nonzero(inside)
+    sample, node, value = [], [], []
+    for di in (0, 1):
+        for dj in (0, 1):
+            a, b = i // samples + di, j // samples + dj
+            weight = np.ones(len(i))
+            for place, step in ((i, di), (j, dj)):
+                part = (place % samples) / samples
+                weight = weight * (part if step else 1.0 - part)
+            kept = weight > 0.0
+            sample.append(np.flatnonzero(kept))
+            node.append((a + rows.start)[kept] * shape[1] + (b + columns.start)[kept])
+            value.append(weight[kept])
+    entries = (np.concatenate(value), (np.concatenate(node), np.concatenate(sample)))
+    return csr_matrix(entries, (shape[0] * shape[1], len(i)))
