@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     )
     from solvers.interior import StuckMotion, move_stuck
     from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
-    from solvers.law_errors import law_error
     from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
     from solvers.placement import PlacedBody, facing, place
     from solvers.transfer import flattened, remeshed, transferred, transferred_wear
@@ -64,7 +63,7 @@ __all__ = [
     "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
     "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew",
     "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
-    "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "law_error",
+    "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by",
     "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled",
     "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state",
     "wear_laws",

@@ -8,12 +8,13 @@ import pytest
 
 from geometry import ContactPatch, Flat
 from geometry.arrays import Array
-from solvers import Archard, Coulomb, Friction, OxygenDistance, PowerOfPressure, ShearLimited, law_error
+from solvers import Archard, Coulomb, Friction, OxygenDistance, PowerOfPressure, ShearLimited
 from solvers.between_nodes import SpreadPressure, WithinElements
 from solvers.contact.problem import sliding_force
 from solvers.friction_law import FrictionLaw
 from tests.bodies import FRICTION, LOAD_N, STEEL, RADIUS_mm, crossed_wires, pressed
 from wirewear.reference import Elastic, contact_modulus, hertz_point
+from wirewear.simulation.expected_contact import law_error
 
 P0_MPa = 1000.0
 RADII = np.linspace(0.0, 1.0, 20_001)

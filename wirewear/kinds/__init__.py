@@ -52,7 +52,7 @@ def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) ->
     Raises StudyError, in one sentence, as `load_any_study` does.
     """
     from wirewear.study import study_from_tables
-    from wirewear.study.idle import require_no_idle_key
+    from wirewear.study.consistency import require_no_idle_key
     from wirewear.study.surfaces import surfaces_in
 
     if any(surfaces_in(tables)):
@@ -61,5 +61,5 @@ def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) ->
         tables = with_levelled(tables, where)
     study = study_from_tables(tables, where)
     if not varied:
-        require_no_idle_key(study, where)
+        require_no_idle_key(study.runs, where)
     return study

@@ -1,18 +1,27 @@
-"""What contact and scar of a study are expected to be, for meshes that hold them: worked out once for a run."""
+"""What contact and scar of a study are expected to be, for meshes that hold them: worked out once for a run.
+
+The largest pressure that bodies bear at all: beyond it they flow, which elastic bodies do not show. How well laws of
+pressure and of distance from the edge are integrated over a contact that few elements span.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
-from math import cos, hypot, pi, radians, sin
+from dataclasses import dataclass, replace
+from math import cos, hypot, nan, pi, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
 
-from solvers import WearRates
+from geometry.arrays import Array
+from solvers import Archard, ContactProblem, ContactState, Coulomb, EnergyLaw, WearRates
+from solvers.between_nodes import SpreadPressure
 from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
-from wirewear.study import Study
+from wirewear.results import BORNE, BORNE_IS
+from wirewear.results.scar import called
+from wirewear.study import AnyStudy, Study
 from wirewear.study.bodies import hertz_of, on_pad
 from wirewear.study.faces import Face, half_width_of
+from wirewear.study.life import TENSILE_STRENGTH, LifeTable
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.
@@ -221,3 +230,74 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     largest = study.wear.largest_factor * factors.beyond_margin
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
     return per_sliding * conditions.drive.mean_load * conditions.normal_load_N * sliding_m
+
+
+#: Hardness over yield strength, the mean pressure of full plasticity (Tabor, The Hardness of Metals (1951)), which no
+#: pressure exceeds anywhere by much.
+_FULLY_PLASTIC = 2.8
+#: Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
+_HARDEST = 0.05
+
+
+def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:
+    """What a result records of the pressure that the softer body of a study bears, and what that goes by.
+
+    By the strength that its table of life states, or else by its Young's modulus alone.
+    """
+    life: LifeTable | None = study.tables.life
+    known = LifeTable() if life is None else life.of_material(None)
+    for strength, words in (
+        (known.yield_strength_MPa, "yield strength"),
+        (known.tensile_strength_MPa, f"{TENSILE_STRENGTH.split('_')[0]} strength"),
+    ):
+        if strength is not None:
+            stated = f"{_FULLY_PLASTIC:g} times the {words} of {strength:g} MPa that [life] states"
+            return {BORNE: _FULLY_PLASTIC * strength, BORNE_IS: stated}
+    body, softest = min(study.tables.materials.items(), key=lambda one: one[1].youngs_modulus_MPa)
+    modulus = softest.youngs_modulus_MPa
+    unknown = (
+        f"a twentieth of Young's modulus of the {called(body)}, as the hardest metals have it: no strength is stated"
+    )
+    return {BORNE: _HARDEST * modulus, BORNE_IS: unknown}
+
+
+@dataclass(frozen=True)
+class _SlidingCycle:
+    """A cycle in which a contact slides with the drive, for laws of wear; see `WornCycle`."""
+
+    edge_distance_mm: Array
+    pressure_MPa: float
+    power_density_W_per_mm2: float
+    slip_amplitude_mm: float
+    frequency_Hz: float
+
+
+def law_error(problem: ContactProblem, pressed: ContactState) -> float:
+    """Estimate of the relative error of friction and wear by the resolution of a pressed contact, from how well its
+    edge is known; NaN by Coulomb's law with a wear coefficient that is one for all places.
+    """
+    wear, friction = problem.wear, problem.law
+    alike = type(wear.law) in (EnergyLaw, Archard) and wear.oxygen is None
+    if type(problem.friction_law) is Coulomb and (wear.none or alike):
+        return nan
+    spread = SpreadPressure.of(problem.primary.patch, pressed.traction[:, 2])
+    laws = [friction] if wear.none else [friction, wear.law.work_per_slip(friction)]
+    found = max(spread.law_error(law) for law in laws)
+    return found if wear.none or not len(spread.pressure_MPa) else max(found, _factor_error(problem, spread))
+
+
+def _factor_error(problem: ContactProblem, spread: SpreadPressure) -> float:
+    """The same of the mean factor on wear, with the edge farther out and farther in."""
+    weights = spread.pressure_MPa * spread.parts_mm2
+    load, timing = float(weights.sum()), problem.timing
+    amplitude, power = timing.drive.amplitude_mm, 4e-3 * problem.friction * load * timing.frequency_Hz
+    cycle = _SlidingCycle(
+        spread.edge_distance_mm, load / spread.area_mm2, power * timing.drive.amplitude_mm / spread.area_mm2,
+        amplitude, timing.frequency_Hz,
+    )  # fmt: skip
+    off = spread.edge_error * sqrt(spread.area_mm2 / pi)
+    less, more = (
+        float(weights @ (np.zeros(len(weights)) + problem.wear.factor(replace(cycle, edge_distance_mm=distance))))
+        for distance in (np.maximum(spread.edge_distance_mm - off, 0.0), spread.edge_distance_mm + off)
+    )
+    return abs(less - more) / max(less + more, 1e-300)

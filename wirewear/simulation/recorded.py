@@ -19,7 +19,6 @@ from solvers import (
     PlacedBody,
     SolverError,
     bulk_work,
-    law_error,
     measured_holder,
 )
 from wirewear.base.cache import installed
@@ -35,8 +34,8 @@ from wirewear.results import (
     RunResult,
     Scar,
 )
-from wirewear.simulation.borne import borne_settings
 from wirewear.simulation.contact_forces import pressure_figures
+from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.folder import MeshHistory
 from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.problem import worn_depths

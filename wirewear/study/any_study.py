@@ -149,6 +149,13 @@ class AnyStudy(Generic[Tables]):
         cycles = worked_cycles(stretches, largest.worn_per_cycle)
         return largest.changed({"conditions": {"cycles": cycles}})
 
+    @property
+    def runs(self) -> tuple[Any, ...]:
+        """The tables of every variant, under every block of its programme."""
+        own = [self.variant(name) for name in self.variant_names] or [self]
+        every = (stretch.study for each in own for stretch in each.schedule.stretches)
+        return tuple({id(study): study.tables for study in every}.values())
+
     def given(self) -> dict[str, Any]:
         """What its file gives, as nested tables."""
         return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
