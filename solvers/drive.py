@@ -265,6 +265,9 @@ class Path:
         return self.drive, self.phase, self.time, self.load, self.bulk
 
 
+_FINER = 4  # Increments of a cycle whose load changes, over those of one whose load does not.
+
+
 @dataclass(frozen=True)
 class Drive:
     """A cycle's displacement, of an amplitude and a waveform, its normal load, and the bulk stresses of the lower and
@@ -280,6 +283,12 @@ class Drive:
     def steady(self) -> bool:
         """Whether load and bulk stresses stay as they are."""
         return self.load.steady and not any(any(own.amplitude) for own in self.bulk)
+
+    def followed_by(self, increments: int) -> int:
+        """Increments of a cycle that follow what loads and bulk stresses do, of so many where these stay as they are:
+        they make a contact slide and stick at any place of a stroke, and a yielding rig even against the drive.
+        """
+        return increments if self.steady else _FINER * increments
 
     @property
     def shears(self) -> bool:

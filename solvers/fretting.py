@@ -47,6 +47,19 @@ class CycleTrace:
     worn: WornPlaces | None = None  #: Where surfaces wear by it; None where at all of them.
 
     @property
+    def slips(self) -> Array:
+        """By how much (n,) the bodies slide over each increment, mm: a mean over the load, 0 where they are apart, and
+        positive where the drive's side goes ahead.
+        """
+        every = (self.start, *self.states)
+        forces, moved = np.array([of.primary_force for of in every]), np.diff([of.drive - of.holder_x for of in every])
+        slid, means = np.diff([of.primary_slid for of in every], axis=0), forces[1:] + forces[:-1]
+        weights = np.maximum(means[..., 2], 0.0)
+        # Under a load that goes, strain is given back against the slip; walls may push more than friction.
+        rubbed = np.where(np.diff([of.load_share for of in every]), (slid * means[..., 0]).sum(axis=1), moved)
+        return np.asarray(np.sign(rubbed) * (slid * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300))
+
+    @property
     def friction_work(self) -> float:
         """Friction work of the cycle, mJ."""
         return float(self.work.sum())

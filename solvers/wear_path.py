@@ -28,8 +28,6 @@ _FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive 
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
 _STUCK_SHARE = 0.04
-# Increments of a cycle in which the load changes, over those at whose ends surfaces wear.
-_FINER = 4
 _LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
 # Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
 _APART = 0.3
@@ -60,7 +58,7 @@ def traced_path(
         if drive.steady:
             places = own * wear_path(drive.amplitude_mm, own * holder_x_mm, count, before)
         else:
-            places = own * cosine_places(drive.amplitude_mm, _FINER * count)
+            places = own * cosine_places(drive.amplitude_mm, drive.followed_by(count))
             places = places if worn is None else _with_places(places, worn[own])
         strokes.append(drive.stroke(own, places))
         holder_x_mm = -holder_x_mm if before is None else own * float(before.holder_x[-1])

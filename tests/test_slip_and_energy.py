@@ -6,7 +6,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from geometry.arrays import Array
 from wirewear import RunResult
+from wirewear.effects.holder import FreePlay
 from wirewear.reference import SliderLoop, slider_loop
 from wirewear.simulation import simulate
 from wirewear.study import Study, study_from_tables
@@ -15,7 +17,7 @@ LOAD_N, FRICTION, AMPLITUDE_um, COEFFICIENT = 5.0, 0.5, 42.0, 1e-9
 #: Each with the stiffness of its rig and the test's length.
 LOADS: dict[str, tuple[dict[str, Any], float | str, int]] = {
     "behind the drive": ({"amplitude_share": 0.6, "lag_deg": 270.0}, 100.0, 3),
-    "twice a cycle": ({"amplitude_share": 0.6, "lag_deg": 60.0, "frequency_ratio": 2}, 100.0, 2000),
+    "twice a cycle": ({"amplitude_share": 0.6, "lag_deg": 60.0, "frequency_ratio": 2}, 100.0, 300),
     "of a table": ({"points": [[0.0, 0.4], [0.3, 1.6], [0.4, 0.3], [0.8, 1.2], [1.0, 0.4]]}, 400.0, 20),
     "that opens": ({"amplitude_share": 1.3, "lag_deg": 200.0}, 250.0, 1),
     "on a rigid rig": ({"amplitude_share": 0.6, "lag_deg": 120.0}, "rigid", 1),
@@ -57,7 +59,7 @@ def contact_um() -> tuple[float, float]:
 
 
 def slider(load: str, amplitude_um: float = AMPLITUDE_um, contact: float = 0.0) -> SliderLoop:
-    """The slider's loop, with the contact's compliance in mm/N put to the spring's."""
+    """The slider's loop, with the contact's compliance under the mean load in mm/N put to the spring's."""
     cycle, stiffness, _ = LOADS[load]
     if "points" in cycle:
         times, shares = np.array(cycle["points"]).T
@@ -67,10 +69,13 @@ def slider(load: str, amplitude_um: float = AMPLITUDE_um, contact: float = 0.0) 
         shares = np.maximum(1.0 + cycle["amplitude_share"] * np.cos(2.0 * np.pi * ratio * times - lag), 0.0)
     rig = 0.0 if isinstance(stiffness, str) else 1.0 / stiffness
 
-    def limit(time: Any) -> Any:
-        return FRICTION * LOAD_N * np.interp(time, times, shares)
+    def share(time: Array) -> Array:
+        return np.asarray(np.interp(time, times, shares))
 
-    return slider_loop(1e-3 * amplitude_um, limit, rig + contact)
+    def compliance(time: Array) -> Array:
+        return np.asarray(rig + contact * np.maximum(share(time), 1e-3) ** (-1.0 / 3.0))
+
+    return slider_loop(1e-3 * amplitude_um, lambda time: FRICTION * LOAD_N * share(time), compliance)
 
 
 @pytest.mark.seconds
@@ -82,3 +87,20 @@ def test_the_energy_that_wears_is_that_of_the_loops_whatever_the_load_and_the_ri
     expected = slider(load, contact=1e-3 * contact_um()[1] / (FRICTION * LOAD_N)).energy_mJ
     assert energy_mJ == pytest.approx(cycles * expected, rel=5e-3)
     assert run(load).worn_volume_mm3[-1] == pytest.approx(1e-3 * COEFFICIENT * energy_mJ, rel=1e-9)
+
+
+@pytest.mark.seconds
+@pytest.mark.parametrize("load", LOADS)
+def test_the_slip_amplitude_is_half_the_way_of_the_contact_whatever_the_load_and_the_rig(load: str) -> None:
+    found = run(load).evolution["slip_amplitude_um"][-1]
+    assert found == pytest.approx(1e3 * slider(load).slip_amplitude_mm - contact_um()[0], rel=0.01)
+
+
+@pytest.mark.seconds
+def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None:
+    """The loop's width at its mean force lies anywhere on the shelf of the play."""
+    found = []
+    for gap_um in (0.0, 3.0):
+        own = study(None, 400.0, 20).with_effects(FreePlay(gap_um=gap_um))
+        found.append(simulate(own, fidelity="quick").evolution["slip_amplitude_um"])
+    np.testing.assert_allclose(found[0] - found[1], 1.5, rtol=0.01)

@@ -17,6 +17,8 @@ from solvers.fretting import CycleTrace
 from solvers.wear_path import WornPlaces, slides, spread_over_slip
 from solvers.wear_step.symmetry import Mirror, mirrored
 
+_LEAST_LOAD = 0.1  # Of the mean load: no place with less stands for others, which would wear so little of the surface.
+
 
 class WearStop(NamedTuple):
     """Where surfaces wear in a traced cycle."""
@@ -67,16 +69,16 @@ def _spans(pressed: BoolArray, kept: IntArray, count: int) -> list[tuple[int, in
 def worn_places(problem: ContactProblem, trace: CycleTrace, count: int) -> WornPlaces:
     """About so many increments of a closed cycle, or of half of one, spread evenly over the slip."""
     states = (trace.start, *trace.states)
-    loads = np.array([problem.surface.areas * np.maximum(state.traction[:, 2], 0.0) for state in states])
-    slid = np.diff([state.primary_slid for state in states], axis=0)
-    weights, load = loads[1:] + loads[:-1], loads.sum(axis=1)
-    slip = (slid * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300)
-    rubbing = np.array([problem.surface.areas * (new.traction + old.traction)[:, 0] for old, new in pairwise(states)])
-    ways = -np.sign((rubbing * slid).sum(axis=1)) * slides(slip)
-    found = spread_over_slip(ways * slip, 1.0 + load[1:] / float(load.mean()), count)
-    kept = np.unique(np.append(np.maximum(np.rint(found), 1.0), len(slip)).astype(np.int64))
+    load = np.array([float(problem.surface.areas @ state.traction[:, 2]) for state in states])
+    slip = trace.slips
+    ways = np.sign(slip) * slides(slip)
+    mean = float(load.mean())
+    found = np.maximum(np.rint(spread_over_slip(slip, 1.0 + load[1:] / mean, count)), 1.0).astype(np.int64)
+    kept = np.unique(np.append(found[load[found] > _LEAST_LOAD * mean], len(slip)))
     drive = np.where(ways != 0.0, np.abs(np.diff(trace.drive, prepend=trace.start.drive)), 0.0)
-    work = 0.5 * (slip + np.roll(slip, -1)) * load[1:]
+    work = 0.5 * (np.abs(slip) + np.abs(np.roll(slip, -1))) * load[1:]
+    if load[-1] <= _LEAST_LOAD * mean:
+        ways[-1] = 0.0
     shared = [_shared(slip, ways, kept, values) for values in (work, 0.5 * (drive + np.roll(drive, -1)))]
     return WornPlaces(kept - 1, *shared)
 
@@ -85,10 +87,10 @@ def _shared(slip: Array, ways: Array, kept: IntArray, values: Array) -> Array:
     """What of values (m,) at the ends of all increments falls to those that are kept, (k,): between two of them by the
     slip up to either; where the bodies stick, part or turn in between to the one on the same side of that.
 
-    slip: (m,) of each increment.  ways: (m,) its direction, 0 where the bodies do not slide.  kept: (k,) numbers of
+    slip: (m,) of each increment.  ways: (m,) its sign, 0 where the bodies do not slide.  kept: (k,) numbers of
     ends, the last of which is the start of the next cycle.
     """
-    along, ends, ways = np.append(0.0, np.cumsum(slip)), np.append(0, kept), np.append(ways[-1], ways)
+    along, ends, ways = np.append(0.0, np.cumsum(np.abs(slip))), np.append(0, kept), np.append(ways[-1], ways)
     found = np.zeros(len(ends))
     for k, (begin, end) in enumerate(pairwise(ends)):
         place = np.arange(begin + 1, end + 1)
@@ -99,4 +101,8 @@ def _shared(slip: Array, ways: Array, kept: IntArray, values: Array) -> Array:
             share = (along[place] - along[begin]) / (along[end] - along[begin])
         found[k] += float((1.0 - share) @ values[place - 1])
         found[k + 1] += float(share @ values[place - 1])
-    return np.append(found[1:-1], found[-1] + found[0])
+    # Where the bodies do not slide at its end, a cycle begins with what its first place stands for.
+    whole = found[0] + found[-1]
+    found[-1] = 0.0
+    found[-1 if ways[-1] else 1] += whole
+    return found[1:]

@@ -37,21 +37,23 @@ class SliderLoop:
 def slider_loop(
     amplitude_mm: float,
     friction_limit_N: Callable[[Array], Array],
-    compliance_mm_per_N: float,
+    compliance_mm_per_N: Callable[[Array], Array],
     play_mm: float = 0.0,
     samples: int = 4000,
 ) -> SliderLoop:
-    """The loop of a sinusoidal drive.  friction_limit_N: at shares (n,) of the cycle since the rest at +amplitude."""
+    """The loop of a sinusoidal drive.
+
+    friction_limit_N, compliance_mm_per_N: what friction bears, and the spring's, at shares (n,) of the cycle since the
+    drive's rest at +amplitude.
+    """
     time = np.arange(samples + 1) / samples
     drive, limit, half_play = amplitude_mm * np.cos(2.0 * np.pi * time), friction_limit_N(time), 0.5 * play_mm
-    reach, place, places = limit * compliance_mm_per_N + half_play, amplitude_mm, np.empty_like(time)
+    compliance, place, places = compliance_mm_per_N(time), amplitude_mm, np.empty_like(time)
+    reach = limit * compliance + half_play
     for _ in range(_CYCLES):
         for k, moved in enumerate(drive):
             place = min(max(place, moved - reach[k]), moved + reach[k])
             places[k] = place
-    stretch = drive - places
-    if compliance_mm_per_N > 0.0:
-        force = np.sign(stretch) * np.maximum(np.abs(stretch) - half_play, 0.0) / compliance_mm_per_N
-    else:
-        force = limit * np.sign(np.gradient(places))
-    return SliderLoop(drive, places, force)
+    stretch, slides = drive - places, limit * np.sign(np.gradient(places))
+    sprung = np.sign(stretch) * np.maximum(np.abs(stretch) - half_play, 0.0)
+    return SliderLoop(drive, places, np.divide(sprung, compliance, out=slides, where=compliance > 0.0))

@@ -7,7 +7,8 @@ from functools import cached_property
 import solvers
 from wirewear.effects import Age
 from wirewear.simulation.folder import Meshes
-from wirewear.simulation.held import AmplitudeSearch, HeldFigure, Probe
+from wirewear.simulation.held import AmplitudeSearch, HeldFigure
+from wirewear.simulation.measures import Probe
 from wirewear.simulation.tally import Tally
 from wirewear.study.tables import Stop
 
@@ -20,10 +21,6 @@ Told = Callable[[solvers.ContactState, solvers.IncrementReport], None]  #: Of an
 
 #: Tries a jump: from the state after so many cycles over some more, to the state then and the pressures' change.
 Attempt = Callable[[solvers.ContactState, float, float], tuple[solvers.ContactState, float]]
-
-
-#: Increments of a loop whose force bends with its load all the way, over those where it is followed.
-_FINER = 4
 
 
 @dataclass(frozen=True)
@@ -188,9 +185,8 @@ class Cycler:
     ) -> tuple[solvers.ContactState, solvers.CycleTrace]:
         """One cycle that wears as `cycles` cycles after `before` (0: frozen), at the age in their middle."""
         current, motion = self.aged(problem, state, before + 0.5 * cycles), self.motion
-        state, trace = solvers.run_cycle(
-            current, state, motion.drive, motion.wear_increments, cycles, self._watch, self.guide
-        )
+        increments = motion.drive.followed_by(motion.wear_increments)
+        state, trace = solvers.run_cycle(current, state, motion.drive, increments, cycles, self._watch, self.guide)
         self._took(trace)
         return state, trace
 
@@ -232,10 +228,10 @@ class Cycler:
             reports.append(report)
             self._tell(passed, self.now)
 
-        def forced(begins: solvers.ContactState, place: float) -> float:
+        def forced(begins: solvers.ContactState, place: float) -> solvers.ContactState:
             after, told = solvers.advance(current, begins, place, 0.0)
             reports.extend(told)
-            return float(after.primary_force[:, 0].sum())
+            return after
 
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
             return solvers.closed_trace(current, begin, drive, motion.wear_increments, symmetry, watch, guide)
@@ -258,7 +254,7 @@ class Cycler:
         # Where the contact wears, the next jump starts from the cycle that leads to the loop.
         moved = None if problem.unchanging and motion.held is None else self._traced(problem, state, done).trace
         steady = motion.drive.steady
-        increments = motion.increments * (1 if steady or not motion.follows_force else _FINER)
+        increments = motion.drive.followed_by(motion.increments) if motion.follows_force else motion.increments
 
         def cycle(begin: solvers.ContactState, drive: solvers.Drive, guide: solvers.Guide | None) -> _Cycle:
             how = (current, begin, drive, increments, self._watch, guide, motion.wear_increments)

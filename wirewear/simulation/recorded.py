@@ -37,7 +37,8 @@ from wirewear.results import (
 from wirewear.simulation.contact_forces import pressure_figures
 from wirewear.simulation.expected_contact import borne_settings, law_error
 from wirewear.simulation.folder import MeshHistory
-from wirewear.simulation.held import HeldFigure, dissipated_energy_mJ, slip_amplitude_mm
+from wirewear.simulation.held import HeldFigure
+from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.problem import worn_depths
 from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
 from wirewear.study import Body, Study

@@ -1,0 +1,103 @@
+"""Figures of a simulated cycle: slip amplitude and energy, each by the loop and by what the contact itself did."""
+
+from collections.abc import Callable
+
+import numpy as np
+
+from geometry.arrays import BoolArray
+from solvers import ContactState, CycleTrace
+from wirewear.loops.sensor import enclosed_area
+
+_PROBED = 1e-4  # Of the slip's range: how well the place of the mean force is sought.
+
+#: The state after one increment from a state to a place of the drive in mm.
+Probe = Callable[[ContactState, float], ContactState]
+
+
+def is_half(trace: CycleTrace) -> bool:
+    """Whether a trace is half a cycle, whose other half is its mirror image."""
+    falling = trace.phase <= 0.5
+    return bool(falling.all() or not falling.any())
+
+
+def dissipated_energy_mJ(trace: CycleTrace) -> float:
+    """The area of a closed loop; without friction what is left of it is round-off to either side of 0."""
+    return max(enclosed_area(trace.drive, trace.tangential_force), 0.0)
+
+
+def friction_work_mJ(trace: CycleTrace) -> float:
+    """Friction work of a cycle, also by half of one; but for round-off and coarse increments the loop's area."""
+    return (2.0 if is_half(trace) else 1.0) * trace.friction_work
+
+
+def slid_amplitude_mm(trace: CycleTrace) -> float:
+    """A quarter of the way that the bodies slide in a cycle, as a mean over the load; also by half a cycle."""
+    return (0.5 if is_half(trace) else 0.25) * float(np.abs(trace.slips).sum())
+
+
+def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:
+    """Half the width at its mean force of a closed loop of force over the contact's own displacement, mm; also of half
+    a cycle.
+
+    The contact's displacement is the drive's less the holder's: neither the rig's springs nor its play are in it, and
+    loads that change carry the rig as well. Where the bodies turn, the contact's strain is given back until the force
+    is met, or until all nodes slide: the slope of a worn scar may carry more than friction.
+
+    probe: finds where the force is met within an increment of a steady load; without it a line does.
+    """
+    slips = trace.slips
+    if not slips.any():
+        # Where all floats in free play the force that the loop would be judged by is round-off.
+        return 0.0
+    force, half = trace.tangential_force, is_half(trace)
+    places = np.array([state.drive - state.holder_x for state in (trace.start, *trace.states)])
+    slides, opened = _all_slide(trace), trace.normal_force <= 0.0
+    if half:
+        places, force, slips = np.append(places, -places[1:]), np.append(force, -force), np.append(slips, -slips)
+        slides, opened = np.append(slides, slides), np.append(opened, opened)
+    moved, places = np.diff(places), places[1:]
+    mean = 0.0 if half else float(np.abs(moved) @ (force + np.roll(force, 1))) / (2.0 * float(np.abs(moved).sum()))
+    ends = []
+    for turn, sign in ((int(np.argmax(places)), 1.0), (int(np.argmin(places)), -1.0)):
+        order = (turn + np.arange(1, len(places) + 1)) % len(places)
+        back, above = slides[order] & (sign * slips[order] < 0.0), sign * (np.append(force[turn], force[order]) - mean)
+        met = int(np.argmax(back | (above[1:] <= 0.0) | opened[order]))
+        k, passed = int(order[met]), above[met] - above[met + 1]
+        share = float(np.clip(above[met] / passed, 0.0, 1.0)) if passed > 0.0 else 0.0
+        strain = moved[k] - slips[k] if back[met] else moved[k]
+        end = float(places[k - 1] + share * min(sign * strain, 0.0) * sign)
+        if probe is not None and 0.0 < share < 1.0:
+            end = _probed(trace, probe, k, mean)
+        ends.append(end)
+    return max(0.5 * (ends[0] - ends[1]), 0.0)
+
+
+def _all_slide(trace: CycleTrace) -> BoolArray:
+    """Whether all nodes under pressure slid over each increment (n,)."""
+    return np.array(
+        [
+            bool((new.primary_slid > old.primary_slid)[new.traction[:, 2] > 0.0].all())
+            for old, new in zip((trace.start, *trace.states), trace.states, strict=False)
+        ]
+    )
+
+
+def _probed(trace: CycleTrace, probe: Probe, increment: int, mean_N: float) -> float:
+    """The contact's displacement in mm where an increment meets the mean force; in the mirrored half of a cycle as in
+    the other.
+    """
+    from scipy.optimize import brentq
+
+    image = -1.0 if increment >= len(trace.states) else 1.0
+    k = increment % len(trace.states)
+    old, new = (trace.start, *trace.states)[k : k + 2]
+
+    def found(share: float) -> tuple[float, float]:
+        state = (
+            new if share == 1.0 else old if share == 0.0 else probe(old, old.drive + share * (new.drive - old.drive))
+        )
+        return image * float(state.primary_force[:, 0].sum()) - mean_N, image * (state.drive - state.holder_x)
+
+    within = _PROBED * float(np.ptp(trace.drive)) / max(abs(new.drive - old.drive), 1e-300)
+    share = brentq(lambda share: found(share)[0], 0.0, 1.0, xtol=min(max(within, 1e-9), 0.5))
+    return found(float(share))[1]
