@@ -20,6 +20,7 @@ from itertools import product
 import numpy as np
 from scipy.linalg import blas, lapack
 from scipy.sparse import csr_matrix, diags
+from scipy.sparse.csgraph import maximum_bipartite_matching
 from threadpoolctl import threadpool_limits
 
 from geometry import ContactPatch, Elastic, HexMesh, QuadMesh, mirror_images
@@ -117,13 +118,35 @@ def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
     local = graph[nodes][:, nodes].tocsr()
     _, side = pymetis.part_graph(2, pymetis.CSRAdjacency(local.indptr, local.indices))
     second = np.asarray(side, dtype=bool)
-    touches_second = local @ second.astype(np.int32) > 0
-    touches_first = local @ (~second).astype(np.int32) > 0
-    from_first, from_second = ~second & touches_second, second & touches_first
-    separator = from_first if from_first.sum() <= from_second.sum() else from_second
+    separator = _separator(local, second)
     sides = [nodes[~second & ~separator], nodes[second & ~separator]]
     parts = tuple(divided(graph, side_nodes) for side_nodes in sides if len(side_nodes))
     return Substructure(nodes[separator], parts)
+
+
+def _separator(graph: csr_matrix, second: BoolArray) -> BoolArray:
+    """The fewest nodes (n,) that part the second side of a graph from the first.
+
+    Koenig's theorem: they are as many as the couplings between the sides that a largest matching pairs off, and what
+    alternating paths from unpaired nodes of the first side reach says which.
+    """
+    ends, starts = np.flatnonzero(second), np.flatnonzero(~second)
+    across = graph[starts][:, ends]
+    paired = maximum_bipartite_matching(across, perm_type="column")
+    partner = np.full(len(ends), -1)
+    partner[paired[paired >= 0]] = np.flatnonzero(paired >= 0)
+    reached, reached_ends = paired < 0, np.zeros(len(ends), dtype=bool)
+    front = np.flatnonzero(reached)
+    while len(front):
+        new = np.unique(across[front].indices)
+        new = new[~reached_ends[new]]
+        reached_ends[new] = True
+        # All are paired off: else the matching were not the largest.
+        front = partner[new]
+        reached[front] = True
+    separator = np.zeros(len(second), dtype=bool)
+    separator[starts], separator[ends] = ~reached, reached_ends
+    return separator
 
 
 def elimination_order(tree: Substructure) -> IntArray:
@@ -156,15 +179,15 @@ def eliminate(
     """
     parts = [eliminate(part, system, kept) for part in tree.parts]
     d, own = system.d, tree.eliminated
-    boundary, position, matrix = front_of(own, [nodes for nodes, _ in parts], system)
+    boundary, position, columns = front_of(own, [nodes for nodes, _ in parts], system)
     unknowns = unknowns_of(own, d)
     held = system.held[:, unknowns]
     keys = [(of_own.tobytes(), *(id(of_part[way]) for _, of_part in parts)) for way, of_own in enumerate(held)]
     done: dict[tuple[object, ...], tuple[Array, Front | None]] = {}
     for way, key in enumerate(keys):
         if key not in done:
-            again = any(later != key and later not in done for later in keys[way:])
-            whole = matrix.copy(order="F") if again else matrix
+            whole = np.zeros((len(columns), len(columns)), order="F")
+            whole[:, : len(unknowns)] = columns
             for nodes, of_part in parts:
                 add_update(whole, unknowns_of(position[nodes], d), of_part[way])
             update, front = _eliminated(whole, unknowns, unknowns_of(boundary, d), held[way])
@@ -175,7 +198,7 @@ def eliminate(
 
 
 def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntArray, IntArray, Array]:
-    """The nodes that a front leaves behind, by rank; each node's position in it; the matrix of its own nodes."""
+    """The nodes that a front leaves behind, by rank; each node's position in it; the columns of its own unknowns."""
     matrix, rank, d = system.matrix, system.rank, system.d
     neighbours = np.unique(np.concatenate([system.graph[own].indices, *left]))
     later = neighbours[rank[neighbours] > (rank[own].max() if len(own) else -1)]
@@ -183,8 +206,7 @@ def front_of(own: IntArray, left: list[IntArray], system: System) -> tuple[IntAr
     position = np.full(len(rank), -1, dtype=np.int64)
     position[own] = np.arange(len(own))
     position[boundary] = len(own) + np.arange(len(boundary))
-    n = d * (len(own) + len(boundary))
-    front = np.zeros((n, n), order="F")
+    front = np.zeros((d * (len(own) + len(boundary)), d * len(own)), order="F")
     rows = matrix[unknowns_of(own, d)].tocoo()
     inside = position[rows.col // d] >= 0
     columns = rows.col[inside]

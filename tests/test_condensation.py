@@ -17,7 +17,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
-from solvers.condensation import schur_complements
+from solvers.condensation import _separator, node_graph, schur_complements
 from solvers.strain import stiffness_matrix
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
@@ -193,3 +193,20 @@ def test_nested_substructures_give_the_dense_schur_complement(seed: int, kept_sh
     kept, eliminated = nodes[:kept_count], np.sort(nodes[kept_count + int(held_share * 343) :])
     found = schur_complements(matrix, kept, eliminated, 1, np.zeros((1, matrix.shape[0]), bool))[0]
     assert found == pytest.approx(dense_schur_complement(matrix, kept, eliminated), abs=1e-12)
+
+
+def test_substructures_are_parted_by_no_more_nodes_than_either_side_shows(block: HexMesh) -> None:
+    graph = node_graph(stiffness_matrix(block, STEEL), 3)
+    rng = np.random.default_rng(0)
+    fewer = 0
+    for _ in range(5):
+        # A ragged cut, as bisections of large meshes are.
+        second = block.points[:, 0] + rng.uniform(-0.2, 0.2, len(block.points)) * np.ptp(block.points[:, 0]) > 0.0
+        separator = _separator(graph, second)
+        assert not graph[~second & ~separator][:, second & ~separator].nnz
+        rims = [
+            int((graph[own][:, other].sum(axis=1) > 0).sum()) for own, other in ((second, ~second), (~second, second))
+        ]
+        assert separator.sum() <= min(rims)
+        fewer += separator.sum() < min(rims)
+    assert fewer == 5
