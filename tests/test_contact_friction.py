@@ -4,44 +4,80 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.linalg import lapack
+from scipy.sparse import csr_matrix
 
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, IncrementReport
-from solvers.wear_step.surfaces import SimilarEquations
+from solvers.wear_step.coupled import Coupled, SimilarEquations
 from tests.bodies import FRICTION, LOAD_N, STEEL, AMPLITUDE_mm, RADIUS_mm, RIG_N_per_mm, crossed_wires, driven, pressed
 from wirewear import reference
 
-COUNT = 240
+COUNT, POSITIONS, NODES = 240, 4, 30
 COARSE_mm, FINE_mm = 0.010, 0.007
 LIMIT_N = FRICTION * LOAD_N
 PER_CYCLE = 40
 Slip = tuple[list[ContactState], list[list[IncrementReport]]]
 
 
-def matrix(seed: int = 1, change: float = 0.0) -> Array:
-    """A dense matrix with a strong diagonal, and one that differs from it by a share."""
+def matrix(seed: int = 1, change: float = 0.0) -> tuple[Array, Array, Array]:
+    """Dense blocks of pressures and a height at each position, and what couples them through few nodes, much stronger;
+    and those that differ from them by a share.
+    """
     chance = np.random.default_rng(seed)
-    first = np.exp(-np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT))) / 20.0) + 0.1 * np.eye(COUNT)
-    return np.asarray(first * (1.0 + change * chance.normal(size=first.shape)))
+    near = np.exp(-np.abs(np.subtract.outer(np.arange(COUNT), np.arange(COUNT))) / 20.0) + 0.1 * np.eye(COUNT)
+    faced = np.arange(COUNT)[:, None] % NODES == np.arange(NODES)
+    blocks, opened, worked = (
+        part * (1.0 + change * chance.normal(size=part.shape)) for part in (near, 3.0 * faced, 2.0 * faced)
+    )
+    return blocks, opened, worked
 
 
-def solved(similar: SimilarEquations, whole: Array, unknowns: IntArray, scale: float = 1.0) -> Array | None:
-    """The solution on some unknowns, of equations scaled at random."""
-    part, rhs = whole[np.ix_(unknowns, unknowns)], np.cos(unknowns)
-    chance = np.random.default_rng(len(unknowns))
-    row, column = scale * chance.uniform(0.5, 2.0, len(rhs)), chance.uniform(0.5, 2.0, len(rhs))
-    scaled = np.ascontiguousarray((row[:, None] * part * column).T)
-    return similar.solution(unknowns, rhs, lambda some: part @ some, lambda: (scaled, row, column))
+def whole(parts: tuple[Array, Array, Array], unknowns: IntArray) -> tuple[Array, Coupled]:
+    """The matrix of some unknowns and then of the heights, and its parts."""
+    near, opened, worked = (part[unknowns] for part in parts)
+    position = unknowns // (COUNT // POSITIONS)
+    blocks, size = [], len(unknowns)
+    dense = np.zeros((size + POSITIONS, size + POSITIONS))
+    for k in range(POSITIONS):
+        own = np.append(np.flatnonzero(position == k), size + k)
+        block = np.ones((len(own), len(own)), order="F")
+        block[:-1, :-1], block[-1, -1] = near[own[:-1]][:, unknowns[own[:-1]]], -0.5
+        dense[np.ix_(own, own)] = block
+        blocks.append(block)
+    dense[:size, :size] += opened @ worked.T
+    return dense, Coupled(blocks, csr_matrix(opened), csr_matrix(worked))
 
 
-@pytest.mark.parametrize("change", [0.0, 1e-4, 1e-2, 1.0])
+@pytest.mark.parametrize("change", [0.0, 1e-4, 1e-2, 0.3])
 def test_equations_that_changed_are_solved_whatever_the_change(change: float) -> None:
     similar, every = SimilarEquations(), np.arange(COUNT)
     some, others = np.delete(every, [3, 77]), np.delete(every, [5])
-    for unknowns, whole in ((some, matrix()), (others, matrix(2, change)), (every, matrix(3, change))):
-        found = solved(similar, whole, unknowns, scale=1.0 + change)
-        exact = np.linalg.solve(whole[np.ix_(unknowns, unknowns)], np.cos(unknowns))
+    for unknowns, parts in ((some, matrix()), (others, matrix(2, change)), (every, matrix(3, change))):
+        dense, coupled = whole(parts, unknowns)
+        rhs = np.cos(np.arange(len(dense)))
+        numbers = np.concatenate([unknowns, COUNT + np.arange(POSITIONS)])
+        found = similar.solution(numbers, rhs, 2.0 + np.sin(rhs), dense.__matmul__, coupled)
+        exact = np.linalg.solve(dense, rhs)
         assert found == pytest.approx(exact, rel=1e-7, abs=1e-9 * np.abs(exact).max())
+
+
+def test_no_factors_are_larger_than_a_position_or_the_nodes_that_all_share(monkeypatch: pytest.MonkeyPatch) -> None:
+    sizes: list[int] = []
+    factored = lapack.dgetrf
+
+    def watched(matrix: Array) -> object:
+        sizes.append(len(matrix))
+        return factored(matrix)
+
+    monkeypatch.setattr(lapack, "dgetrf", watched)
+    dense, coupled = whole(matrix(), np.arange(COUNT))
+    numbers = np.arange(len(dense))
+    assert (
+        SimilarEquations().solution(numbers, np.cos(numbers), np.ones(len(dense)), dense.__matmul__, coupled)
+        is not None
+    )
+    assert sizes == [COUNT // POSITIONS + 1] * POSITIONS + [NODES]
 
 
 @pytest.fixture(scope="module")

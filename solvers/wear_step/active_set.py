@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 from math import nan
 from typing import NamedTuple
 
@@ -14,7 +15,8 @@ from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
 from solvers.layers import LayersAtNodes, layers_at_nodes, open_share
 from solvers.nodal_transfer import NodalTransfer
-from solvers.wear_step.orbits import Opening
+from solvers.wear_step.coupled import Coupled
+from solvers.wear_step.orbits import Opening, scaled_rows
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along
 
 # Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
@@ -95,8 +97,9 @@ class CycleEquations:
         )
         moved, rhs = _sides(terms, facing)
         unknowns = np.concatenate([on, len(active) + np.arange(len(cycle.positions))])
+        coupled = self._coupled(terms, moved)
         solution = cycle.similar.solution(
-            unknowns, rhs, lambda some: _product(terms, facing, moved, some), lambda: _matrix(terms, facing, moved)
+            unknowns, rhs, _comparable(coupled), lambda some: _product(terms, facing, moved, some), coupled
         )
         if solution is None or not np.all(np.isfinite(solution)):
             raise NotConvergedError("the pressures of a cycle on the surface that they wear are not determined")
@@ -105,6 +108,24 @@ class CycleEquations:
         linear = self._layers is None and not constant.any() and not work_constant.any()
         return new, solution[len(on) :], gap, linear
 
+    def _coupled(self, terms: "_Terms", moved: Array) -> Coupled:
+        """The matrix of `_product`."""
+        on, start, facing, held = terms.on, terms.start, self.facing, self.problem.holder.approach_mm is not None
+        blocks, entry = [], 0
+        for k, (begin, end) in enumerate(pairwise(np.searchsorted(terms.position, np.arange(len(start))))):
+            own, size = on[begin:end], (end - begin) * (start[k + 1] - start[k])
+            block = np.zeros((len(own) + 1, len(own) + 1), order="F")
+            block[:-1, :-1] = moved[entry : entry + size].reshape(len(own), -1)[:, own - start[k]].T
+            block[np.arange(len(own)), np.arange(len(own))] += terms.softness[own]
+            block[:-1, -1] = facing.upward[own]
+            if not held:
+                block[-1, :-1] = facing.lift[0, own] + terms.slope[own] * facing.lift[1, own]
+            block[-1, -1] = 1.0 if held else -terms.spring_N_per_mm
+            blocks.append(block)
+            entry += size
+        opened, worked = scaled_rows(self.opening.faced[on], terms.opened[on]), self.opening.worked[on]
+        return Coupled(blocks, opened, scaled_rows(worked, terms.worn[on]))
+
     def _closure(self, pressure: Array) -> tuple[Array, Array]:
         """Closure (N,) of what lies between the surfaces, and its derivative by the pressure."""
         penalty = np.full(len(pressure), self.problem.layer_mm_per_MPa)
@@ -112,6 +133,14 @@ class CycleEquations:
             return penalty * pressure, penalty
         closure, softness = self._layers.closure(pressure)
         return closure + penalty * pressure, softness + penalty
+
+
+def _comparable(coupled: Coupled) -> Array:
+    """Factors that make loads of the size of gaps: by what pressures of a unit load open where that is most."""
+    lifts = np.array([np.abs(block[-1, :-1]).max(initial=0.0) for block in coupled.blocks])
+    size = float((coupled.diagonal + coupled.own).max(initial=0.0))
+    heights = np.array([abs(block[-1, -1]) for block in coupled.blocks])
+    return np.concatenate([np.ones(len(coupled.own)), 1.0 / np.maximum(lifts / max(size, 1e-300), heights)])
 
 
 class _Terms(NamedTuple):
@@ -230,78 +259,3 @@ def _opened(terms: _Terms, i: int, work: Array) -> float:
     for entry in range(faced.first[i], faced.first[i + 1]):
         worn += faced.weights[entry] * work[faced.columns[entry]]
     return float(terms.opened[i] * worn)
-
-
-@compiled
-def _matrix(terms: _Terms, facing: Facing, moved: Array) -> tuple[Array, Array, Array]:
-    """The matrix of `_product`, transposed and scaled to be of order one, and the factors of its rows and columns."""
-    on, start, size, count = terms.on, terms.start, len(terms.on), len(terms.start) - 1
-    transposed, place = np.zeros((size + count, size + count)), np.full(len(terms.known), -1)
-    place[on] = np.arange(size)
-    held, entry = np.isnan(terms.load_N[0]), 0
-    for k in range(count):
-        transposed[size + k, size + k] = 1.0 if held else -terms.spring_N_per_mm
-    for a in range(size):
-        j, k, z = on[a], terms.position[a], size + terms.position[a]
-        for i in range(start[k], start[k + 1]):
-            if place[i] >= 0:
-                transposed[a, place[i]] = moved[entry]
-            entry += 1
-        transposed[a, a] += terms.softness[j]
-        transposed[z, a] = facing.upward[j]
-        if not held:
-            transposed[a, z] = facing.lift[0, j] + terms.slope[j] * facing.lift[1, j]
-    _open(terms, transposed)
-    row, column = _scaled(transposed, size)
-    return transposed, row, column
-
-
-@inlined
-def _open(terms: _Terms, transposed: Array) -> None:
-    """Add what pressures in contact open at each other by wear to the matrix."""
-    faced, worked, on = terms.faced, terms.worked, terms.on
-    # Which of the unknowns in contact face each node, and by how much.
-    first = np.zeros(terms.worked.size + 2, np.int64)
-    for i in on:
-        for entry in range(faced.first[i], faced.first[i + 1]):
-            first[faced.columns[entry] + 2] += 1
-    first = np.cumsum(first)
-    facing, weights = np.empty(first[-1], np.int64), np.empty(first[-1])
-    for a in range(len(on)):
-        i = on[a]
-        for entry in range(faced.first[i], faced.first[i + 1]):
-            place = first[faced.columns[entry] + 1]
-            facing[place], weights[place] = a, terms.opened[i] * faced.weights[entry]
-            first[faced.columns[entry] + 1] += 1
-    for a in range(len(on)):
-        j = on[a]
-        for entry in range(worked.first[j], worked.first[j + 1]):
-            node, work = worked.columns[entry], terms.worn[j] * worked.weights[entry]
-            for place in range(first[node], first[node + 1]):
-                transposed[a, facing[place]] += work * weights[place]
-
-
-@compiled
-def _scaled(transposed: Array, pressures: int) -> tuple[Array, Array]:
-    """Scale a matrix, given as its transpose, and return the factors of its rows and its columns.
-
-    Those of its first rows and columns, as many as there are pressures, become of order one, then each row.
-    """
-    size = len(transposed)
-    largest, scale = np.zeros((2, size)), 1e-300
-    for j in range(size):
-        for i in range(size):
-            kind = 0 if j < pressures else 1
-            largest[kind, i] = max(largest[kind, i], abs(transposed[j, i]))
-    for i in range(pressures):
-        scale = max(scale, largest[0, i])
-    row, column = np.empty(size), np.ones(size)
-    for i in range(size):
-        row[i] = 1.0 / max(largest[0, i] / scale, largest[1, i], 1e-300)
-        if i < pressures:
-            column[i] = 1.0 / scale
-    for j in range(size):
-        factor = column[j]
-        for i in range(size):
-            transposed[j, i] = transposed[j, i] * factor * row[i]
-    return row, column

@@ -305,7 +305,7 @@ def orbits_of(problem: ContactProblem, positions: Sequence[Position], symmetry: 
         start=np.concatenate([[0], np.cumsum([len(chosen) for chosen in rows])]),
         areas=own_areas,
         nodes=every,
-        secondary=_scaled_rows(vstack(other).tocsr(), 1.0 / own_areas),
+        secondary=scaled_rows(vstack(other).tocsr(), 1.0 / own_areas),
         worked=hstack([primary, _scaled_columns(secondary, 1.0 / areas)]).tocsr(),
     )
 
@@ -337,7 +337,7 @@ def _among(matrix: csr_matrix, kept: BoolArray) -> csr_matrix:
         keep = np.repeat(lost, np.diff(matrix.indptr)) | kept[matrix.indices]
         masked = csr_matrix((matrix.data * keep, matrix.indices, matrix.indptr), shape=matrix.shape)
         left = np.where(lost, whole, left)
-    return _scaled_rows(masked, whole / left)
+    return scaled_rows(masked, whole / left)
 
 
 def _with_images(matrix: csr_matrix, images: IntArray, factors: Array) -> csr_matrix:
@@ -370,7 +370,8 @@ def _entries_with_images(
     return starts, found, values
 
 
-def _scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
+def scaled_rows(matrix: csr_matrix, factors: Array) -> csr_matrix:
+    """The matrix with each row times its factor (N,)."""
     return csr_matrix(
         (matrix.data * np.repeat(factors, np.diff(matrix.indptr)), matrix.indices, matrix.indptr), matrix.shape
     )

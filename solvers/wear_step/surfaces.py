@@ -1,19 +1,11 @@
-"""The contact conditions of all positions of a cycle on given surfaces; solutions of equations that differ little.
+"""The contact conditions of all positions of a cycle on given surfaces."""
 
-Between two steps of Newton's method on a cycle's pressures, normals turn a little and a few nodes open or close. The
-factors of the equations before then make an excellent preconditioner: the method of generalised minimal residuals (Saad
-& Schultz, SIAM J. Sci. Stat. Comput. 7 (1986) 856) takes a few products of the new matrix, which need not be put
-together for them, where factors cost n³.
-"""
-
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.between_nodes import WithinElements
@@ -25,116 +17,11 @@ from solvers.layers import ContactLayer, open_share
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
+from solvers.wear_step.coupled import SimilarEquations
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position
 from solvers.wear_step.strokes import slip_is_left_over, strain_counts
 from solvers.wear_step.symmetry import Mirror
-
-_RESIDUAL = 1e-12  # Of the right-hand side: what is left of equations that count as solved.
-_UNKNOWNS_A_PRODUCT = 40  # New factors cost as much as one product for every so many unknowns.
-
-
-@dataclass(frozen=True)
-class _Factors:
-    """Of a matrix whose rows and columns, those of some unknowns, were scaled: `row * matrix * column`; in single
-    precision, for they only begin what products of the matrix finish.  usual: the median of its diagonal.
-    """
-
-    unknowns: IntArray
-    row: Array
-    column: Array
-    usual: float
-    lu: NDArray[np.float32]
-    pivots: IntArray
-
-
-class SimilarEquations:
-    """Solves equations of some of a set of unknowns, and keeps their factors for the next ones."""
-
-    def __init__(self) -> None:
-        """Nothing is known yet."""
-        self._factors: _Factors | None = None
-
-    def solution(
-        self,
-        unknowns: IntArray,
-        rhs: Array,
-        product: Callable[[Array], Array],
-        transposed: Callable[[], tuple[Array, Array, Array]],
-    ) -> Array | None:
-        """The solution (n,) of equations between unknowns (n,), increasing numbers; None where they are singular.
-
-        product: of the matrix and a vector (n,).  transposed: the matrix itself (n, n), transposed and with rows and
-        columns scaled, and these factors (n,) and (n,); asked for where factors are needed.
-        """
-        found = self._by_known_factors(unknowns, rhs, product)
-        if found is not None:
-            return found
-        matrix, row, column = transposed()
-        lu, pivots, singular = lapack.sgetrf(matrix.T)
-        if not singular:
-            self._factors = _Factors(unknowns, row, column, float(np.median(matrix.diagonal())), lu, pivots)
-            found = self._by_known_factors(unknowns, rhs, product)
-            if found is not None:
-                return found
-        try:
-            return np.asarray(column * np.linalg.solve(matrix.T, row * rhs))
-        except np.linalg.LinAlgError:
-            return None
-
-    def _by_known_factors(self, unknowns: IntArray, rhs: Array, product: Callable[[Array], Array]) -> Array | None:
-        """The solution by the factors of equations before; None where that takes more than new factors."""
-        known, size = self._factors, len(rhs)
-        most = size // _UNKNOWNS_A_PRODUCT
-        if known is None:
-            return None
-        _, here, there = np.intersect1d(unknowns, known.unknowns, assume_unique=True, return_indices=True)
-        if size + len(known.unknowns) - 2 * len(here) > most // 2:
-            return None
-        # What the known matrix lacks is scaled as its first unknown, and counted as if by itself.
-        row, column = np.ones(size), np.full(size, known.column[0])
-        row[here], column[here] = known.row[there], known.column[there]
-
-        def approximate(residual: Array) -> Array:
-            """What solves the equations up to what has changed."""
-            load = np.zeros(len(known.unknowns), dtype=np.float32)
-            load[there] = residual[here]
-            answer = residual / known.usual
-            answer[here] = lapack.sgetrs(known.lu, known.pivots, load)[0][there]
-            return answer
-
-        found = _minimal_residual(lambda some: row * product(column * some), row * rhs, approximate, most)
-        return None if found is None else column * found
-
-
-def _minimal_residual(
-    product: Callable[[Array], Array], rhs: Array, approximate: Callable[[Array], Array], most: int
-) -> Array | None:
-    """The solution (n,) by at most so many products of a matrix; None where that does not do."""
-    size = float(np.linalg.norm(rhs))
-    basis, hessenberg = np.empty((most + 1, len(rhs))), np.zeros((most + 1, most))
-    images = np.empty((most, len(rhs)))
-    basis[0] = rhs / size
-    for k in range(most):
-        images[k] = approximate(basis[k])
-        new = product(images[k])
-        # Twice is enough to be orthogonal to round-off.
-        for _ in range(2):
-            parts = basis[: k + 1] @ new
-            hessenberg[: k + 1, k] += parts
-            new -= parts @ basis[: k + 1]
-        hessenberg[k + 1, k] = np.linalg.norm(new)
-        target = np.zeros(k + 2)
-        target[0] = size
-        # The least squares' last entry is what they leave.
-        _, weights, singular = lapack.dgels(hessenberg[: k + 2, : k + 1], target)
-        if not singular and abs(weights[k + 1]) <= _RESIDUAL * size:
-            return np.asarray(weights[: k + 1] @ images[: k + 1])
-        if hessenberg[k + 1, k] <= _RESIDUAL * size:
-            return None
-        basis[k + 1] = new / hessenberg[k + 1, k]
-    return None
-
 
 Depths = tuple[Array, Array]  #: Worn depths (mm) of the primary and the secondary body, each of the shape of its patch.
 
