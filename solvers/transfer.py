@@ -101,6 +101,16 @@ def _transferred_along(field: Array, old: Array, new: Array) -> Array:
     return np.asarray(np.maximum(moments / lumped_mass[:, None], 0.0))
 
 
+def spread_once(field: Array, patch: ContactPatch) -> Array:
+    """A field (n_a, n_t) as means over its nodes' supports; its integral stays."""
+    for lines in (patch.axial_mm, patch.transverse_mm):
+        if len(lines) > 1:
+            products = hat_products(lines, lines)
+            field = products @ field / products.sum(axis=1)[:, None]
+        field = field.T
+    return field
+
+
 def hat_products(first: Array, second: Array) -> Array:
     """Integrals of the products of two grids' hat functions on the interval both cover, shape (n_first, n_second)."""
     low, high = max(first[0], second[0]), min(first[-1], second[-1])

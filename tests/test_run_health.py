@@ -4,14 +4,27 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
+from geometry import ContactPatch, Flat
 from geometry.arrays import Array
-from solvers import ContactProblem, CycleTrace, Drive, closed_cycle, first_quarter, mirror_error, symmetry_of
+from solvers import (
+    ContactProblem,
+    CycleTrace,
+    Drive,
+    closed_cycle,
+    first_quarter,
+    mirror_error,
+    press,
+    symmetry_of,
+    unloaded_state,
+)
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
 from wirewear.diagnosis.observe.reading import of_own_definitions
@@ -24,6 +37,7 @@ from wirewear.simulation.contact_forces import (
     nodal_pressures,
     pressure_figures,
 )
+from wirewear.simulation.recorded import depth_spread, worn_bodies
 from wirewear.simulation.tally import Counters, bends, energy_mismatch, judge
 from wirewear.study import study_from_tables
 from wirewear.views.run_page import run_page, runs_json, sentence
@@ -187,3 +201,34 @@ def test_a_pressure_that_no_such_body_bears_is_said_by_run_and_page(
     assert (said in sentence(run)) == (said in run_page([run])) == impossible
     (told,) = json.loads(runs_json([run]))
     assert (said in told["sentence"]) == (not told["quality"]["pressure_against_strength"]["sound"]) == impossible
+
+
+def test_both_bodies_maps_show_one_pressure(problem: ContactProblem) -> None:
+    """What a body is handed on must not fall short of the pressure by how it is meshed."""
+    state = pressed(problem)[0]
+    other = replace(problem, primary_is_upper=not problem.primary_is_upper)
+    swapped, _ = press(other, unloaded_state(other))
+    for one, at in ((problem, state), (other, swapped)):
+        nothing = np.zeros((2, *one.primary.patch.shape)), np.zeros((2, *one.secondary.patch.shape))
+        trace = SimpleNamespace(middle=at, slid=(nothing[0][0], nothing[1][0]))
+        largest = [
+            float((force[:, 2] / body.node_areas).max())
+            for body, _, _, force, _ in worn_bodies(one, cast("CycleTrace", trace))
+        ]
+        assert largest[0] == pytest.approx(largest[1], rel=0.01)
+
+
+@pytest.mark.parametrize("elements", [3.0, 8.0])
+def test_the_depth_that_is_spread_over_elements_is_estimated_as_of_a_paraboloid(
+    problem: ContactProblem, elements: float
+) -> None:
+    lines = 1e-3 * np.arange(-30.0, 31.0)
+    patch = ContactPatch(lines, lines, np.arange(61 * 61).reshape(61, 61), Flat())
+    body, state = replace(problem.secondary, patch=patch), pressed(problem)[0]
+    radius = 1e-3 * elements
+    x, y = np.meshgrid(lines, lines, indexing="ij")
+    worn = replace(state.wear, secondary_depth=np.maximum(1.0 - (x**2 + y**2) / radius**2, 0.0))
+    shown = replace(problem, lower=body) if problem.primary_is_upper else replace(problem, upper=body)
+    # The mean over a hat of a parabola 1 - (x/b)² is less at its middle by h²/(3 b²), here in both directions.
+    assert depth_spread(shown, replace(state, wear=worn)) == pytest.approx(2.0 / (3.0 * elements**2), rel=0.01)
+    assert np.isnan(depth_spread(problem, state))

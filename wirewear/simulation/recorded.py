@@ -21,6 +21,9 @@ from solvers import (
     bulk_work,
     measured_holder,
 )
+from solvers.contact.problem import facing_offset
+from solvers.quadrature import at_points
+from solvers.transfer import spread_once
 from wirewear.base.cache import installed
 from wirewear.results import (
     BORNE,
@@ -76,13 +79,34 @@ def scars_of(problem: ContactProblem, trace: CycleTrace, cycle: int, study: Stud
 
 
 def worn_bodies(problem: ContactProblem, trace: CycleTrace) -> tuple[Worn, Worn]:
-    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle."""
+    """The lower body and the upper one at mid-stroke: depth, friction energy, forces, distance slid in the cycle.
+
+    Forces are those of one field of tractions: what the solver hands on to the nodes of the other body is spread over
+    its elements, and less by a tenth where two of them span a contact's radius.
+    """
     state = trace.middle
     wear, (primary_slid, secondary_slid) = state.wear, trace.slid
     primary = wear.primary_depth, wear.primary_energy, state.primary_force, primary_slid
-    secondary = wear.secondary_depth, wear.secondary_energy, state.secondary_force, secondary_slid
+    secondary = wear.secondary_depth, wear.secondary_energy, _faced_force(problem, state), secondary_slid
     lower, upper = (secondary, primary) if problem.primary_is_upper else (primary, secondary)
     return (problem.lower, *lower), (problem.upper, *upper)
+
+
+def _faced_force(problem: ContactProblem, state: ContactState) -> Array:
+    """Forces (n, 3) on the nodes of the body that does not carry the tractions, by those that it faces."""
+    body, facing = problem.secondary, facing_offset(problem, state, state.drive, state.holder_x)
+    places = (body.node_positions + facing) @ problem.primary.world_to_patch.T
+    return at_points(places, problem.primary.patch, body.node_areas).averaged(state.traction)
+
+
+def depth_spread(problem: ContactProblem, state: ContactState) -> float:
+    """Estimate of what share of its largest depth the body loses that does not carry the tractions, as the wear handed
+    on to it is spread over its elements: what it would lose were it spread once more. NaN where it has not worn.
+    """
+    depth = state.wear.secondary_depth
+    if not depth.any():
+        return nan
+    return 1.0 - float(spread_once(depth, problem.secondary.patch).max() / depth.max())
 
 
 def _scar(
@@ -251,6 +275,7 @@ class Recorded(ABC):
         counters = self.tally.counters
         counters.worst("volume_against_energy", volume_mismatch(problem, state, scars))
         judge(counters, trace, self._rows, state.wear.energy_mJ)
+        counters.depth_between_nodes = depth_spread(problem, state)
         if by_block:
             counters.energy_against_loops = nan  # loops of some blocks say nothing of the energy of others
         if self.logs(cycle, done):

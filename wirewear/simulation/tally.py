@@ -16,6 +16,7 @@ from wirewear.results.scar import ENERGIES_AGREE
 QUALITY = (
     "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",
     "loop_area_against_friction_work", "volume_against_energy", "energy_against_loops", "mirror_error",
+    "depth_between_nodes",
 )  # fmt: skip
 
 _LEAST_AREA = 1e-3  # A loop that encloses less than this share of the rectangle around it has no area worth comparing.
@@ -43,6 +44,7 @@ class Counters:
     volume_against_energy: float = 0.0
     energy_against_loops: float = 0.0
     mirror_error: float = nan
+    depth_between_nodes: float = nan  #: Of the latest measured cycle.
 
     def count(self, report: IncrementReport) -> None:
         """Take in one increment."""
