@@ -288,13 +288,10 @@ def law_error(problem: ContactProblem, pressed: ContactState) -> float:
 
 def _factor_error(problem: ContactProblem, spread: SpreadPressure) -> float:
     """The same of the mean factor on wear, with the edge farther out and farther in."""
-    weights = spread.pressure_MPa * spread.parts_mm2
-    load, timing = float(weights.sum()), problem.timing
-    amplitude, power = timing.drive.amplitude_mm, 4e-3 * problem.friction * load * timing.frequency_Hz
-    cycle = _SlidingCycle(
-        spread.edge_distance_mm, load / spread.area_mm2, power * timing.drive.amplitude_mm / spread.area_mm2,
-        amplitude, timing.frequency_Hz,
-    )  # fmt: skip
+    weights, hertz = spread.pressure_MPa * spread.parts_mm2, problem.timing.frequency_Hz
+    pressure, amplitude = float(weights.sum()) / spread.area_mm2, problem.timing.drive.amplitude_mm
+    power = 4e-3 * problem.friction * pressure * amplitude * hertz
+    cycle = _SlidingCycle(spread.edge_distance_mm, pressure, power, amplitude, hertz)
     off = spread.edge_error * sqrt(spread.area_mm2 / pi)
     less, more = (
         float(weights @ (np.zeros(len(weights)) + problem.wear.factor(replace(cycle, edge_distance_mm=distance))))

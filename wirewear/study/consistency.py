@@ -8,6 +8,7 @@ from wirewear.study.bodies import Wire
 from wirewear.study.drive import BulkTable
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import NO_PIVOT, Inconsistency, Table
+from wirewear.study.life import LifeTable
 from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, table_above, validated
 from wirewear.study.points import BallOnFlatTables, PointTables, ShapedBody
@@ -224,38 +225,21 @@ def require_no_idle_key(runs: Sequence[CommonTables], where: str) -> None:
                 raise StudyError(f"{keys[-1]} {place(keys, where, table_above)} {found.problem}.")
 
 
-def _pivot(tables: CommonTables) -> Iterator[Inconsistency]:
-    holder = tables.holder
-    key = next(key for key in type(holder).model_fields if key.startswith("rotational_stiffness"))
-    if holder.pivot_height_mm is not None and getattr(holder, key) == "rigid":
-        yield Inconsistency(
-            ("holder", "pivot_height_mm"),
-            f"is {holder.pivot_height_mm:g}, but without {key} nothing turns about that pivot: give both, or neither",
-        )
-
-
-def _nodes(tables: CommonTables) -> Iterator[Inconsistency]:
-    mesh = tables.mesh
-    if getattr(mesh, "move_nodes_at_stages", False) and mesh.move_nodes_every_um is not None:
-        yield Inconsistency(
-            ("mesh", "move_nodes_at_stages"),
-            "is true, but move_nodes_every_um says when nodes are moved: give one of the two",
-        )
-
-
-def _averaging(tables: CommonTables) -> Iterator[Inconsistency]:
-    life = tables.life
-    if life is None:
-        return
-    if life.averaging_length_um is not None:
-        for key, given in (
-            ("critical_distance_um", life.critical_distance_um is not None),
-            ("averaging", life.averaging != "volume"),
-        ):
-            if given:
-                yield Inconsistency(
-                    ("life", key), "is given, but averaging_length_um takes its place: give one of the two"
-                )
+def _taken_over(tables: CommonTables) -> Iterator[Inconsistency]:
+    holder, mesh, life = tables.holder, tables.mesh, tables.life or LifeTable()
+    stiffness = next(key for key in type(holder).model_fields if key.startswith("rotational_stiffness"))
+    length = life.averaging_length_um
+    told = "is given, but averaging_length_um takes its place: give one of the two"
+    pivots = holder.pivot_height_mm is not None and getattr(holder, stiffness) == "rigid"
+    moves = getattr(mesh, "move_nodes_at_stages", False) and mesh.move_nodes_every_um is not None
+    for acts_not, keys, problem in (
+        (pivots, ("holder", "pivot_height_mm"), f"is given, but without {stiffness} nothing turns about that pivot"),
+        (moves, ("mesh", "move_nodes_at_stages"), "is true, but move_nodes_every_um says when nodes are moved"),
+        (length and life.critical_distance_um is not None, ("life", "critical_distance_um"), told),
+        (length and life.averaging != "volume", ("life", "averaging"), told),
+    ):
+        if acts_not:
+            yield Inconsistency(keys, problem)
 
 
 def _shapes(tables: CommonTables) -> Iterator[Inconsistency]:
@@ -291,4 +275,4 @@ def _inner(tables: Table, kind: type[Any], *above: str) -> Iterator[tuple[tuple[
             yield from _inner(value, kind, *above, key)
 
 
-_RULES: Sequence[Rule] = (_pivot, _nodes, _averaging, _shapes, _phases)
+_RULES: Sequence[Rule] = (_taken_over, _shapes, _phases)
