@@ -6,31 +6,34 @@ either finds the first mistake and names its place, or reads what the fast reade
 
 import codecs
 import csv
+import hashlib
 import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import islice
 from pathlib import Path
 
 import numpy as np
 
 from geometry.arrays import Array, IntArray
+from wirewear.base.blocks import counts_in, numbered
 from wirewear.base.errors import RecordError, shown
+from wirewear.base.naming import MISSING
 from wirewear.base.reading import read_bytes, utf8
-from wirewear.base.spreadsheets import is_spreadsheet, refuse_other_sheets, sheet_text
+from wirewear.base.spreadsheets import (
+    UNCOMPUTED,
+    Sheet,
+    is_spreadsheet,
+    refuse_other_sheets,
+    sheet_text,
+    sheets_of,
+    workbook_text,
+)
 
 _UTF8 = "utf-8"
-
-#: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
-MISSING = re.compile(
-    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
-    r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
-    r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
-    re.IGNORECASE,
-)
 
 #: A number whose thousands are parted by a sign: sign between, whether there are several, and what follows of it.
 _GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}([,.'’ \xa0\u202f])\d{3}((?:\1\d{3})*)(?:([.,])\d*)?")
@@ -40,6 +43,8 @@ _CLOCK = re.compile(
     r"(?:\d{1,4}[-./]\d{1,2}[-./]\d{1,4}[T, ]\s*)?(?:(\d{1,3}):)?(\d{1,2}):(\d\d(?:[.,]\d+)?)(?:\s*([AP])\.?M\.?)?",
     re.IGNORECASE,
 )
+
+_LABEL = re.compile(r"[^\W\d_]{2}|[^\W\d_]\W*[=\d]")  #: Of what numbers in words have, and numbers have not.
 
 _DAY_s = 86400.0
 
@@ -74,6 +79,7 @@ class DelimitedLayout:
     lines_after_names: int = 0  #: Such as one of units.
     ragged: bool = False  #: Whether rows may be shorter than the line of names.
     most_rows: int | None = None  #: Lines of numbers that are read, None for all that follow.
+    blocks: bool = False  #: Whether words above each of several tables, or sheets' titles, number these (see `blocks`).
 
     @property
     def line_of_names(self) -> int:
@@ -130,7 +136,8 @@ class DelimitedText:
     def numbers(self, places: Mapping[str, int], *, as_logged: bool = False, clock: str | None = None) -> Numbers:
         """The columns at these places, counted from 0.
 
-        as_logged: rows may be of different lengths, and a word such as "No Data" stand for what is missing.
+        as_logged: rows may be of different lengths, a word such as "No Data" stand for what is missing, and the columns
+        cycle and repeat hold their numbers in words such as "Cycle 5000".
         clock: the column that may hold times of day, which become seconds.
         Raises RecordError if a field is no number or missing; the message names its line and column.
         """
@@ -218,6 +225,7 @@ class DelimitedText:
 
     def _slow(self, places: Mapping[str, int], as_logged: bool, clock: str | None) -> Numbers:
         values: dict[str, list[float]] = {name: [] for name in places}
+        labels: dict[str, dict[int, str]] = {name: {} for name in ("cycle", "repeat") if as_logged and name in places}
         numbers, clocked, width = [], False, len(self.names)
         for number, fields in self.rows():
             width = width or len(fields)
@@ -236,7 +244,19 @@ class DelimitedText:
                     clocked = True
                 else:
                     absent = as_logged and place < len(fields) and MISSING.fullmatch(fields[place])
-                    values[name].append(math.nan if absent else self._number(number, place, fields))
+                    label = name in labels and place < len(fields) and _LABEL.search(fields[place])
+                    if label:
+                        labels[name][len(values[name])] = fields[place]
+                    values[name].append(math.nan if absent or label else self._number(number, place, fields))
+        for name, found in labels.items():
+            different = list(dict.fromkeys(found.values()))
+            counts = counts_in(different, name)
+            if counts is None:
+                word, line = different[0], numbers[next(iter(found))]
+                raise RecordError(f"{self.path}, line {line}: {shown(word)} and the like number no {name}.")
+            of_label = dict(zip(different, counts, strict=True))
+            for row, label_of_row in found.items():
+                values[name][row] = float(of_label[label_of_row])
         columns = {name: np.array(column, dtype=np.float64) for name, column in values.items()}
         if clock is not None and clocked:
             columns[clock] = _running(columns[clock])
@@ -263,6 +283,8 @@ class DelimitedText:
             column = self.names[place] if place < len(self.names) else place + 1
             other = "." if comma else ","
             hint = f', or decimal = "{other}" is meant' if re.fullmatch(rf"[-+]?\d+[{other}]\d+", text) else ""
+            if text == UNCOMPUTED:
+                hint = ", but a formula without a value: open the file in a spreadsheet program and save it"
             raise RecordError(f"{self.path}, line {line}, column {column}: {shown(text)} is no number{hint}.") from None
 
 
@@ -297,26 +319,33 @@ def _running(clock: Array) -> Array:
     return time
 
 
-def decoded(path: Path) -> tuple[bytes, str | None]:
-    """A file's bytes, and the encoding where they are not the file's own but a spreadsheet's text.
+def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
+    """A file's bytes, or of a spreadsheet its sheets and the text of that with the most numbers.
     Raises RecordError if the file cannot be read.
     """
     data = read_bytes(path, RecordError)
     if is_spreadsheet(data):
-        return sheet_text(data, path), _UTF8
+        sheets = _sheets_of(path, hashlib.sha256(data).digest())
+        return sheet_text(sheets), sheets
     refuse_other_sheets(data, path)
-    return data, None
+    return data, []
+
+
+@lru_cache(maxsize=1)
+def _sheets_of(path: Path, _digest: bytes) -> list[Sheet]:
+    """Of the same contents the sheets are read once, however many columns are asked for."""
+    return sheets_of(read_bytes(path, RecordError), path)
 
 
 def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
     """The delimited text of a file, or of the sheet of a spreadsheet that holds the numbers.
     Raises RecordError if the file cannot be read, or is no text in that encoding.
     """
-    data, told = decoded(path)
-    if told is not None:
-        return DelimitedText(
-            path, _first_rows(data, layout), replace(layout, delimiter="\t", decimal=".", encoding=told)
-        )
+    data, sheets = contents_of(path)
+    if sheets:
+        data = workbook_text(sheets) if layout.blocks else data
+        layout = replace(layout, delimiter="\t", decimal=".", encoding=_UTF8)
+        return DelimitedText(path, _first_rows(data, layout), layout)
     if codecs.lookup(layout.encoding).name not in (_UTF8, "utf-8-sig"):
         try:
             data = data.decode(layout.encoding).encode()
@@ -331,6 +360,10 @@ def read_delimited(path: Path, layout: DelimitedLayout = CSV) -> DelimitedText:
 
 
 def _first_rows(data: bytes, layout: DelimitedLayout) -> bytes:
+    if layout.blocks:
+        lines = data.decode(_UTF8).split("\n")
+        head = layout.header_lines
+        return "\n".join(numbered(lines, head, layout.delimiter)).encode() if head < len(lines) else data
     if layout.most_rows is None:
         return data
     ends = np.flatnonzero(np.frombuffer(data, dtype=np.uint8) == ord("\n"))

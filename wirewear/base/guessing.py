@@ -9,8 +9,10 @@ from pathlib import Path
 
 from geometry.arrays import Array
 from wirewear.base import delimited
+from wirewear.base.blocks import COLUMNS, blocks_of, numbering
 from wirewear.base.errors import FIELD_UNITS, RecordError
-from wirewear.base.naming import KNOWN_UNITS, encoding_of, usual_unit
+from wirewear.base.naming import KNOWN_UNITS, MISSING, WORDS, encoding_of, usual_unit
+from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, largest, sheet_text, workbook_text
 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.
@@ -30,13 +32,6 @@ _RATE = re.compile(
     r"fr[eé]quence d.[eé]chantillonnage|frecuencia de muestreo)[^\d\n]{0,20}?\[?(k?)(?:Hz)?\]?[^\d\n]{0,6}"
     r"(\d+(?:[.,]\d+)?)(?:\s*(k)Hz)?",
     re.IGNORECASE,
-)
-
-
-#: A line that begins with a word, which is none of those for what is missing.
-_WORDS = re.compile(
-    rf"^[ \t]*\"?(?!(?:{delimited.MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
-    re.IGNORECASE | re.MULTILINE,
 )
 
 
@@ -65,6 +60,8 @@ class GuessedLayout:
     #: empty.
     tables: tuple[delimited.DelimitedLayout, ...] = ()
     step_um: float | None = None  #: From point to point of a line of heights, as the header states it.
+    words: frozenset[int] = frozenset()  #: Places of the columns of words.
+    remarks: tuple[str, ...] = ()  #: Sentences on blocks and sheets.
 
     @property
     def plain(self) -> bool:
@@ -76,8 +73,8 @@ def guessed_layout(path: Path) -> GuessedLayout:
     """How a text file or spreadsheet with a table of numbers is laid out.
     Raises RecordError if the file cannot be read, and NoTableError if no table of numbers is found in it.
     """
-    data, told = delimited.decoded(path)
-    encoding = told or encoding_of(data)
+    data, sheets = delimited.contents_of(path)
+    encoding = "utf-8" if sheets else encoding_of(data)
     text = data.decode(encoding, errors="replace").replace("\r\n", "\n").replace("\r", "\n")
     lines = text.split("\n", FIRST_LINES)[:FIRST_LINES]
     found = [_table(lines, delimiter, decimal) for delimiter in ("\t", ";", ",", None) for decimal in (".", ",")]
@@ -114,23 +111,59 @@ def guessed_layout(path: Path) -> GuessedLayout:
     rate, tables = _rate(lines[: best.first], best), _tables(text, layout)
     step = _STEP.search("\n".join(lines[: best.first]))
     step_um = float(step[1].replace(",", ".")) * FIELD_UNITS["um"][step[2]] if step else None
-    return GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um)
+    guessed = GuessedLayout(layout, names, units, best.width, rate, bool(best.clocks), tables, step_um, best.words)
+    return _of_blocks(path, guessed, workbook_text(sheets).decode() if len(sheets) > 1 else text, sheets)
+
+
+def _of_blocks(path: Path, guessed: GuessedLayout, text: str, sheets: list[Sheet]) -> GuessedLayout:
+    """The layout of all blocks of a text, or all sheets with the same names, where words number them.
+
+    And sentences on what is read and what is not.
+    """
+    layout, lines = guessed.layout, text.split("\n")
+    own = sheet_text(sheets).decode().split("\n") if sheets else lines
+    name = own[layout.header_lines] if layout.header_lines < len(own) else ""
+    head = lines.index(name) if name in lines else layout.header_lines
+    wanted = layout.names_line and (len(sheets) > 1 or WORDS.search(text, _place(text, layout.lines_before_rows)))
+    labels, _ = blocks_of(lines, head) if wanted else ([], [])
+    if told := numbering(labels):
+        layout = replace(layout, blocks=True, header_lines=head)
+        names, units = (*guessed.names[: guessed.width], *COLUMNS.values()), (*guessed.units[: guessed.width], "", "")
+        what = " and ".join(f"{key}s {', '.join(map(str, counts))}" for key, counts in told.items())
+        remarks = [f"{path.name}: {len(labels)} {'sheets' if sheets else 'blocks'} are read, as {what}"]
+        guessed = replace(guessed, layout=layout, names=names, units=units, width=len(names), tables=())
+        read = {sheet.title for sheet in sheets if name in sheet.lines}
+    else:
+        remarks, read = [], {largest(sheets).title} if sheets else set()
+    left = [repr(sheet.title) for sheet in sheets if sheet.title not in read]
+    remarks += (
+        [f"{path.name}: of its sheets, {', '.join(left)} {'are' if len(left) > 1 else 'is'} not read"] if left else []
+    )
+    return replace(guessed, remarks=tuple(remarks))
+
+
+def _place(text: str, lines: int) -> int:
+    """Where a text goes on behind so many lines."""
+    place = 0
+    for _ in range(lines):
+        place = text.find("\n", place) + 1
+    return place
 
 
 def _tables(text: str, layout: delimited.DelimitedLayout) -> tuple[delimited.DelimitedLayout, ...]:
     """The tables of a text that goes on below the first one's rows: with the same names again, or with words alone."""
     head, start = layout.header_lines, layout.lines_before_rows
     starts = [0, *(match.end() for match in re.finditer("\n", text))]
-    if start >= len(starts) or _WORDS.match(text, starts[start]) or not (end := _WORDS.search(text, starts[start])):
+    if start >= len(starts) or WORDS.match(text, starts[start]) or not (end := WORDS.search(text, starts[start])):
         return ()
     lines = text.split("\n")
     again = [place for place in range(start, len(lines)) if layout.names_line and lines[place] == lines[head]]
-    if not again and any(line.strip() and not _WORDS.match(line) for line in text[end.start() :].split("\n")):
+    if not again and any(line.strip() and not WORDS.match(line) for line in text[end.start() :].split("\n")):
         return ()
     found = []
     for place in (head, *again):
         first = place + start - head
-        end = _WORDS.search(text, starts[first]) if first < len(starts) else None
+        end = WORDS.search(text, starts[first]) if first < len(starts) else None
         last = len(lines) if end is None else bisect_left(starts, end.start())
         while last > first and not lines[last - 1].strip():
             last -= 1
@@ -157,6 +190,7 @@ class _Table:
     width: int = 0
     score: float = 0.0
     clocks: frozenset[int] = frozenset()
+    words: frozenset[int] = frozenset()
 
 
 def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2) -> _Table:
@@ -189,9 +223,9 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
 
 
 def _kind(field: str, number: re.Pattern[str]) -> str:
-    if not field or delimited.MISSING.fullmatch(field):
+    if not field or MISSING.fullmatch(field):
         return " "
-    if number.fullmatch(field):
+    if number.fullmatch(field) or field == UNCOMPUTED:
         return "n"
     return "c" if delimited.is_clock(field) else "t"
 
@@ -224,8 +258,8 @@ def _run(lines: list[str], rows: list[int], profile: str, spelled: _Table) -> _T
         score = 0.0
     if (spelled.delimiter, spelled.decimal) == (",", ".") and _are_halves(lines, rows):
         score = 0.0
-    clocks = frozenset(place for place, kind in enumerate(profile) if kind == "c")
-    return _Table(spelled.delimiter, spelled.decimal, rows[0], len(profile), score, clocks)
+    clocks, words = (frozenset(place for place, kind in enumerate(profile) if kind == own) for own in "ct")
+    return _Table(spelled.delimiter, spelled.decimal, rows[0], len(profile), score, clocks, words)
 
 
 def _are_halves(lines: list[str], rows: list[int]) -> bool:

@@ -15,7 +15,7 @@ _LETTERS = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae"
 
 def plain(text: str) -> str:
     """A text in small letters without accents."""
-    signs = unicodedata.normalize("NFKD", text.casefold()).translate(_LETTERS)
+    signs = unicodedata.normalize("NFKD", unicodedata.normalize("NFKD", text).casefold()).translate(_LETTERS)
     return "".join(sign for sign in signs if not unicodedata.combining(sign))
 
 
@@ -106,7 +106,7 @@ _TARED = frozenset(
 #: What stands beside the name of what is counted.
 _COUNTED = frozenset(
     ("label", "no", "nr", "num", "number", "nummer", "numero", "index", "id", "count", "counter", "zahler", "total")
-    + ("elapsed", "current", "of", "de", "name", "n°", "№", "番号", "编号", "번호")
+    + ("elapsed", "current", "block", "of", "de", "name", "n°", "№", "番号", "编号", "번호")
 )
 _RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
 
@@ -147,6 +147,21 @@ def _alone(stem: str, beside: frozenset[str]) -> str:
     """``"ch_1_displacement"`` and ``"wegaufnehmer_1"`` as ``"displacement"`` and ``"weg"``."""
     words = [word.removesuffix("aufnehmer") for word in re.split(r"[_/]", _RATE.sub("", stem))]
     return "_".join(dict.fromkeys(word for word in words if word not in beside and not re.fullmatch(r"\W*\d*", word)))
+
+
+#: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
+MISSING = re.compile(
+    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
+    r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
+    r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
+    re.IGNORECASE,
+)
+
+#: A line that begins with a word, which is none of those for what is missing.
+WORDS = re.compile(
+    rf"^[ \t]*[\"#%/;*\[=<({{-]*[ ]*(?!(?:{MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
+    re.IGNORECASE | re.MULTILINE,
+)
 
 
 #: Encodings of texts that are none in UTF-8, the likeliest first where the words of none are known.

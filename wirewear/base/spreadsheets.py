@@ -1,7 +1,9 @@
-"""Spreadsheets as text: the sheet with the most numbers, a tab between cells, so that one reader takes both."""
+"""Spreadsheets as text: a tab between cells, so that one reader takes both; weighed before they are read."""
 
 import re
 import zipfile
+from collections.abc import Iterator
+from dataclasses import dataclass
 from datetime import date, datetime, time
 from io import BytesIO
 from pathlib import Path
@@ -12,7 +14,32 @@ from wirewear.base.errors import RecordError, counted
 
 CELL_bytes = 200  #: What a cell takes in memory at most while its sheet becomes text, in bytes.
 
+MOST_ROWS, MOST_COLUMNS = 1_048_576, 16_384  #: Of a sheet, in any spreadsheet program.
+
+#: Cells that are left out in the file are filled up on reading: so many do no harm, or so many for each that is there.
+HARMLESS_EMPTY, MOST_EMPTY = 5_000_000, 20
+
+#: What stands for a formula of which the file holds no value.
+UNCOMPUTED = "=?"
+
+SHEET = "Sheet: "  #: Begins the line above each sheet where all of a workbook are read as one text.
+
 _OLD_EXCEL = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
+_CHUNK = 1 << 20
+
+#: Attributes of a row; attributes and contents of a cell.
+_PLACE = re.compile(rb"<(?:\w+:)?(?:row\b([^>]*)>|c\b([^>]*?)(?:/>|>(.*?)</(?:\w+:)?c>))", re.DOTALL)
+_REFERENCE = re.compile(rb'\sr="([A-Z]*)(\d+)"')
+_FORMULA, _VALUE = re.compile(rb"<(?:\w+:)?f[\s/>]"), re.compile(rb"<(?:\w+:)?(?:v>[^<]|is>)")
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """A sheet's title, how many numbers it holds, and its rows as lines."""
+
+    title: str
+    numbers: int
+    lines: list[str]
 
 
 def is_spreadsheet(data: bytes) -> bool:
@@ -20,27 +47,47 @@ def is_spreadsheet(data: bytes) -> bool:
     return data.startswith(b"PK\x03\x04") and b"xl/workbook" in data
 
 
-def sheet_text(data: bytes, path: Path) -> bytes:
-    """The sheet with the most numbers as lines of cells, in UTF-8.
-    Raises RecordError if the file cannot be read, or holds more than the memory takes.
+def sheets_of(data: bytes, path: Path) -> list[Sheet]:
+    """The sheets that hold numbers, in their order.
+    Raises RecordError if the file cannot be read, or holds more than the memory takes or a sheet can have.
     """
     import openpyxl
 
     try:
         with zipfile.ZipFile(BytesIO(data)) as parts:
             require_room(path, sum(part.file_size for part in parts.infolist()), RecordError)
+            names = [name for name in parts.namelist() if re.fullmatch(r"xl/worksheets/[^/]+\.xml", name)]
+            uncomputed = {name: _weighed(parts, name, path) for name in names}
         book = openpyxl.load_workbook(BytesIO(data), read_only=True, data_only=True)
-        sheets = [_lines(sheet, path) for sheet in book.worksheets]
+        sheets = [
+            _sheet(sheet, path, uncomputed.get(str(vars(sheet)["_worksheet_path"]).lstrip("/"), set()))
+            for sheet in book.worksheets
+        ]
     except RecordError:
         raise
     except Exception as problem:
         # A dozen exception types, depending on the byte that is wrong.
         reason = " ".join(str(problem).split())[:120] or type(problem).__name__
         raise RecordError(f"{path} cannot be read as a spreadsheet ({reason}).") from problem
-    numbers, lines = max(sheets, key=lambda sheet: sheet[0], default=(0, []))
-    if not numbers:
+    found = [sheet for sheet in sheets if sheet.numbers]
+    if not found:
         raise RecordError(f"{path}: no sheet holds numbers.")
-    return "\n".join([*lines, ""]).encode()
+    return found
+
+
+def largest(sheets: list[Sheet]) -> Sheet:
+    """The sheet with the most numbers."""
+    return max(sheets, key=lambda sheet: sheet.numbers)
+
+
+def sheet_text(sheets: list[Sheet]) -> bytes:
+    """The sheet with the most numbers as lines of cells, in UTF-8."""
+    return "\n".join([*largest(sheets).lines, ""]).encode()
+
+
+def workbook_text(sheets: list[Sheet]) -> bytes:
+    """All sheets below one another, each below its title."""
+    return "\n".join([line for sheet in sheets for line in (SHEET + sheet.title, *sheet.lines)] + [""]).encode()
 
 
 def refuse_other_sheets(data: bytes, path: Path) -> None:
@@ -49,19 +96,74 @@ def refuse_other_sheets(data: bytes, path: Path) -> None:
         raise RecordError(f"{path} is a spreadsheet of a kind that is not read: save it as .xlsx or as CSV.")
 
 
-def _lines(sheet: Any, path: Path) -> tuple[int, list[str]]:
+def _weighed(parts: zipfile.ZipFile, name: str, path: Path) -> set[tuple[int, int]]:
+    """Row and column, from 1, of formulas without a value in a sheet.
+    Raises RecordError if its cells lie beyond what a sheet has, or too far apart.
+    """
+    uncomputed: set[tuple[int, int]] = set()
+    row = column = last = cells = places = 0
+    for attributes, of_cell, contents in _tags(parts, name):
+        reference = _REFERENCE.search(attributes if of_cell is None else of_cell)
+        if of_cell is None:
+            places += last
+            before, last, column = row, 0, 0
+            row = int(reference[2][:20]) if reference else row + 1
+            places += max(row - before - 1, 0)
+        else:
+            column = _number(reference[1]) if reference and reference[1] else column + 1
+            last, cells = max(last, column), cells + 1
+            if contents is not None and _FORMULA.search(contents) and not _VALUE.search(contents):
+                uncomputed.add((row, column))
+        if row > MOST_ROWS or column > MOST_COLUMNS:
+            what, most = ("row", MOST_ROWS) if row > MOST_ROWS else ("column", MOST_COLUMNS)
+            raise RecordError(
+                f"{path}: {name} has a {what} of number {counted(max(row, column))}, where a sheet has at most "
+                f"{counted(most)}: it is damaged, or made to fill the memory."
+            )
+        if places + last > HARMLESS_EMPTY + MOST_EMPTY * cells:
+            raise RecordError(
+                f"{path}: {name} spreads {counted(cells)} cells over more than {counted(places + last)} places, up to "
+                f"row {counted(row)}: delete what stands far from the numbers, or save the sheet as CSV."
+            )
+    return uncomputed
+
+
+def _tags(parts: zipfile.ZipFile, name: str) -> Iterator[tuple[bytes | Any, ...]]:
+    """Attributes of rows, or attributes and contents of cells, in their order."""
+    with parts.open(name) as stream:
+        rest = b""
+        while chunk := stream.read(_CHUNK):
+            rest += chunk
+            # What stands before the last row that begins is whole.
+            end = rest.rfind(b"<", 0, max(rest.rfind(b"<row"), rest.rfind(b":row "), 0) + 1)
+            yield from (match.group(1, 2, 3) for match in _PLACE.finditer(rest, 0, max(end, 0)))
+            rest = rest[max(end, 0) :]
+    yield from (match.group(1, 2, 3) for match in _PLACE.finditer(rest))
+
+
+def _number(letters: bytes) -> int:
+    number = 0
+    for letter in letters[:8]:
+        number = 26 * number + letter - 64
+    return number
+
+
+def _sheet(sheet: Any, path: Path, uncomputed: set[tuple[int, int]]) -> Sheet:
     sheet.reset_dimensions()
     most = free_memory() / CELL_bytes
-    cells = numbers = 0
+    cells, numbers = 0, len(uncomputed)
     lines = []
-    for row in sheet.iter_rows(values_only=True):
+    for number, row in enumerate(sheet.iter_rows(values_only=True), 1):
         # Lines and cells that are left out in the file are filled up on reading.
         cells += len(row) + 1
         if cells > most:
             raise RecordError(f"{path}: a sheet of more than {counted(most)} cells takes more memory than is free.")
         numbers += sum(isinstance(value, int | float) for value in row)
-        lines.append("\t".join(map(_spelled, row)).rstrip("\t"))
-    return numbers, lines
+        spelled = [_spelled(value) for value in row]
+        if uncomputed:
+            spelled = [UNCOMPUTED if (number, n) in uncomputed else one for n, one in enumerate(spelled, 1)]
+        lines.append("\t".join(spelled).rstrip("\t"))
+    return Sheet(sheet.title, numbers, lines)
 
 
 def _spelled(value: object) -> str:

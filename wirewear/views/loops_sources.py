@@ -20,7 +20,8 @@ from wirewear.loops.cycles import outline, split_cycles
 from wirewear.records import read_record
 from wirewear.records.columns import column_names
 from wirewear.records.exporting import chosen_run
-from wirewear.records.importing.guessed_files import GuessedFile, loop_columns, rivals, table_of
+from wirewear.records.importing.guessed_columns import GuessedFile, loop_columns, rivals, unread
+from wirewear.records.importing.guessed_files import table_of
 from wirewear.records.importing.importing import in_rows
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.reader import TextReader
@@ -126,7 +127,7 @@ def logged_loops(
     columns: dict[str, Any] = {key: {"column": name, "unit": unit} for key, (name, unit) in chosen.items()}
     columns |= {key: {"column": free[key][0]} for key in ("repeat", "cycle") if key in free}
     passed_over = (told for key, told in rivals(file, known).items() if key in chosen and asked.get(key) is None)
-    remarks = (*file.remarks, *passed_over)
+    remarks = (*file.remarks, *passed_over, *unread(file, known))
     return tuple(_loops(path, in_rows(path, file.read(columns)), constant, remarks))
 
 

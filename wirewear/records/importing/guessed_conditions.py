@@ -14,7 +14,8 @@ from wirewear.loops import LoopError
 from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
 from wirewear.loops.drive import period_of, series
-from wirewear.records.importing.guessed_files import FEWEST, GuessedFile, mapped_columns, shut
+from wirewear.records.importing.guessed_columns import GuessedFile, shut
+from wirewear.records.importing.guessed_files import FEWEST, mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource

@@ -1,8 +1,8 @@
 """What a laboratory's file seems to hold: its columns by their usual names, loops, an evolution or a worn surface."""
 
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import replace
 from itertools import groupby, permutations
 from pathlib import Path
 from typing import Any
@@ -13,40 +13,28 @@ from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
-from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, stem_and_unit, units_of
+from wirewear.base.naming import UNIT_OF, recognised, units_of
 from wirewear.base.reading import DELIMITERS
+from wirewear.records.importing.guessed_columns import (
+    EVOLUTION_KEYS,
+    LOOP_KEYS,
+    SURFACE_KEYS,
+    GuessedFile,
+    loop_columns,
+    rivals,
+    taken_columns,
+    unread,
+    values_of,
+)
 from wirewear.records.importing.loggers import kind_of, readers
-from wirewear.records.importing.mapping import ColumnMapping, Source
 from wirewear.records.importing.reader import OPEN, TextReader
-from wirewear.records.importing.sources import read_source
 
 FEWEST = 16  #: Fewer samples tell nothing.
 
 #: Scars are smaller than this in millimetres and larger in micrometres; they are larger in millimetres than in metres.
 SCAR_mm = 20.0
 
-ALIKE = 2e-3  #: Values of two columns that differ by less than this share of the largest one are the same.
-
 EPOCH = 1e3  #: A test that began after so many of its own lengths was not timed from its start.
-
-#: The keys of a record's tables, and the channel that each is.
-LOOP_KEYS = {
-    "displacement_um": "displacement",
-    "tangential_force_N": "force",
-    "normal_force_N": "normal load",
-    "time_s": "time",
-    "cycle": "cycle",
-    "repeat": "repeat",
-}
-EVOLUTION_KEYS = {
-    "cycle": "cycle",
-    "displacement_amplitude_um": "displacement amplitude",
-    "slip_amplitude_um": "slip amplitude",
-    "max_tangential_force_N": "largest force",
-    "dissipated_energy_mJ": "energy",
-    "repeat": "repeat",
-}
-SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "height", "repeat": "repeat"}
 
 #: Units of which one is asked for, where none is told.
 _SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ", "s": "s, ms, or s with factor = 86400"}
@@ -54,73 +42,15 @@ _SUCH = {"um": "um, mm or inch", "N": "N, mN or gf", "mJ": "mJ, J or uJ", "s": "
 _NEEDED = frozenset(("displacement_um", "tangential_force_N"))
 
 
-@dataclass(frozen=True)
-class GuessedFile:
-    """A file with how it is spelled and the columns that were recognised."""
-
-    path: Path
-    holds: str
-    spelling: dict[str, Any]  #: Keys of a mapping.
-    references: tuple[str | int, ...]  #: Names or numbers by which a mapping names its columns.
-    titles: tuple[str, ...]  #: Of them, as the file has them, as the next.
-    units: tuple[str, ...]
-    #: Reference and unit ("" where none is told) by key of the record.
-    columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
-    sample_rate_Hz: float | None = None
-    remarks: tuple[str, ...] = ()
-    elsewhere: dict[str, str] = field(default_factory=dict)  #: The file that holds a column, where it is another one.
-    step_um: float | None = None  #: From point to point, as the header states it.
-
-    @property
-    def named(self) -> bool:
-        """Whether the file itself names its columns."""
-        return any(self.titles)
-
-    def unit(self, place: int, channel: str) -> str:
-        """The unit of a column, by its title or as the file has it beside; empty where none is told."""
-        return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
-
-    def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
-        """Columns of a mapping as they are read, what is left open in them apart."""
-        wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
-        return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
-
-    @property
-    def listing(self) -> str:
-        """The file's columns in words, with the range of their numbers.
-        Raises RecordError if none of them can be read.
-        """
-        told, unread = [], []
-        for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
-            try:
-                values = self.read({"any": {"column": reference}})["any"]
-            except RecordError as problem:
-                unread.append(problem)
-                continue
-            if np.isfinite(values).any():
-                name = " ".join(part for part in (str(reference), repr(title) if title else "", unit) if part)
-                name = repr(reference) if isinstance(reference, str) else name
-                told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
-        if unread and not told:
-            raise unread[0]
-        return ", ".join(told)
-
-
-def shut(column: dict[str, Any]) -> dict[str, Any]:
-    """What is known of a column: without what is open, and without volts that no factor turns into something else."""
-    unscaled = column.get("factor") == OPEN
-    return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}
-
-
 def looked_into(path: Path) -> GuessedFile:
     """What a file seems to hold. Raises RecordError if it cannot be read, or holds no table of numbers."""
     file = table_of(path)
     if not file.named:
         return _line_of_heights(file) or _points_without_names(file)
-    cycles = _taken(file, EVOLUTION_KEYS)
+    cycles = taken_columns(file, EVOLUTION_KEYS)
     if "cycle" in cycles and len(cycles.keys() - {"repeat"}) > 1 and _counts_each_once(file, cycles):
         return replace(file, holds="evolution", columns=cycles)
-    surface, loops = _taken(file, SURFACE_KEYS), loop_columns(file)
+    surface, loops = taken_columns(file, SURFACE_KEYS), loop_columns(file)
     levels = surface.keys() & {"depth_um", "height_um"}
     if "x_um" in surface and (levels or "y_um" in surface) and "tangential_force_N" not in loops:
         if "depth_um" in levels:
@@ -135,7 +65,7 @@ def looked_into(path: Path) -> GuessedFile:
     grouped = any(":" in str(own) for own in file.references) and not loops
     if not whole and len(file.references) - len(loops.keys() - _NEEDED) < len(_NEEDED) and not grouped:
         raise RecordError(f"{path} has no columns for a displacement and a force")
-    remarks = (*file.remarks, *rivals(file, loops).values())
+    remarks = (*file.remarks, *rivals(file, loops).values(), *unread(file, loops))
     return replace(file, holds="loops" if whole else "unknown", columns=loops, remarks=remarks)
 
 
@@ -159,7 +89,8 @@ def table_of(path: Path, layout: GuessedLayout | None = None) -> GuessedFile:
         files = [
             GuessedFile(
                 path, "unknown", spelling_of(layout), references, names or blank, units or blank,
-                sample_rate_Hz=guessed.sample_rate_Hz, step_um=guessed.step_um,
+                sample_rate_Hz=guessed.sample_rate_Hz, step_um=guessed.step_um, words=guessed.words,
+                remarks=guessed.remarks,
             )
             for layout in guessed.tables or (guessed.layout,)
         ]  # fmt: skip
@@ -224,7 +155,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
 
     def motion(place: int) -> tuple[float, int]:
         found = recognised(files[place].titles, "displacement")
-        x = _values(files[place], found[0]) if found else np.zeros(1)
+        x = values_of(files[place], found[0]) if found else np.zeros(1)
         return float(np.nansum(np.abs(np.diff(x)))), tables[place].most_rows or 0
 
     best = max(range(len(files)), key=motion)
@@ -233,7 +164,7 @@ def _that_moves(files: Sequence[GuessedFile], tables: Sequence[DelimitedLayout])
     if len(tables) > 1:
         others = ", ".join(str(own.line_of_names) for own in tables)
         told += f", the table with the most motion; {len(tables)} begin with the same names, in lines {others}"
-    return replace(files[best], remarks=(told,))
+    return replace(files[best], remarks=(*files[best].remarks, told))
 
 
 def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
@@ -248,84 +179,9 @@ def spelling_of(layout: DelimitedLayout) -> dict[str, Any]:
         spelled["lines_after_names"] = layout.lines_after_names
     if layout.most_rows is not None:
         spelled["rows"] = layout.most_rows
+    if layout.blocks:
+        spelled["blocks"] = True
     return spelled
-
-
-def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each channel of a loop that is recognised, by its key in a record."""
-    loops = _taken(file, LOOP_KEYS)
-    if "tangential_force_N" not in loops and "normal_force_N" in loops:
-        values = file.read({"any": {"column": loops["normal_force_N"][0]}})["any"]
-        values = values[np.isfinite(values)]
-        # What presses never goes to either side of zero.
-        if values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0:
-            loops["tangential_force_N"] = loops.pop("normal_force_N")
-    return loops
-
-
-def _taken(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
-    """Column and unit of each channel, each column once; of several, the first whose numbers change."""
-    columns: dict[str, tuple[str | int, str]] = {}
-    free = list(range(len(file.titles)))
-    for key, channel in keys.items():
-        fit = [place for place in free if not _of_another_kind(file.unit(place, channel), channel)]
-        titles, units = [file.titles[place] for place in fit], [file.unit(place, channel) for place in fit]
-        found = [fit[place] for place in recognised(titles, channel, units)]
-        if not found:
-            continue
-        place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
-        if key in ("time_s", "normal_force_N", "cycle", "repeat") and not np.isfinite(_values(file, place)).any():
-            continue
-        free.remove(place)
-        columns[key] = (file.references[place], file.unit(place, channel))
-    return columns
-
-
-def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> dict[str, str]:
-    """Sentences on columns that were passed over for those taken, by the key: they have as good a name and another
-    course.
-    """
-    told = {}
-    taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
-    for key, channel in LOOP_KEYS.items():
-        if key not in columns or channel not in UNIT_OF or channel == "time" or columns[key][0] not in file.references:
-            continue
-        place = file.references.index(columns[key][0])
-        units = [file.unit(own, channel) for own in range(len(file.titles))]
-        # What has no unit of the channel is a raw twin.
-        scaled = units[place] in units_of(channel)
-        left = [n for n, unit in enumerate(units) if n not in taken and (not scaled or unit in units_of(channel))]
-        found = recognised([file.titles[n] for n in left], channel, [units[n] for n in left])
-        others = [left[n] for n in found if _changes(file, left[n]) and _differ(file, channel, place, left[n])]
-        if others:
-            names = " and ".join(repr(file.titles[n]) for n in others)
-            told[key] = f"{file.path.name}: {file.titles[place]!r} is taken for the {channel}, and not {names}"
-    return told
-
-
-def _differ(file: GuessedFile, channel: str, *places: int) -> bool:
-    """Whether two columns hold other values of a channel."""
-    units = [units_of(channel).get(file.unit(place, channel), 1.0) for place in places]
-    one, other = (unit * _values(file, place) for unit, place in zip(units, places, strict=True))
-    return one.shape != other.shape or float(np.nanmax(np.abs(one - other))) > ALIKE * float(np.nanmax(np.abs(one)))
-
-
-def _of_another_kind(unit: str, channel: str) -> bool:
-    """Whether a column's unit is one of what the channel is not, such as the °C of a T that is no time."""
-    counted = not units_of(channel) and unit in ("cycles", "Zyklen", "ciclos")
-    return unit in KNOWN_UNITS and unit not in RAW_UNITS and unit not in units_of(channel) and not counted
-
-
-def _values(file: GuessedFile, place: int) -> Array:
-    try:
-        return file.read({"time_s": {"column": file.references[place]}})["time_s"]
-    except RecordError:
-        return np.array([])
-
-
-def _changes(file: GuessedFile, place: int) -> bool:
-    values = _values(file, place)
-    return bool(np.isfinite(values).any() and np.nanmax(values) > np.nanmin(values))
 
 
 def _counts_each_once(file: GuessedFile, columns: dict[str, tuple[str | int, str]]) -> bool:
@@ -359,7 +215,7 @@ def _line_of_heights(file: GuessedFile) -> GuessedFile | None:
     if len(file.references) > 2 or any(":" in str(own) for own in file.references):
         return None
     if len(channels) == 2:
-        steps = np.diff(_values(file, 0))
+        steps = np.diff(values_of(file, 0))
         if not steps.size or not (np.all(steps > 0.0) or np.all(steps < 0.0)):
             return None
     columns = {f"{name}_um": (file.references[n], file.unit(n, name)) for n, name in enumerate(channels)}

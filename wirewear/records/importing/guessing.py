@@ -9,8 +9,9 @@ from typing import Any
 from wirewear.base.errors import RecordError, as_sentence
 from wirewear.base.reading import toml_text
 from wirewear.records.contact_tables import BallTest, LineTest, RecordContact
+from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
-from wirewear.records.importing.guessed_files import GuessedFile, joined, listed_once, looked_into, mapped_columns
+from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.height_maps import is_map, matrix_of
 from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.importing.sources import name_pattern

@@ -16,7 +16,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.budget import require_room
-from wirewear.base.delimited import DelimitedLayout, DelimitedText, decoded, fields_of, read_delimited
+from wirewear.base.delimited import DelimitedLayout, DelimitedText, contents_of, fields_of, read_delimited
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
@@ -123,7 +123,7 @@ def matrix_of(file: Path) -> Matrix | None:
         # Places along x are no names.
         layout = replace(guessed.layout, names_line=False, header_lines=guessed.layout.lines_before_rows)
         guessed = replace(guessed, layout=layout, tables=())
-    data, _ = decoded(file)
+    data, _ = contents_of(file)
     text = data.decode(guessed.layout.encoding, errors="replace").splitlines()[: guessed.layout.header_lines]
     if text and text[0].startswith(_WYKO):
         return _of_wyko(guessed, text)

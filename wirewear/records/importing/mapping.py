@@ -143,6 +143,9 @@ class Source(Table):
     rows: Annotated[int | None, PlainValidator(Quantity("1", 1, 1e9, whole=True))] = Field(
         None, description="lines of numbers that are read, where others stand below them"
     )
+    blocks: CheckedFlag = Field(
+        False, description="whether several tables, or sheets, below the same names are read, numbered by words"
+    )
     name_pattern: Annotated[str | None, PlainValidator(_checked_pattern)] = Field(
         None, description="regular expression that finds cycle and repeat in a file's name"
     )

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.blocks import NUMBER_WORDS
 from wirewear.base.budget import within
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
@@ -97,11 +98,12 @@ def read_source(path: Path, source: Source, wanted: Wanted, length_mm: float | N
         # What a file is, it says itself: "text" stands there when nothing else was chosen.
         kind = kind_of(file) if source.kind == TextReader.kind else source.kind
         columns = {name: own.column for name, own in wanted.items() if files[name] == file}
-        raw |= readers()[kind].columns(file, _layout(source), columns)
+        raw |= readers()[kind].columns(file, layout_of(source), columns)
     return {name: factors[name] * values + wanted[name].offset for name, values in raw.items()}
 
 
-def _layout(source: Source) -> DelimitedLayout:
+def layout_of(source: Source) -> DelimitedLayout:
+    """How a source's texts are laid out."""
     return DelimitedLayout(
         delimiter=DELIMITERS[source.delimiter],
         decimal=source.decimal,
@@ -110,6 +112,7 @@ def _layout(source: Source) -> DelimitedLayout:
         names_line=source.names_line,
         lines_after_names=source.lines_after_names,
         most_rows=source.rows,
+        blocks=source.blocks,
     )
 
 
@@ -159,13 +162,6 @@ def require_recorded(file: Path, **columns: Array) -> None:
         place = None if column is None else column.first_wrong(values)
         if column is not None and place is not None:
             raise RecordError(f"{file}: {name} is {values[place]:g}, but must be {column.kind}.")
-
-
-#: Words in a file's name that tell which number is a cycle's or a repeat's.
-NUMBER_WORDS = {
-    "cycle": ("cycle", "cyc", "zyklus", "zykl", "lastspiel", "n", "c"),
-    "repeat": ("repeat", "rep", "test", "run", "versuch", "wiederholung", "probe", "specimen", "r", "t"),
-}
 
 
 def name_pattern(names: Sequence[str], *, has_cycle: bool) -> str | None:

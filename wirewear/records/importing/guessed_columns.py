@@ -1,0 +1,206 @@
+"""The columns of a laboratory's file: which hold what by name, unit and words, and which are passed over."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear.base.delimited import read_delimited
+from wirewear.base.errors import RecordError
+from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, stem_and_unit, units_of
+from wirewear.records.importing.mapping import ColumnMapping, Source
+from wirewear.records.importing.reader import OPEN
+from wirewear.records.importing.sources import layout_of, read_source
+
+#: What parts samples has so few different values, over their number; columns that are looked at for that.
+LABELLED, MOST_LABELS = 0.06, 40
+
+ALIKE = 2e-3  #: Values of two columns that differ by less than this share of the largest one are the same.
+
+#: The keys of a record's tables, and the channel that each is.
+LOOP_KEYS = {
+    "displacement_um": "displacement",
+    "tangential_force_N": "force",
+    "normal_force_N": "normal load",
+    "time_s": "time",
+    "cycle": "cycle",
+    "repeat": "repeat",
+}
+EVOLUTION_KEYS = {
+    "cycle": "cycle",
+    "displacement_amplitude_um": "displacement amplitude",
+    "slip_amplitude_um": "slip amplitude",
+    "max_tangential_force_N": "largest force",
+    "dissipated_energy_mJ": "energy",
+    "repeat": "repeat",
+}
+SURFACE_KEYS = {"x_um": "x", "y_um": "y", "depth_um": "depth", "height_um": "height", "repeat": "repeat"}
+
+
+@dataclass(frozen=True)
+class GuessedFile:
+    """A file with how it is spelled and the columns that were recognised."""
+
+    path: Path
+    holds: str
+    spelling: dict[str, Any]  #: Keys of a mapping.
+    references: tuple[str | int, ...]  #: Names or numbers by which a mapping names its columns.
+    titles: tuple[str, ...]  #: Of them, as the file has them, as the next.
+    units: tuple[str, ...]
+    #: Reference and unit ("" where none is told) by key of the record.
+    columns: dict[str, tuple[str | int, str]] = field(default_factory=dict)
+    sample_rate_Hz: float | None = None
+    remarks: tuple[str, ...] = ()
+    elsewhere: dict[str, str] = field(default_factory=dict)  #: The file that holds a column, where it is another one.
+    step_um: float | None = None  #: From point to point, as the header states it.
+    words: frozenset[int] = frozenset()  #: Places of the columns of words.
+
+    @property
+    def named(self) -> bool:
+        """Whether the file itself names its columns."""
+        return any(self.titles)
+
+    def unit(self, place: int, channel: str) -> str:
+        """The unit of a column, by its title or as the file has it beside; empty where none is told."""
+        return stem_and_unit(self.titles[place], units_of(channel))[1] or self.units[place]
+
+    def read(self, columns: dict[str, dict[str, Any]], length_mm: float | None = None) -> dict[str, Array]:
+        """Columns of a mapping as they are read, what is left open in them apart."""
+        wanted = {key: ColumnMapping(**shut(own)) for key, own in columns.items()}
+        return read_source(self.path, Source(files=(self.path.name,), **self.spelling), wanted, length_mm)
+
+    @property
+    def listing(self) -> str:
+        """The file's columns in words, with the range of their numbers.
+        Raises RecordError if none of them can be read.
+        """
+        told, unread = [], []
+        for reference, title, unit in zip(self.references, self.titles, self.units, strict=True):
+            try:
+                values = self.read({"any": {"column": reference}})["any"]
+            except RecordError as problem:
+                unread.append(problem)
+                continue
+            if np.isfinite(values).any():
+                name = " ".join(part for part in (str(reference), repr(title) if title else "", unit) if part)
+                name = repr(reference) if isinstance(reference, str) else name
+                told.append(f"{name} from {np.nanmin(values):.4g} to {np.nanmax(values):.4g}")
+        if unread and not told:
+            raise unread[0]
+        return ", ".join(told)
+
+
+def shut(column: dict[str, Any]) -> dict[str, Any]:
+    """What is known of a column: without what is open, and without volts that no factor turns into something else."""
+    unscaled = column.get("factor") == OPEN
+    return {word: one for word, one in column.items() if one != OPEN and not (unscaled and word == "unit")}
+
+
+def loop_columns(file: GuessedFile) -> dict[str, tuple[str | int, str]]:
+    """Column and unit of each channel of a loop that is recognised, by its key in a record."""
+    loops = taken_columns(file, LOOP_KEYS)
+    if "tangential_force_N" not in loops and "normal_force_N" in loops:
+        values = file.read({"any": {"column": loops["normal_force_N"][0]}})["any"]
+        values = values[np.isfinite(values)]
+        # What presses never goes to either side of zero.
+        if values.size and np.percentile(values, 90) * np.percentile(values, 10) < 0.0:
+            loops["tangential_force_N"] = loops.pop("normal_force_N")
+    return loops
+
+
+def taken_columns(file: GuessedFile, keys: dict[str, str]) -> dict[str, tuple[str | int, str]]:
+    """Column and unit of each channel, each column once; of several, the first whose numbers change."""
+    columns: dict[str, tuple[str | int, str]] = {}
+    free = list(range(len(file.titles)))
+    for key, channel in keys.items():
+        counted = key in ("cycle", "repeat")
+        fit = [place for place in free if not _of_another_kind(file.unit(place, channel), channel)]
+        fit = [place for place in fit if counted or place not in file.words]
+        titles, units = [file.titles[place] for place in fit], [file.unit(place, channel) for place in fit]
+        found = [fit[place] for place in recognised(titles, channel, units)]
+        if counted and not found:
+            # What a column of words numbers, the words say.
+            found = [place for place in sorted(file.words) if _changes(file, place, key)][:1]
+        if not found:
+            continue
+        place = next((own for own in found if _changes(file, own)), found[0]) if len(found) > 1 else found[0]
+        if (counted or key in ("time_s", "normal_force_N")) and not np.isfinite(values_of(file, place, key)).any():
+            continue
+        free = [own for own in free if own != place]
+        columns[key] = (file.references[place], file.unit(place, channel))
+    return columns
+
+
+def rivals(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> dict[str, str]:
+    """Sentences on columns that were passed over for those taken, by the key: they have as good a name and another
+    course.
+    """
+    told = {}
+    taken = {file.references.index(reference) for reference, _ in columns.values() if reference in file.references}
+    for key, channel in LOOP_KEYS.items():
+        if key not in columns or channel not in UNIT_OF or channel == "time" or columns[key][0] not in file.references:
+            continue
+        place = file.references.index(columns[key][0])
+        units = [file.unit(own, channel) for own in range(len(file.titles))]
+        # What has no unit of the channel is a raw twin.
+        scaled = units[place] in units_of(channel)
+        left = [n for n, unit in enumerate(units) if n not in taken and (not scaled or unit in units_of(channel))]
+        found = recognised([file.titles[n] for n in left], channel, [units[n] for n in left])
+        others = [left[n] for n in found if _changes(file, left[n]) and _differ(file, channel, place, left[n])]
+        if others:
+            names = " and ".join(repr(file.titles[n]) for n in others)
+            told[key] = f"{file.path.name}: {file.titles[place]!r} is taken for the {channel}, and not {names}"
+    return told
+
+
+def unread(file: GuessedFile, columns: Mapping[str, tuple[str | int, str]]) -> list[str]:
+    """Sentences on columns that part the samples by words or numbers and are not among those taken."""
+    taken, told = {reference for reference, _ in columns.values()}, []
+    for place, (reference, title) in enumerate(zip(file.references, file.titles, strict=True)):
+        if reference in taken or not title or place >= MOST_LABELS or file.unit(place, ""):
+            continue
+        if place in file.words:
+            text = read_delimited(file.path, layout_of(Source(files=(file.path.name,), **file.spelling)))
+            words = [fields[place] for _, fields in text.rows() if place < len(fields) and fields[place]]
+            different = list(dict.fromkeys(words))
+            if 1 < len(different) <= LABELLED * len(words):
+                such = ", ".join(map(repr, different[:3]))
+                told.append(f"{file.path.name}: the column {title!r} holds words, such as {such}, and is not read")
+            continue
+        values = values_of(file, place)
+        values = values[np.isfinite(values)] if values.ndim == 1 else np.empty(0)
+        steps = np.diff(values)
+        counts = values.size and np.array_equal(values, np.floor(values)) and np.all(steps >= 0.0)
+        if counts and 0 < np.count_nonzero(steps) <= LABELLED * values.size:
+            about = f"counts from {values[0]:g} to {values[-1]:g}"
+            told.append(f"{file.path.name}: the column {title!r} {about}, and is not read")
+    return told
+
+
+def _differ(file: GuessedFile, channel: str, *places: int) -> bool:
+    """Whether two columns hold other values of a channel."""
+    units = [units_of(channel).get(file.unit(place, channel), 1.0) for place in places]
+    one, other = (unit * values_of(file, place) for unit, place in zip(units, places, strict=True))
+    return one.shape != other.shape or float(np.nanmax(np.abs(one - other))) > ALIKE * float(np.nanmax(np.abs(one)))
+
+
+def _of_another_kind(unit: str, channel: str) -> bool:
+    """Whether a column's unit is one of what the channel is not, such as the °C of a T that is no time."""
+    counted = not units_of(channel) and unit in ("cycles", "Zyklen", "ciclos")
+    return unit in KNOWN_UNITS and unit not in RAW_UNITS and unit not in units_of(channel) and not counted
+
+
+def values_of(file: GuessedFile, place: int, key: str = "time_s") -> Array:
+    """The numbers of a column, as of that key of a record; none where it cannot be read."""
+    try:
+        return file.read({key: {"column": file.references[place]}})[key]
+    except RecordError:
+        return np.array([])
+
+
+def _changes(file: GuessedFile, place: int, key: str = "time_s") -> bool:
+    values = values_of(file, place, key)
+    return bool(np.isfinite(values).any() and np.nanmax(values) > np.nanmin(values))
