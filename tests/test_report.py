@@ -168,7 +168,7 @@ def test_the_slider_moves_the_loop_and_the_scar(chromium: Page, page_path: Path)
 def test_runs_of_one_load_and_stroke_are_both_seen_on_the_maps(chromium: Page, page_path: Path) -> None:
     chromium.open(page_path)
     for place in ("conditions", "response"):
-        circles = chromium.value(f"[...document.querySelectorAll('#{place} circle')].map(c => c.getAttribute('r'))")
+        circles = chromium.value(f"[...document.querySelectorAll('#{place} g circle')].map(c => c.getAttribute('r'))")
         first, second = map(float, circles)
         assert first > second + 2.0
 
