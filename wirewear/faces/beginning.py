@@ -278,20 +278,26 @@ def fit(
 @click.option("--no-browser", is_flag=True, help="Print the address alone.")
 def open_command(paths: tuple[Path, ...], output: Path, port: int, no_browser: bool) -> None:
     """Work in a browser: drop a logger's files, import, check, fit and diagnose them. Nobody else can see the pages."""
+    import signal
     import webbrowser
 
     from wirewear.base.locks import occupied
     from wirewear.faces.desk import Desk
     from wirewear.faces.serving import DeskServer
 
-    desk = Desk(output)
-    for path in paths:
-        desk.take(path)
-    with occupied(desk.folder, "open"), DeskServer(desk, port) as server:
-        click.echo(f"Open this address in a browser: {server.url}\nKeep this running; Ctrl-C ends it.")
-        if not no_browser:
-            webbrowser.open(server.url)
-        try:
-            server.serve_forever()
-        finally:
-            desk.stop()
+    # Whoever ends this ends its steps, as Ctrl-C does; who wanted it to outlive a terminal has it do so.
+    for name in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(name) is not signal.SIG_IGN:
+            signal.signal(name, signal.default_int_handler)
+    with occupied(output, "open"):
+        desk = Desk(output)
+        for path in paths:
+            desk.take(path)
+        with DeskServer(desk, port) as server:
+            click.echo(f"Open this address in a browser: {server.url}\nKeep this running; Ctrl-C ends it.")
+            try:
+                if not no_browser:
+                    webbrowser.open(server.door().as_uri())
+                server.serve_forever()
+            finally:
+                desk.stop()

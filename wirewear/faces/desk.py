@@ -1,7 +1,8 @@
 """What `wirewear open` works on: a folder, the steps from a laboratory's files to an answer, and what they print.
 
 A step is one command of the command line, run as a process of its own in the folder. It is given what the steps before
-it left there; its options are those of the command.
+it left there; its options are those of the command. It ends with the desk, however that ends: its standard input is a
+pipe that the system closes then.
 """
 
 import os
@@ -11,27 +12,35 @@ import subprocess
 import sys
 import time
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Lock, Thread
+from tempfile import NamedTemporaryFile
+from threading import RLock, Thread
 from typing import Any
 
 import click
 
-from wirewear.base.errors import RunError
+from wirewear.base.errors import RunError, shown
 from wirewear.base.reading import Held, recognised
-from wirewear.base.writing import prepared_folder, write_bytes, write_text
+from wirewear.base.writing import prepared_folder, write_text
 from wirewear.faces.group import cli
 
 FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"
 FITTED = "fit/study.toml"
 _OPENED_RECORD = "{record}"
 #: Options that the steps give themselves, or that a page has no use for.
-_NOT_ASKED = ("output", "as_json", "mapping", "dry_run", "record_path", "scheduler", "jobs")
+_NOT_ASKED = ("output", "as_json", "mapping", "dry_run", "record_path", "scheduler", "jobs", "overwrite")
+_MOST_BYTES_OF_NAME, _MOST_SIGNS = (
+    200,
+    1_000,
+)  #: Of a file's name, which gets a number when it is put aside; of a value.
+_HURRY_s = 3.0  #: After which a step that was interrupted is killed.
 _MOST_LINES = 400  #: Lines of what a step prints that are kept.
 _SHOWN = (".html", ".png")
+_COMING = ".coming."  #: Begins the name of a file until all of it is there.
+CHUNK = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -94,8 +103,10 @@ class Desk:
         """A folder that may hold what was done before."""
         self.folder = prepared_folder(folder.resolve())
         self.places: dict[str, Path] = {}
+        for left in self.folder.glob(f"{_COMING}*"):
+            left.unlink(missing_ok=True)
         self._jobs: dict[str, _Job] = {}
-        self._lock = Lock()
+        self._lock = RLock()
 
     def take(self, path: Path) -> None:
         """Open what lies at a path. Raises RunError unless it is a record, a result, or a file of measured numbers."""
@@ -105,39 +116,54 @@ class Desk:
             case Held.RUN:
                 self.places[RESULT] = path.resolve()
             case _ if path.is_file():
-                self.add(path.name, path.read_bytes())
+                with path.open("rb") as file:
+                    self.add(path.name, iter(lambda: file.read(CHUNK), b""))
             case _:
                 raise RunError(f"{path} is no record, result or file of measured numbers.")
 
-    def add(self, name: str, content: bytes) -> None:
-        """Keep a file under its own name, which names no other folder; another of that name is put aside."""
+    def add(self, name: str, content: bytes | Iterable[bytes]) -> None:
+        """Keep a file under its own name, which names no other folder; another of that name is put aside.
+
+        Nothing is changed unless all of the content comes. Raises RunError if it is no name of a file.
+        """
         place = self.folder / FILES / Path(name.replace("\\", "/")).name
-        if not place.name or place.name.startswith("."):
-            raise RunError(f"{name!r} is no name of a file.")
-        self._put_aside(place)
-        write_bytes(prepared_folder(place.parent) / place.name, content)
+        if not place.name or place.name.startswith(".") or not place.name.isprintable():
+            raise RunError(f"{shown(name)} is no name of a file.")
+        if len(os.fsencode(place.name)) > _MOST_BYTES_OF_NAME:
+            raise ValueError(f"the name {shown(name)} is too long: {_MOST_BYTES_OF_NAME} bytes at most.")
+        with NamedTemporaryFile(dir=self.folder, prefix=_COMING, delete=False) as file:
+            coming = Path(file.name)
+            try:
+                file.writelines([content] if isinstance(content, bytes) else content)
+                file.flush()
+                os.fsync(file.fileno())
+                with self._lock:
+                    self._put_aside(place)
+                    coming.replace(prepared_folder(place.parent) / place.name)
+            finally:
+                coming.unlink(missing_ok=True)
 
     def write_mapping(self, text: str) -> None:
         """Keep a mapping as it was edited; the one before is put aside."""
-        self._put_aside(self.folder / MAPPING)
-        write_text(self.folder / MAPPING, text)
+        with self._lock:
+            self._put_aside(self.folder / MAPPING)
+            write_text(self.folder / MAPPING, text)
 
     def start(self, name: str, chosen: Mapping[str, Any]) -> None:
-        """Begin a step with options by their flags. Raises RunError while another runs, or what it needs is missing."""
+        """Begin a step with options by their flags.
+        Raises RunError while another runs, or what it needs is missing; ValueError if an option is none of the step's.
+        """
         step = next((one for one in STEPS if one.name == name), None)
         if step is None:
-            raise RunError(f"there is no step {name!r}.")
+            raise RunError(f"there is no step {shown(name)}.")
+        options = _typed(step, chosen)
         with self._lock:
             running = next((one.title for one in STEPS if self._state(one) == "running"), None)
             if running is not None:
                 raise RunError(f"wait until this has ended, or stop it: {running}.")
             if not self._ready(step):
                 raise RunError(f"{step.needs[0]} is not there yet: go through the steps before.")
-            if step.leaves:
-                self._put_aside(self.folder / step.leaves)
             files = [str(path.relative_to(self.folder)) for path in self._files()] if step.needs == (FILES,) else []
-            if name == "import":
-                self.places.pop(RECORD, None)
             opened = {what: self.places.get(what, what) for what in (RECORD, RESULT)}
             places = [one.format(**opened) for one in step.arguments]
             if name == "diagnose" and not chosen.get("--model") and (self.folder / FITTED).is_file():
@@ -145,11 +171,16 @@ class Desk:
 
                 # A record that states too little for a model of its own has the fitted one.
                 places += ["--model", FITTED] if read_record(self.folder / opened[RECORD]).tables.missing else []
-            command = [sys.executable, "-m", "wirewear", step.command, *files, *places, *_typed(step, chosen)]
+            if step.leaves:
+                self._put_aside(self.folder / step.leaves)
+            if name == "import":
+                self.places.pop(RECORD, None)
+            command = [sys.executable, "-c", _AS_STEP, step.command, *files, *places, *options]
             process = subprocess.Popen(
-                command, cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                command, cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                 text=True, encoding="utf-8", errors="replace", start_new_session=True,
-                env={**os.environ, "COLUMNS": "100", "PYTHONIOENCODING": "utf-8", "PYTHONUNBUFFERED": "1"},
+                env={**os.environ, "COLUMNS": "100", "PYTHONIOENCODING": "utf-8", "PYTHONUNBUFFERED": "1",
+                     "PYTHONSAFEPATH": "1"},
             )  # fmt: skip
             self._jobs[name] = _Job(process)
         Thread(target=self._follow, args=(step, self._jobs[name]), daemon=True).start()
@@ -174,8 +205,10 @@ class Desk:
 
     def served(self, name: str) -> Path | None:
         """The file of the folder that a page asks for; None for what lies outside, or is none."""
-        place = (self.folder / name).resolve()
-        return place if place.is_relative_to(self.folder) and place.is_file() else None
+        with suppress(OSError, RuntimeError):  # names too long, links in a circle
+            place = (self.folder / name).resolve()
+            return place if place.is_relative_to(self.folder) and place.is_file() else None
+        return None
 
     def _follow(self, step: Step, job: _Job) -> None:
         with job.process as process:
@@ -219,10 +252,11 @@ class Desk:
         return (path for path in found if path.suffix in _SHOWN)
 
     def _put_aside(self, place: Path) -> None:
-        """What is to be made anew is never lost."""
-        if place.exists():
+        """What is to be made anew is never lost: it gets the next number. Whoever calls holds the lock."""
+        if os.path.lexists(place):
             earlier = prepared_folder(self.folder / "earlier")
-            shutil.move(place, earlier / f"{sum(1 for _ in earlier.iterdir()) + 1}_{place.name}")
+            numbers = [int(number) for path in earlier.iterdir() if (number := path.name.split("_")[0]).isdecimal()]
+            place.rename(earlier / f"{max(numbers, default=0) + 1}_{place.name}")
 
 
 def _options_of(command: str) -> list[click.Option]:
@@ -237,12 +271,46 @@ def _described(option: click.Option) -> dict[str, Any]:
 
 
 def _typed(step: Step, chosen: Mapping[str, Any]) -> list[str]:
-    """Options as they are typed; those that the command does not have, and empty ones, are left out."""
+    """Options as they are typed; those that the command does not have, and empty ones, are left out.
+    Raises ValueError if they are no table of texts and truths, or the command does not take a value.
+    """
+    if not isinstance(chosen, Mapping):
+        raise ValueError(f"options are {shown(chosen)}, but must be a table of values by their flags.")
     typed = []
     for option in _options_of(step.command):
-        value = chosen.get(option.opts[0])
-        if option.is_flag and value is True:
-            typed.append(option.opts[0])
-        elif not option.is_flag and isinstance(value, str) and value.strip():
-            typed.append(f"{option.opts[0]}={value.strip()}")
+        flag, value = option.opts[0], chosen.get(option.opts[0])
+        if value is None or value == "" or value is False:
+            continue
+        if value is True and option.is_flag:
+            typed.append(flag)
+        elif isinstance(value, str) and value.isprintable() and len(value) <= _MOST_SIGNS and not option.is_flag:
+            typed.append(f"{flag}={value.strip()}")
+            if not isinstance(option.type, click.Path):
+                _require_taken(option, value.strip())
+        else:
+            raise ValueError(f"{flag} is {shown(value)}, which it cannot be.")
     return typed
+
+
+def _require_taken(option: click.Option, value: str) -> None:
+    try:
+        option.type.convert(value, option, None)
+    except click.BadParameter as problem:
+        raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
+
+
+_AS_STEP = "from wirewear.faces import desk, main; desk.end_with_input(); main()"
+
+
+def end_with_input() -> None:
+    """Have this process and its group end when standard input does."""
+    Thread(target=_wait_and_end, daemon=True).start()
+
+
+def _wait_and_end() -> None:
+    while os.read(0, CHUNK):
+        pass
+    # A step is a group of processes of its own.
+    for end in (signal.SIGINT, signal.SIGKILL):
+        os.killpg(0, end)
+        time.sleep(_HURRY_s)
