@@ -114,6 +114,10 @@ class Interior:
                 self._spread(result, self._moved(part, odd), odd)
         return result
 
+    def forget(self) -> None:
+        """Give up the factors: the next displacements make them again."""
+        self._factors.clear()
+
     def _moved(self, forces: Array, odd: tuple[bool, ...]) -> Array:
         """How the piece moves (s, p, 3) by forces of one symmetry; nodes on a plane carry its half of theirs."""
         own = forces / 2.0 ** self._on_planes[None, :, None]

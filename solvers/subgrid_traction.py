@@ -206,6 +206,8 @@ _FORCE_WIDTH = 2.0
 _MOST_SCALED = 2.0
 _SAMPLES = 4
 _HALVINGS = 40
+#: Weights of the four nodes around a place between the middle two, by powers of the place.
+KEYS = 0.5 * np.array([[0.0, -1.0, 2.0, -1.0], [2.0, 0.0, -5.0, 3.0], [0.0, 1.0, 4.0, -3.0], [0.0, 0.0, -1.0, 1.0]])
 _POWERS = ((0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2))
 
 
@@ -360,24 +362,31 @@ def bicubic(square: Array, u: float, v: float) -> float:
     if u < 0.0 or v < 0.0 or u > square.shape[0] - 1.0 or v > square.shape[1] - 1.0:
         return -1.0
     i, j = int(np.floor(u)), int(np.floor(v))
-    u, v = u - i, v - j
-    total = 0.0
-    for m in range(4):
-        row = min(max(i + m - 1, 0), square.shape[0] - 1)
-        part = 0.0
-        for n in range(4):
-            column = min(max(j + n - 1, 0), square.shape[1] - 1)
-            part += _keys(n, v) * square[row, column]
-        total += _keys(m, u) * part
-    return total
+    coefficients = np.empty((4, 4))
+    bicubic_coefficients(square, i, j, coefficients)
+    return polynomial(coefficients, u - i, v - j)
 
 
 @compiled
-def _keys(k: int, u: float) -> float:
-    if k == 0:
-        return ((2.0 - u) * u - 1.0) * u * 0.5
-    if k == 1:
-        return ((3.0 * u - 5.0) * u * u + 2.0) * 0.5
-    if k == 2:
-        return ((4.0 - 3.0 * u) * u + 1.0) * u * 0.5
-    return (u - 1.0) * u * u * 0.5
+def bicubic_coefficients(square: Array, i: int, j: int, result: Array) -> None:
+    """Set the coefficients (4, 4) of the bicubic field in the cell behind a node, by powers of the place in it."""
+    for m in range(4):
+        for n in range(4):
+            result[m, n] = 0.0
+    for m in range(4):
+        row = min(max(i + m - 1, 0), square.shape[0] - 1)
+        for n in range(4):
+            column = min(max(j + n - 1, 0), square.shape[1] - 1)
+            for a in range(4):
+                for b in range(4):
+                    result[a, b] += KEYS[m, a] * KEYS[n, b] * square[row, column]
+
+
+@compiled
+def polynomial(coefficients: Array, u: float, v: float) -> float:
+    """Its value at a place in the cell."""
+    total = 0.0
+    for m in range(3, -1, -1):
+        row = coefficients[m]
+        total = total * u + (((row[3] * v + row[2]) * v + row[1]) * v + row[0])
+    return total

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -140,17 +141,17 @@ def strength(
 ) -> None:
     """Say where and until when the bodies of a run yield, and where cracks begin first.
 
-    A body at one cycle takes 10 to 20 s of one core: ten cycles of both take some minutes. --cycle and --body ask for
-    less.
+    Both bodies at every recorded cycle, unless --cycle and --body ask for less.
     """
     from wirewear.faces.study_script import progress_bar, wide_console
     from wirewear.interior.strength import StrengthAsked, yield_sentence
-    from wirewear.interior.writing import strength_table, write_strengths
+    from wirewear.interior.writing import strength_table, write_strength, write_strength_table
 
     asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
     chosen, strength_at = _assessing(result_path, body, cycles, asked)
     folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
     courses: dict[str, list[Strength]] = {one: [] for one in chosen}
+    written: list[Path] = []
     with progress_bar() as bar:
         task = bar.add_task("", total=sum(map(len, chosen.values())))
         for one, its_cycles in chosen.items():
@@ -159,15 +160,17 @@ def strength(
                 bar.update(task, description=doing)
                 if bar.disable:
                     click.echo(f"wirewear: {doing}", err=True)
-                courses[one].append(strength_at(one, cycle))
+                found = strength_at(one, cycle)
+                written += write_strength(found, folder)
+                # What is written need not be held.
+                courses[one].append(replace(found, grid=type(found.grid)()))
                 bar.advance(task)
     every = [one for course in courses.values() for one in course]
     wide_console(110).print(strength_table(every))
     for course in courses.values():
         if yield_strength is not None:
             click.echo(yield_sentence(course))
-    with progress_bar() as bar:
-        written = write_strengths(every, folder, lambda each: bar.track(each, description="writing"))
+    written.append(write_strength_table(every, folder))
     click.echo(f"{len(written)} files are in {folder}")
 
 

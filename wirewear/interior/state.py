@@ -187,7 +187,12 @@ class Inside(Generic[S]):
         """
         forces = result.forces(cycle, body)
         chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
-        return self.state.of(self.body(result, forces, worn), forces, chosen, is_upper=result.is_upper(body))
+        of_body = self.body(result, forces, worn)
+        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body))
+        if at is None:
+            # Of a whole cycle nothing is left to be solved, and factors are most of a body's memory.
+            of_body.interior.forget()
+        return found
 
 
 def _beneath(points: Array) -> Array:

@@ -1,6 +1,6 @@
 """Fields of a cycle as files: one VTU a body and position, a PVD over them, pictures; strengths as a table and maps."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from xml.etree import ElementTree as ET
@@ -159,23 +159,20 @@ def strength_table(strengths: Sequence[Strength]) -> Table:
     return table
 
 
-def write_strengths(
-    strengths: Sequence[Strength], folder: Path, tracked: Callable[[Sequence[Strength]], Iterable[Strength]] = iter
-) -> list[Path]:
-    """Write strength.csv, and of each strength a VTU file with its fields and a picture of its maps; returns all.
-
-    tracked: passes on what is written one after the other, and may show how far that is.
-    Raises ResultError if the folder cannot be written.
-    """
+def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
+    """Write a VTU file with its fields and a picture of its maps. Raises ResultError if they cannot be written."""
+    path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
     with writing(ResultError, f"cannot write strengths to {folder}"):
         folder.mkdir(parents=True, exist_ok=True)
-        written = [write_csv(folder / "strength.csv", [_row(one) for one in strengths])]
-        for one in tracked(strengths):
-            path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
-            with in_one_step(path) as unfinished:
-                one.grid.save(unfinished)
-            written += [path, save(partial(draw_strength, one), path.with_suffix(".png"))]
-    return written
+        with in_one_step(path) as unfinished:
+            one.grid.save(unfinished)
+        return path, save(partial(draw_strength, one), path.with_suffix(".png"))
+
+
+def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:
+    """Write strength.csv. Raises ResultError if it cannot be written."""
+    with writing(ResultError, f"cannot write strengths to {folder}"):
+        return write_csv(folder / "strength.csv", [_row(one) for one in strengths])
 
 
 def draw_strength(strength: Strength) -> Figure:
