@@ -24,6 +24,7 @@ _LEAST_SLIDING_SHARE = 0.25
 # Increments from a reversal to the first place, over which the holder springs back and the contact mostly sticks.
 _STICK_INCREMENTS = 2
 _SHIFT = 0.25
+_SAME_STROKE = 1e-6  # Of the amplitude: strokes whose amplitudes differ by less are the same.
 _FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves has begun to slide.
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
@@ -103,10 +104,11 @@ def sliding_increments(increments: int) -> int:
 
 def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Array]:
     """Places of the strokes from either side on, in mm, evenly over the slip of a guide of the whole cycle."""
-    time = drive.waveform.times(guide.drive / drive.amplitude_mm, guide.phase)
-    slip = np.diff(guide.drive - guide.holder_x, prepend=guide.drive[-1] - guide.holder_x[-1])
+    stroke = guide.drive / float(np.abs(guide.drive).max())
+    along, time = drive.amplitude_mm * stroke, drive.waveform.times(stroke, guide.phase)
+    slip = np.diff(along - guide.holder_x, prepend=along[-1] - guide.holder_x[-1])
     found = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
-    places = np.interp(found, np.arange(len(time) + 1), np.append(guide.drive[-1], guide.drive))
+    places = np.interp(found, np.arange(len(time) + 1), np.append(along[-1], along))
     falling = found <= np.count_nonzero(guide.phase <= 0.5)
     return {1.0: places[falling], -1.0: places[~falling]}
 
@@ -145,13 +147,27 @@ def _places(amplitude: float, carried: float, count: int, before: Stroke | None)
     if before is None:
         places = amplitude - 2.0 * carried - 2.0 * (amplitude - carried) * shares
         return places, 0.5 * (amplitude + float(places[0]))
-    drive, holder = _with_knee(np.append(amplitude, before.drive), np.append(carried, before.holder_x))
+    drive, holder = _with_knee(*_along(amplitude, carried, before))
     # Round-off and creep must not let the bodies seem to slide back.
     apart = np.minimum.accumulate(drive - holder)
     start, end = float(apart[0]), float(apart[-1])
     wanted = start - (start - end) * np.append(_STUCK_SHARE / count, shares)
     found = -np.interp(-wanted, -apart, -drive)
     return found[1:], float(found[0])
+
+
+def _along(amplitude: float, carried: float, before: Stroke) -> tuple[Array, Array]:
+    """A stroke from +amplitude to -amplitude on which the holder moves as on one before, which may be of another
+    amplitude: as far after as much of the way, and no more behind its end.
+    """
+    drive, holder = np.append(amplitude, before.drive), np.append(carried, before.holder_x)
+    longer = amplitude + float(before.drive[-1])
+    if abs(longer) <= _SAME_STROKE * amplitude:
+        return drive, holder
+    drive[1:] += longer
+    holder[1:] += carried + float(before.holder_x[-1])
+    ahead = drive > -amplitude
+    return np.append(drive[ahead], -amplitude), np.append(holder[ahead], np.interp(amplitude, -drive, holder))
 
 
 def _with_knee(drive: Array, holder: Array) -> tuple[Array, Array]:

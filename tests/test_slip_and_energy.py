@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
+from solvers.contact_state import Stroke
+from solvers.wear_path import wear_path
 from wirewear import RunResult
 from wirewear.effects.holder import FreePlay
 from wirewear.reference import SliderLoop, slider_loop
@@ -104,3 +106,19 @@ def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None
         own = study(None, 400.0, 20).with_effects(FreePlay(gap_um=gap_um))
         found.append(simulate(own, fidelity="quick").evolution["slip_amplitude_um"])
     np.testing.assert_allclose(found[0] - found[1], 1.5, rtol=0.01)
+
+
+@pytest.mark.parametrize("stiffness", [50.0, "rigid"])
+@pytest.mark.parametrize("share", [0.02, 0.6, 0.99])
+def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, share: float) -> None:
+    force_N = share * FRICTION * LOAD_N
+    held = study(None, stiffness, 1, displacement_amplitude_um=120.0, held_tangential_force_N=force_N)
+    evolution = simulate(held, fidelity="quick").evolution
+    assert evolution["max_tangential_force_N"] == pytest.approx(force_N, rel=1e-3)
+
+
+def test_places_of_a_shorter_stroke_lie_within_it() -> None:
+    places = wear_path(1.0, 0.1, 12, Stroke(np.linspace(4.5, -5.0, 20), np.append(0.1, np.full(19, -0.1))))
+    assert places[-1] == -1.0
+    assert np.all(np.diff(places) < 0.0)
+    assert np.abs(places).max() <= 1.0

@@ -15,9 +15,11 @@ from wirewear.study import AnyStudy
 from wirewear.study.programme import held_by
 
 WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
-MOST_CORRECTIONS = 12
+MOST_CORRECTIONS = 30
 _LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
 _INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
+_SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
+_FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
 
 
 #: A figure of a cycle, or of half of one whose other half is its mirror image; a probe where increments are long.
@@ -51,6 +53,7 @@ class AmplitudeSearch:
     small_mm: float = 0.0
     large_mm: float = field(default=np.inf)
     _latest: tuple[float, float] | None = None
+    _interval_mm: float = field(default=np.inf)
     _tries: int = 0
 
     def following(self, amplitude_mm: float, trace: CycleTrace, probe: Probe | None = None) -> float | None:
@@ -82,16 +85,30 @@ class AmplitudeSearch:
                 "displacement_amplitude_um"
             )
         before, self._latest = self._latest, (amplitude_mm, found)
-        if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
-            wanted = amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
-        elif held.slope is not None:
-            wanted = amplitude_mm + lacking / held.slope(trace)
-        else:
-            wanted = amplitude_mm * held.target / max(found, 1e-9 * held.target)
+        wanted = self._wanted(amplitude_mm, found, before, trace)
         high = min(self.large_mm, _MOST * amplitude_mm)
         low = max(self.small_mm, _LEAST * amplitude_mm)
-        margin = _INSIDE * (high - low) if np.isfinite(self.large_mm) and self.small_mm else 0.0
+        margin = 0.0
+        # A figure that hardly grows with the amplitude, as the force of bodies that slide does, leads nowhere.
+        if np.isfinite(self.large_mm) and self.small_mm:
+            before_mm, self._interval_mm = self._interval_mm, self.large_mm - self.small_mm
+            margin = _INSIDE * (high - low)
+            if self._interval_mm > _SLOW * before_mm:
+                return float((self.small_mm * self.large_mm) ** 0.5)
+        elif before is not None and abs(lacking) > _SLOW * abs(held.target - before[1]):
+            wanted = max(wanted, amplitude_mm / _FAR) if lacking > 0.0 else min(wanted, _FAR * amplitude_mm)
         return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
+
+    def _wanted(
+        self, amplitude_mm: float, found: float, before: tuple[float, float] | None, trace: CycleTrace
+    ) -> float:
+        """The amplitude that would hold the figure if this grew as it did, or as it is expected to."""
+        held, lacking = self.held, self.held.target - found
+        if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
+            return amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
+        if held.slope is not None:
+            return amplitude_mm + lacking / held.slope(trace)
+        return amplitude_mm * held.target / max(found, 1e-9 * held.target)
 
 
 def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
