@@ -187,8 +187,9 @@ class Quantity:
 
     def _unit_hint(self, number: float) -> str:
         for name, factor in MISTAKEN_UNITS.get(self.unit, ()):
-            # A share below 1 is none of per cent.
-            if number > 0 and self.low <= number * factor <= self.high and (self.unit != "1" or number >= 1.0):
+            # A share below 1 is none of per cent; angles are set to multiples of 5°, which few numbers of degrees are.
+            looks = {"1": number >= 1.0, "deg": abs(number * factor - 5.0 * round(0.2 * number * factor)) < 0.2}
+            if number > 0 and self.low <= number * factor <= self.high and looks.get(self.unit, True):
                 return f": it looks like {name}, which would be {number * factor:.6g} here"
         return ""
 

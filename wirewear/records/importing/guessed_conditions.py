@@ -22,7 +22,7 @@ from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, direction_deg, grid_of_points
 from wirewear.records.importing.reader import OPEN
 from wirewear.records.values import MeasuredLoop
-from wirewear.results.scar import called
+from wirewear.results.scar import WIRES, called
 from wirewear.study.bodies import Body
 
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
@@ -268,7 +268,7 @@ def scars_of(
             surface = grid_of_points(text.path, (found["x_um"], found["y_um"], found["height_um"]))
             scars[body] |= _told(_laid(text.path, body, touching, surface), remarks)
         else:
-            scars[body] |= _told(_along_motion(text.path, body), remarks)
+            scars[body] |= _told(_along_motion(text.path, body, touching, depths=True), remarks)
     _add_maps(scars, maps, touching, remarks)
     return scars, remarks
 
@@ -284,7 +284,7 @@ def _add_maps(scars: dict[str, Any], maps: Sequence[Path], touching: Touching, r
             continue
         scars[body] = {"files": path.name, **keys}
         if surface.left_open:
-            scars[body] |= _told(_along_x(path, body, "once its scale is told, the import sees it"), remarks)
+            scars[body] |= _told(_along_x(path, body, touching, "once its scale is told, the import sees it"), remarks)
         else:
             scars[body] |= _told(_laid(path, body, touching, surface.scaled(path, MapScale())), remarks)
 
@@ -338,32 +338,42 @@ def _next(scars: dict[str, Any], touching: Touching) -> str:
     return touching.names[touching.names[0] in scars]
 
 
-def _along_motion(path: Path, body: str) -> tuple[dict[str, Any], str]:
-    told = f"x is taken to run along the motion; where it runs along the {called(body)}"
-    return {"frame": "test"}, f'{path.name}: {told}, write frame = "wire"'
+def _has_axis(name: str, touching: Touching) -> bool:
+    body = touching.bodies.get(name)
+    return name in WIRES if body is None else body.has_axis
 
 
-def _along_x(path: Path, body: str, later: str) -> tuple[dict[str, Any], str]:
-    told = f"the {called(body)} is taken to run along the map's x; {later}"
+def _along_motion(path: Path, name: str, touching: Touching, *, depths: bool = False) -> tuple[dict[str, Any], str]:
+    if _has_axis(name, touching):
+        otherwise = f'it runs along the {called(name)}, write frame = "wire"'
+    elif depths:
+        otherwise = "y does, exchange the columns of x_um and y_um"
+    else:
+        otherwise = 'y does, write frame = "wire" and axis = "y"'
+    return {"frame": "test"}, f"{path.name}: x is taken to run along the motion; where {otherwise}"
+
+
+def _along_x(path: Path, name: str, touching: Touching, later: str) -> tuple[dict[str, Any], str]:
+    if not _has_axis(name, touching):
+        return _along_motion(path, name, touching)
+    told = f"the {called(name)} is taken to run along the map's x; {later}"
     return {"frame": "wire", "axis": "x"}, f"{path.name}: {told}"
 
 
 def _laid(path: Path, name: str, touching: Touching, surface: tuple[Array, Array, Array]) -> tuple[dict[str, Any], str]:
     """How a body lies in a map of heights, as keys of a mapping: of the ways there are, the nearest; and a remark."""
     if (body := touching.bodies.get(name)) is None:
-        return _along_x(path, name, "with --diameter its heights show it")
+        return _along_x(path, name, touching, "with --diameter its heights show it")
     if not body.has_axis:
-        return _along_motion(path, name)
+        return _along_motion(path, name, touching)
     found = direction_deg(*surface, body.curvatures_per_mm)
     ways = ((0.0, "x", "wire"), (90.0, "y", "wire"), (body.axis_angle_deg, "x", "test"))
     offs = [abs((found - way[0] + 90.0) % 180.0 - 90.0) for way in ways]
-    off, (angle, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
+    off, (_, axis, frame) = min(zip(offs, ways, strict=True), key=lambda one: one[0])
     keys = {"frame": frame} if frame == "test" else {"frame": frame, "axis": axis}
     told = f"{path.name}: by its shape the {called(name)} lies at {found:.0f}° to the map's x"
     if off > ASKEW_deg:
-        return (
-            keys,
-            f"{told}: neither along x or y nor at the stated crossing angle, {angle:g}°: give crossing_angle_deg",
-        )
+        crossing = touching.tables["wires"]["crossing_angle_deg"]
+        return keys, f"{told}: neither along x or y nor at the crossing angle, {crossing:g}°: give crossing_angle_deg"
     x_is = "the motion of the test" if frame == "test" else f"the wire, which is its {axis} here"
     return keys, f'{told}: frame = "{frame}", x along {x_is}; `wirewear import --dry-run` draws it'
