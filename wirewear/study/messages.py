@@ -82,8 +82,8 @@ def _unknown_key(table: Keys, key: str, where: str, spelled: Spelling, model: ty
         if quantity is not None and same_but_for_unit(key, name, quantity.unit):
             return f"{start}: the {field.description} is given as {name}, in {UNIT_NAMES[quantity.unit]}."
     # A key without the words that tell it apart from others is meant as the one that must be given.
-    words = set(words_of(key).split())
-    whole = [name for name in known if words and words <= set(words_of(name).split())]
+    told = set(words_of(key).split())
+    whole = [name for name in known if told and told <= set(words_of(name).split())]
     whole.sort(key=lambda name: not known[name].is_required())
     close = whole or get_close_matches(key, known, n=1)
     if close:
