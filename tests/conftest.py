@@ -1,5 +1,6 @@
 """Settings common to all tests."""
 
+import os
 from collections import Counter
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,6 +14,9 @@ from tools.examined import is_examined
 settings.register_profile("wirewear", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("wirewear")
 
+
+# Commands in processes of their own say the same on a busy machine as on an idle one.
+os.environ.setdefault("WIREWEAR_QUIET", "1")
 
 #: Files of tests that are the exam alone begin with one of these.
 EXAM = ("test_blind_", "test_frozen_blind")

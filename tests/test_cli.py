@@ -13,6 +13,7 @@ from tests import synthetic_results
 from tests.commands import wirewear
 from tests.studies import MINIMAL
 from wirewear import ResultError, RunError, __version__, write_result
+from wirewear.faces import SILENCE_s
 from wirewear.results import RunResult
 
 VARIANTS = '[variants.rigid.holder]\ntangential_stiffness_N_per_mm = "rigid"\n'
@@ -118,3 +119,14 @@ print([name for name in {heavy!r} if name in sys.modules])
 """
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert said.stdout == "[]\n"
+
+
+@pytest.mark.parametrize(("speaks", "expected"), [("pass", "wirewear: sweep is at work\n"), ("print('here')", "")])
+def test_a_command_that_is_silent_says_in_time_that_it_is_at_work(speaks: str, expected: str) -> None:
+    code = f"import time; from wirewear.faces import speak_up; speak_up('sweep', 0.05); {speaks}; time.sleep(0.4)"
+    ended = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert ended.stderr == expected
+
+
+def test_commands_speak_within_two_seconds() -> None:
+    assert SILENCE_s < 2.0

@@ -12,7 +12,10 @@ import os
 import sys
 import traceback
 import unicodedata
+from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
+from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -25,11 +28,15 @@ __all__ = ["cli", "default_output", "main"]
 _OBJECTS_BETWEEN_COLLECTIONS = 50_000
 
 _SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"  #: The variable that has faults of the program itself shown in full.
+_QUIET = "WIREWEAR_QUIET"  #: The variable that has commands say no more than what they find.
+SILENCE_s = 1.5  #: A command that has said nothing for so long says that it is at work.
 
 
 def main() -> None:
     """Entry point of the console script."""
     prepare_streams()
+    if not os.environ.get(_QUIET):
+        speak_up(next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear"))
     # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
@@ -51,6 +58,29 @@ def main() -> None:
             raise
         sys.stderr.write(f"wirewear: {_place_of(error)}\n")
         sys.exit(1)
+
+
+def speak_up(command: str, silence_s: float = SILENCE_s) -> None:
+    """Say on standard error that a command is at work, if neither stream has said anything by then."""
+    said = Event()
+
+    def heard(write: Callable[[str], int]) -> Callable[[str], int]:
+        def passed_on(text: str) -> int:
+            said.set()
+            return write(text)
+
+        return passed_on
+
+    for stream in (sys.stdout, sys.stderr):
+        stream.write = heard(stream.write)  # type: ignore[method-assign]
+
+    def wait() -> None:
+        if not said.wait(silence_s):
+            with suppress(OSError, ValueError):
+                sys.stderr.write(f"wirewear: {command} is at work\n")
+                sys.stderr.flush()
+
+    Thread(target=wait, daemon=True).start()
 
 
 def _place_of(error: BaseException) -> str:

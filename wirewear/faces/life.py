@@ -13,7 +13,6 @@ from wirewear.base.writing import usable_folder
 from wirewear.faces.group import Finite, Given, OutputFolder, cli, default_output, paper
 from wirewear.faces.interior import BODY, asked_bodies
 from wirewear.study import FIDELITIES
-from wirewear.study.any_study import life_data
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
@@ -43,6 +42,7 @@ def lives(
     from wirewear.kinds import kind_of
     from wirewear.results.scar import body_named
     from wirewear.study import study_from_tables
+    from wirewear.study.any_study import life_data
 
     inside = kind_of(result).inside
     study = study_from_tables(result.study, result.label)

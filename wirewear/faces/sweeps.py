@@ -5,11 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
+from math import inf
 from pathlib import Path
+from time import monotonic
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from wirewear.base.errors import counted
 from wirewear.base.writing import json_text, usable_folder
 from wirewear.faces import group
 from wirewear.study import FIDELITIES
@@ -97,6 +100,9 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
         click.echo(path)
 
 
+_BETWEEN_LINES_s = 2.0  #: Off a terminal, lines on the progress of many runs are no closer.
+
+
 @contextmanager
 def _told_of(runs: int) -> Iterator[SweepObserver]:
     """A bar on standard error over so many runs, and what moves it and tells the rest."""
@@ -110,14 +116,19 @@ def _told_of(runs: int) -> Iterator[SweepObserver]:
         task = bar.add_task("runs", total=runs)
 
         class Told(SweepObserver):
+            said_s = -inf
+
             def note(self, sentence: str) -> None:
                 click.echo(f"wirewear: {sentence}", err=True)
 
             def foreseen(self, forecast: Forecast) -> None:
                 click.echo(forecast.sentence, err=True)
 
-            def done(self, _row: SweepRow, rows: int, _of: int) -> None:
+            def done(self, _row: SweepRow, rows: int, of: int) -> None:
                 bar.update(task, completed=rows)
+                if bar.disable and monotonic() - self.said_s > _BETWEEN_LINES_s:
+                    self.said_s = monotonic()
+                    self.note(f"run {counted(rows)} of {counted(of)} is done")
 
         yield Told()
 

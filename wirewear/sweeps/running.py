@@ -257,9 +257,12 @@ def _make_missing(
                 rows[row.number] = row
                 observer.done(row, len(rows), len(sweep))
 
+    observer.note(f"planning {counted(len(missing))} runs")
     sizes = sizes_of(sweep)
     foreseeable = bool(np.isfinite(sizes).all())
     first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
+    if first:
+        observer.note(f"{len(first)} runs come first: they tell what all take")
     make(first)
     if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
         expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
