@@ -41,7 +41,6 @@ def lives(
     from wirewear.interior.strength import StrengthAsked, assessable
     from wirewear.kinds import kind_of
     from wirewear.results.scar import body_named
-    from wirewear.study.any_study import life_data
     from wirewear.study import study_from_tables
     from wirewear.study.any_study import life_data
 
