@@ -27,8 +27,11 @@ files = "{file}"
 STEEL = 'material = "steel"\n'
 BALL = f"[bodies.ball]\ndiameter_mm = {{diameter_mm}}\n{STEEL}[bodies.flat]\n{STEEL}"
 WIRES = f"[wires]\ndiameter_mm = {{diameter_mm}}\n{STEEL}"
+CYLINDERS = f'[bodies.lower]\nshape = "cylinder"\ndiameter_mm = {{diameter_mm}}\n{STEEL}' + (
+    f'[bodies.upper]\nshape = "cylinder"\ndiameter_mm = {{diameter_mm}}\naxis_angle_deg = 90.0\n{STEEL}'
+)
 PAD = f"length_mm = 10.0\n[pad]\nradius_mm = 6.0\n{STEEL}[specimen]\n{STEEL}"
-CONTACTS = {"ball-on-flat": BALL, "crossed-wires": WIRES, "cylinder-on-flat": PAD}
+CONTACTS = {"ball-on-flat": BALL, "crossed-wires": WIRES, "point-contact": CYLINDERS, "cylinder-on-flat": PAD}
 
 
 def mapping(folder: Path, kind: str, body: str, source: str, file: str = "map.csv", diameter_mm: float = 6.0) -> Path:

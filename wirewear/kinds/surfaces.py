@@ -1,6 +1,6 @@
 """Surfaces that a study names as heights: levelled against the bodies' unworn shapes, as the importer levels scars."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from copy import deepcopy
 from functools import reduce
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry import Flat
 from geometry.arrays import Array
-from wirewear.base.errors import StudyError, WirewearError
+from wirewear.base.errors import RecordError, StudyError, WirewearError
 from wirewear.base.guessing import known_columns
 from wirewear.records.importing.height_maps import MapScale, height_map, is_map
 from wirewear.records.importing.mapping import ScarSource
@@ -69,7 +69,8 @@ def _of_body(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
         found = grid_of_points(file, (columns["x_um"], columns["y_um"], columns["height_um"]))
     else:
         found = height_map(file, source.scale)
-    scar = scar_of(of, *found)
+    scar = scar_of(of, *found, form=False)
+    _require_certain(scar.told)
     return scar.x_um, scar.y_um, scar.depth_um
 
 
@@ -82,5 +83,12 @@ def _of_line(study: Any, name: str, file: Path, stated: StatedSurface) -> Map:
         x, _, heights = height_map(file, MapScale(stated.step_um, None, stated.height_unit))
         height = np.nanmean(heights, axis=1)
     face = study.pad.profile if name == "pad" else Flat()
-    found = levelled(file, 1, name, face, (x, height), subtract=True)
+    found = levelled(file, 1, name, face, (x, height), subtract=True, form=False)
+    _require_certain(found.told)
     return found.x_um, np.zeros(1), found.depth_um[:, None]
+
+
+def _require_certain(told: Sequence[str]) -> None:
+    """See that nothing is to be said of how heights were levelled. Raises RecordError with the first that is."""
+    if told:
+        raise RecordError(f"{told[0]}.")

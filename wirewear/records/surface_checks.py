@@ -61,14 +61,11 @@ class ScarSize:
     @classmethod
     def of(cls, scar: MeasuredScar) -> "ScarSize | None":
         """Those of a map, or None where the scar does not stand out from the map."""
-        known = scar.depth_um[np.isfinite(scar.depth_um)]
-        if not known.size:
-            return None
-        lowest, depth = (float(v) for v in np.percentile(known, [0.5, 99.5]))
+        lowest, depth = float(np.percentile(scar.worn_um, 0.5)), scar.figures["depth"]
         if depth <= CLEAR * max(-lowest, 0.0) or depth <= 0.0:
             return None
         cells = np.gradient(scar.x_um)[:, None] * np.gradient(scar.y_um)[None, :]
-        weights = np.clip(np.nan_to_num(scar.depth_um), LEVEL * depth, depth) - LEVEL * depth
+        weights = np.clip(scar.worn_um, LEVEL * depth, depth) - LEVEL * depth
         weights = weights * cells / np.sum(weights * cells)
         x = scar.x_um - np.sum(weights.sum(axis=1) * scar.x_um)
         y = scar.y_um - np.sum(weights.sum(axis=0) * scar.y_um)
@@ -188,10 +185,11 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         return
     if scar.gaps > GAPS:
         yield Remark("note", "scars", f"{100.0 * scar.gaps:.2g} % of the points are missing in {name}.")
-    # A single wild point should neither make nor hide a scar.
-    lowest, deepest = (float(np.nanpercentile(depth, share)) for share in (0.5, 99.5))
-    if deepest > diameter_um:
-        text = f"Depths reach {deepest:.3g} µm in {name}, more than the smallest diameter of {diameter_um:.3g} µm."
+    if scar.spikes_told:
+        yield Remark("note", "scars", f"{scar.spikes_told}.")
+    lowest, deepest = float(np.nanpercentile(depth, 0.5)), scar.figures["depth"]
+    if (most := float(np.nanmax(depth))) > diameter_um:
+        text = f"Depths reach {most:.3g} µm in {name}, more than the smallest diameter of {diameter_um:.3g} µm."
         yield Remark("problem", "scars", text, refuses=True)
         return
     if lowest < -BEYOND_NOISE_um and -lowest > deepest:
@@ -253,9 +251,9 @@ def _bodies_remarks(record: LineRecord) -> list[Remark]:
 def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remark]:
     who = f"the {profile.body}'s profile of repeat {profile.repeat}"
     deepest = float(profile.smooth_um.max())
+    found = [Remark("note", "profiles", f"{profile.spikes_told}.")] if profile.spikes_told else []
     if deepest <= 0.0:
-        return [Remark("note", "profiles", f"{who} shows no wear.")]
-    found = []
+        return [*found, Remark("note", "profiles", f"{who} shows no wear.")]
     ends = max(profile.smooth_um[0], profile.smooth_um[-1])
     if ends > _AT_END * deepest:
         found.append(Remark("problem", "profiles", f"{who} ends inside the scar, {ends:.3g} µm deep."))

@@ -8,10 +8,13 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.records.columns import Column
-from wirewear.results.scar import Scar, called, worn_volume_mm3
+from wirewear.records.levelling import LevelSurface, unworn_surface
+from wirewear.records.spikes import noise_um, without_spikes
+from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
 
 WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.
 SCAR_STEP_um, SCAR_MARGIN_um = 5.0, 20.0  #: Distance of a scar map's points, and unworn margin around the scar.
+FEWEST_LEVELLED, OFF_ZERO = 100, 0.1  #: Fewer points tell no zero, nor is it known better than a share of the noise.
 LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of its grid is no grid.
 
 
@@ -19,7 +22,9 @@ LEAST_FILLED = 0.25  #: A map of which fewer points are given than this share of
 class MeasuredScar:
     """Worn depth of one repeat's body at the end: `depth_um` (n_x, n_y) over `x_um` (n_x,) and `y_um` (n_y,).
 
-    x is the sliding direction. NaN stands where the map has no point.
+    x is the sliding direction. NaN stands where the map has no point. `spikes_um` (n_x, n_y) are the depths that single
+    points which stand out were measured with, NaN at all others; None where none does. `told` are sentences about how
+    it was levelled.
     """
 
     repeat: int
@@ -27,13 +32,16 @@ class MeasuredScar:
     x_um: Array
     y_um: Array
     depth_um: Array
+    spikes_um: Array | None = None
+    told: tuple[str, ...] = ()
 
     @property
     def points(self) -> dict[str, Array]:
-        """The known points, columns (n,) of a file."""
+        """The known points as they were measured, columns (n,) of a file."""
         x, y = np.meshgrid(self.x_um, self.y_um, indexing="ij")
-        known = np.isfinite(self.depth_um)
-        return {"x_um": x[known], "y_um": y[known], "depth_um": self.depth_um[known]}
+        depth = as_measured(self.depth_um, self.spikes_um)
+        known = np.isfinite(depth)
+        return {"x_um": x[known], "y_um": y[known], "depth_um": depth[known]}
 
     @property
     def field(self) -> tuple[Array, Array, Array]:
@@ -42,7 +50,7 @@ class MeasuredScar:
 
     def of_field(self, depth_um: Array) -> "MeasuredScar":
         """The same map of other depths (n_x, n_y), as far as it has points."""
-        return replace(self, depth_um=np.where(np.isfinite(self.depth_um), depth_um, 0.0))
+        return replace(self, depth_um=np.where(np.isfinite(self.depth_um), depth_um, 0.0), spikes_um=None)
 
     @property
     def spans_um(self) -> dict[str, float]:
@@ -52,18 +60,10 @@ class MeasuredScar:
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
         """The map of points (n,) that lie on the lines of a grid, in any order. Raises RecordError if they do not."""
-        lines = np.unique(x_um).size, np.unique(y_um).size
-        # Before a grid is made of them: points at random would need a huge one.
-        if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
-            raise RecordError(
-                f"the {x_um.size} points of repeat {repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
-            )
-        x, x_place = np.unique(x_um, return_inverse=True)
-        y, y_place = np.unique(y_um, return_inverse=True)
-        depth = np.full((x.size, y.size), np.nan)
-        depth[x_place, y_place] = depth_um
+        x, y, measured = grid_of(repeat, x_um, y_um, depth_um)
+        depth, spikes = without_spikes(measured)
         depth.setflags(write=False)
-        return cls(repeat, body, x, y, depth)
+        return cls(repeat, body, x, y, depth, np.where(spikes, measured, np.nan) if spikes.any() else None)
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredScar":
@@ -89,27 +89,31 @@ class MeasuredScar:
         Quarters of a turn keep every point. The rest is left out where it moves no point by half of a line's distance.
         """
         quarters, rest_deg = divmod(angle_deg + 45.0, 90.0)
-        x, y, depth = self.x_um, self.y_um, self.depth_um
+        x, y, depth, spikes = self.x_um, self.y_um, self.depth_um, self.spikes_um
         for _ in range(int(quarters) % 4):
             x, y, depth = -y[::-1], x, depth[:, ::-1].T
+            spikes = None if spikes is None else spikes[:, ::-1].T
         rest = np.radians(rest_deg - 45.0)
         step = min(float(np.median(np.diff(line))) for line in (x, y))
         if abs(rest) * np.hypot(np.abs(x).max(), np.abs(y).max()) > 0.5 * step:
-            x, y, depth = _turned(x, y, depth, float(rest), step)
+            before = x, y
+            x, y, depth = _turned(*before, depth, float(rest), step)
+            spikes = None if spikes is None else _carried(before, spikes, float(rest), (x, y))
         depth = np.ascontiguousarray(depth)
         depth.setflags(write=False)
-        return replace(self, x_um=x, y_um=y, depth_um=depth)
+        return replace(self, x_um=x, y_um=y, depth_um=depth, spikes_um=spikes)
+
+    @property
+    def spikes_told(self) -> str:
+        """How many single points stand out, a sentence; empty where none does."""
+        return spikes_text(self.spikes_um, self.depth_um, f"the {called(self.body)}'s scar of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredScar, str]":
         """The scar with small gaps interpolated along its lines, and a sentence on how many points that were."""
-        depth = np.array(self.depth_um)
-        both = np.stack([_along(self.y_um, depth), _along(self.x_um, depth.T).T])
-        known = np.isfinite(both)
-        means = np.where(known, both, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-        fill = ~np.isfinite(depth) & known.any(axis=0)
+        depth = self._filled(WIDEST)
+        fill = np.isfinite(depth) & ~np.isfinite(self.depth_um)
         if not fill.any():
             return self, ""
-        depth[fill] = means[fill]
         depth.setflags(write=False)
         told = (
             f"{np.mean(fill):.1%} of the points of the {called(self.body)}'s map, repeat {self.repeat}, were not "
@@ -117,9 +121,37 @@ class MeasuredScar:
         )
         return replace(self, depth_um=depth), told
 
+    def _filled(self, widest: int) -> Array:
+        """Depths (n_x, n_y) with gaps of up to so many points interpolated along lines both ways."""
+        both = np.stack([_along(self.y_um, self.depth_um, widest), _along(self.x_um, self.depth_um.T, widest).T])
+        known = np.isfinite(both)
+        means = np.where(known, both, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        return np.where(~np.isfinite(self.depth_um) & known.any(axis=0), means, self.depth_um)
+
+    @cached_property
+    def ground_um(self) -> float:
+        """The reading where nothing is worn: what others evaluate is often off zero. 0 where the map shows none."""
+        known = np.isfinite(self.depth_um)
+        if np.count_nonzero(known) < FEWEST_LEVELLED:
+            return 0.0
+        places = np.stack(np.meshgrid(self.x_um, self.y_um, indexing="ij"))
+        found = unworn_surface(LevelSurface(), places, -self.depth_um, np.zeros(1))
+        ground = -float(found.parameters[0])
+        return ground if abs(ground) > OFF_ZERO * noise_um(self.depth_um) and not found.doubtful else 0.0
+
+    @cached_property
+    def worn_um(self) -> Array:
+        """Depths (n_x, n_y) below what is not worn; where no point is known, as the points beside say, or 0."""
+        return np.nan_to_num(self._filled(max(self.depth_um.shape)) - self.ground_um)
+
+    @cached_property
+    def figures(self) -> dict[str, float]:
+        """The scar's `SCAR_FIGURES` in µm and µm³, by name."""
+        return dict(zip(SCAR_FIGURES, scar_figures(self.x_um, self.y_um, self.worn_um), strict=True))
+
     @property
     def sizes(self) -> str:
-        return f"{np.nanmax(self.depth_um, initial=0.0):.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
+        return f"{self.figures['depth']:.3g} µm deep, {1e6 * self.volume_mm3:.4g}·10⁻⁶ mm³"
 
     def volume_of(self, _length_mm: float | None) -> float:
         """Worn volume [mm³]: a map covers all of the contact, of whatever length."""
@@ -128,7 +160,7 @@ class MeasuredScar:
     @property
     def volume_mm3(self) -> float:
         """Worn volume [mm³]."""
-        return worn_volume_mm3(self.x_um, self.y_um, self.depth_um)
+        return 1e-9 * self.figures["volume"]
 
     @property
     def rim_um(self) -> Array:
@@ -151,12 +183,57 @@ class MeasuredScar:
         return float(np.mean(~known[within])) if within.any() else 0.0
 
 
-def _along(line: Array, depth: Array) -> Array:
-    """Depths (n, m) over a line (m,) between the known ones beside a gap; NaN elsewhere."""
+def grid_of(repeat: int, x_um: Array, y_um: Array, level_um: Array) -> tuple[Array, Array, Array]:
+    """Lines x (n_x,), y (n_y,) and levels (n_x, n_y) of points (n,) on a grid, in any order; NaN where there is none.
+    Raises RecordError if they do not lie on one.
+    """
+    lines = np.unique(x_um).size, np.unique(y_um).size
+    # Before a grid is made of them: points at random would need a huge one.
+    if min(lines) < 2 or x_um.size < LEAST_FILLED * lines[0] * lines[1]:
+        raise RecordError(
+            f"the {x_um.size} points of repeat {repeat} lie on {lines[0]} × {lines[1]} lines, which is no grid."
+        )
+    x, x_place = np.unique(x_um, return_inverse=True)
+    y, y_place = np.unique(y_um, return_inverse=True)
+    level = np.full((x.size, y.size), np.nan)
+    level[x_place, y_place] = level_um
+    return x, y, level
+
+
+def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
+    """Depths with those that single points which stand out were measured with."""
+    return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
+
+
+def spikes_text(spikes_um: Array | None, depth_um: Array, where: str) -> str:
+    """How many single points stand out of a surface, and by how much; empty of none."""
+    if spikes_um is None:
+        return ""
+    count = int(np.isfinite(spikes_um).sum())
+    far = float(np.nanmax(np.abs(spikes_um - np.nan_to_num(depth_um))))
+    return (
+        f"{count} single point{'s' * (count > 1)} of {where} stand{'s' * (count == 1)} out by up to {far:.3g} µm, as "
+        f"at steep walls and dirt: {'they are' if count > 1 else 'it is'} left out"
+    )
+
+
+def _carried(lines: tuple[Array, Array], spikes: Array, angle: float, onto: tuple[Array, Array]) -> Array:
+    """Spikes of a map over lines at the nearest points of lines of a map that is turned by an angle [rad]."""
+    found = np.full((onto[0].size, onto[1].size), np.nan)
+    at = np.argwhere(np.isfinite(spikes))
+    x, y = lines[0][at[:, 0]], lines[1][at[:, 1]]
+    places = x * np.cos(angle) - y * np.sin(angle), x * np.sin(angle) + y * np.cos(angle)
+    nearest = [np.abs(line[:, None] - place).argmin(axis=0) for line, place in zip(onto, places, strict=True)]
+    found[nearest[0], nearest[1]] = spikes[tuple(at.T)]
+    return found
+
+
+def _along(line: Array, depth: Array, widest: int) -> Array:
+    """Depths (n, m) over a line (m,) between the known ones beside gaps of so many points; NaN elsewhere."""
     known, place = np.isfinite(depth), np.arange(line.size)
     before = np.maximum.accumulate(np.where(known, place, -1), axis=1)
     after = np.minimum.accumulate(np.where(known, place, line.size)[:, ::-1], axis=1)[:, ::-1]
-    small = ~known & (before >= 0) & (after < line.size) & (after - before - 1 <= WIDEST)
+    small = ~known & (before >= 0) & (after < line.size) & (after - before - 1 <= widest)
     rows, columns = np.nonzero(small)
     left, right = before[small], after[small]
     share = (line[columns] - line[left]) / (line[right] - line[left])
@@ -189,7 +266,8 @@ CLEAR, FEWEST_ACROSS = 0.1, 8
 class MeasuredProfile:
     """Worn depth of one repeat's body along the sliding direction at the end, arrays (n,); negative: piled up.
 
-    It was made of the heights and the fitted face, None where depths were given.
+    It was made of the heights and the fitted face, None where depths were given. `spikes_um` (n,) and `told` are as of
+    a scar.
     """
 
     repeat: int
@@ -198,13 +276,17 @@ class MeasuredProfile:
     depth_um: Array
     height_um: Array | None = None
     face_um: Array | None = None
+    spikes_um: Array | None = None
+    told: tuple[str, ...] = ()
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, depth_um: Array) -> "MeasuredProfile":
         """The profile of points (n,) in their order. Raises RecordError if there are fewer than three."""
         if x_um.size < 3:
             raise RecordError(f"the profile of repeat {repeat} has fewer than three points.")
-        return cls(repeat, body, x_um, depth_um)
+        depth, spikes = without_spikes(depth_um[:, None])
+        left_out = np.where(spikes[:, 0], depth_um, np.nan) if spikes.any() else None
+        return cls(repeat, body, x_um, depth[:, 0], spikes_um=left_out)
 
     @classmethod
     def of_run(cls, scar: Scar, repeat: int, noise_um: float, random: np.random.Generator) -> "MeasuredProfile":
@@ -227,7 +309,12 @@ class MeasuredProfile:
 
     @property
     def points(self) -> dict[str, Array]:
-        return {"x_um": self.x_um, "depth_um": self.depth_um}
+        return {"x_um": self.x_um, "depth_um": as_measured(self.depth_um, self.spikes_um)}
+
+    @property
+    def spikes_told(self) -> str:
+        """How many single points stand out, a sentence; empty where none does."""
+        return spikes_text(self.spikes_um, self.depth_um, f"the {self.body}'s profile of repeat {self.repeat}")
 
     def bridged(self) -> "tuple[MeasuredProfile, str]":
         """The profile itself, which knows no gaps."""

@@ -157,10 +157,36 @@ def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """Worn volume [mm³] of a map (n_x, n_y), the one that runs, records, comparisons and fits give.
 
     The integral of the bilinear depth, that is, the trapezoid rule, over all of the map: noise has the mean 0 and what
-    is piled up counts as lost again. Points that are missing (NaN) count as unworn.
+    is piled up counts as lost again.
     """
-    sections_um2 = np.trapezoid(np.nan_to_num(depth_um), y_um, axis=1)
+    sections_um2 = np.trapezoid(depth_um, y_um, axis=1)
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
+
+
+#: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
+#: height.
+DEEPEST, SCAR_EDGE = 5, 0.25
+SCAR_FIGURES = ("volume", "depth", "length", "width")
+
+
+def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
+    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes: the ones that
+    imports, checks, comparisons, diagnoses and fits give.
+
+    All are 0 where nothing is worn.
+    """
+    volume, place = 1e9 * worn_volume_mm3(x_um, y_um, depth_um), -min(DEEPEST, depth_um.size)
+    deep = float(np.partition(depth_um.ravel(), place)[place])
+    if volume <= 0.0 or deep <= 0.0:
+        return [0.0, 0.0, 0.0, 0.0]
+    along, across = np.trapezoid(depth_um, y_um, axis=1), np.trapezoid(depth_um, x_um, axis=0)
+    return [volume, deep, *(_extent(line, np.asarray(own)) for line, own in ((x_um, along), (y_um, across)))]
+
+
+def _extent(line: Array, section: Array) -> float:
+    """Width of a section at `SCAR_EDGE` of its height."""
+    first, last = crossings(line, section, SCAR_EDGE * float(section.max()))
+    return last - first
 
 
 def body_named(name: str, where: str, bodies: Sequence[str]) -> str:

@@ -18,14 +18,13 @@ from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, places
 from wirewear.diagnosis.model.candidates import effect_of
 from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.loop_states import SCAR_EDGE, SCAR_FIGURES
 from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.reduction import row_labels
-from wirewear.diagnosis.observe.scars import FEWEST_POINTS, above_ground, read_profile
+from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
 from wirewear.pictures.style import VARIANT_COLOURS
 from wirewear.records import MeasuredScar
-from wirewear.results.scar import called
+from wirewear.results.scar import SCAR_EDGE, SCAR_FIGURES, called
 from wirewear.views.diagnosis_values import program
 from wirewear.views.diagnosis_wording import (
     next_measurement,
@@ -203,7 +202,7 @@ def measured_section(scars: Iterable[MeasuredScar]) -> list[tuple[Array, Array]]
     for scar in scars:
         if scar.depth_um.size < FEWEST_POINTS:
             continue
-        depth = above_ground(scar)
+        depth = scar.worn_um
         weight = np.maximum(depth, 0.0)
         if not weight.sum() > 0.0:
             found.append((scar.x_um, depth.mean(axis=1)))

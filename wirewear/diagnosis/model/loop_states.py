@@ -13,18 +13,10 @@ from geometry.arrays import Array, BoolArray, ComplexArray
 from wirewear.base.errors import ResultError, RunError
 from wirewear.diagnosis.calibration import constants
 from wirewear.results import Loop, RunResult
-from wirewear.results.scar import crossings
-
-_OF_SCAR_FIGURES = constants("model.scar_figures")
-
-#: Columns of a scar's figures.
-SCAR_FIGURES = ("volume", "depth", "length", "width")
-
-#: A depth above this share of the deepest point belongs to the scar when its length and width are measured.
-SCAR_EDGE = _OF_SCAR_FIGURES.number("edge")
+from wirewear.results.scar import SCAR_FIGURES, scar_figures
 
 #: For a skew, depths below this share of the deepest are left out: the ground counts by its distance squared.
-_SKEW_EDGE = _OF_SCAR_FIGURES.number("skew_edge")
+_SKEW_EDGE = constants("model.scar_figures").number("skew_edge")
 
 _KNOWN = constants("model.loop_states")
 
@@ -47,23 +39,6 @@ _MICRO_SLIP = _KNOWN.pair("micro_slip")
 
 #: States are smoothed over this difference of the volume's logarithm.
 _SMOOTHING = _KNOWN.number("smoothing")
-
-
-def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:
-    """Volume [µm³], depth, length along x and width along y [µm] of a map (n_x, n_y) without holes."""
-    volume = float(np.trapezoid(np.trapezoid(depth_um, y_um, axis=1), x_um))
-    along = np.asarray(np.trapezoid(depth_um, y_um, axis=1))
-    across = np.asarray(np.trapezoid(depth_um, x_um, axis=0))
-    deep = float(np.partition(depth_um.ravel(), -5)[-5])
-    if volume <= 0.0 or deep <= 0.0:
-        return [0.0, 0.0, 0.0, 0.0]
-    return [volume, deep, _extent(x_um, along), _extent(y_um, across)]
-
-
-def _extent(line: Array, section: Array) -> float:
-    """Width of a section at `SCAR_EDGE` of its height."""
-    first, last = crossings(line, section, SCAR_EDGE * float(section.max()))
-    return last - first
 
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:

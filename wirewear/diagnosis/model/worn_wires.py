@@ -14,7 +14,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from geometry.arrays import Array
-from wirewear.diagnosis.model.loop_states import scar_figures
+from wirewear.results.scar import scar_figures
 
 #: From overlaps (k, y, s, x) to the pressures that they take, and their derivative.
 Pressing = Callable[[Array], tuple[Array, Array]]

@@ -1,5 +1,6 @@
 """Worn surfaces: figures of scars' maps (volume, depth, length, width, skew), depths along a line contact's profile."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,12 +10,12 @@ from scipy.ndimage import uniform_filter1d
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.loop_states import SCAR_FIGURES, scar_figures, scar_skew
+from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.reading import Reading
 from wirewear.records import MeasuredProfile, MeasuredScar
-from wirewear.results.scar import crossings
+from wirewear.results.scar import SCAR_FIGURES, crossings
 
 _KNOWN = constants("observe.scars")
 
@@ -55,10 +56,10 @@ class ScarFigures(_OfScars):
         return [replace(site, figure=figure) for site in _of_bodies(reading) for figure in SCAR_FIGURES]
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """From the map above the unworn ground."""
+        """From the map above what is not worn."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
-            figures = _figures(scar, above_ground(scar))
+            figures = scar.figures
             for place, site in enumerate(sites):
                 # That nothing is worn says that nothing is deeper than the error of a depth.
                 least = DEPTH_ERROR_um if site.figure == "depth" else 0.0
@@ -87,12 +88,11 @@ class ScarSkew(_OfScars):
         return _of_bodies(reading)
 
     def measure(self, reading: Reading, repeat: int, sites: observable.Sites) -> tuple[Array, Array]:
-        """From the map above the unworn ground."""
+        """From the map above what is not worn."""
         values, noise = np.full((2, len(sites)), np.nan)
         for scar in maps_of(reading, repeat):
-            depth = above_ground(scar)
-            values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, depth)
-            noise[sites.wire == scar.body] = _shallow(_figures(scar, depth)) * SHALLOW_SKEW
+            values[sites.wire == scar.body] = scar_skew(scar.x_um, scar.y_um, scar.worn_um)
+            noise[sites.wire == scar.body] = _shallow(scar.figures) * SHALLOW_SKEW
         return values, noise
 
     def predict(self, course: LoopCourse, sites: observable.Sites) -> Array:
@@ -112,17 +112,7 @@ def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
     return [scar for scar in reading.scars if scar.repeat == repeat and scar.depth_um.size >= FEWEST_POINTS]
 
 
-def above_ground(scar: MeasuredScar) -> Array:
-    """Depths (n_x, n_y) less the reading where nothing is worn: what others evaluate is often clipped or off zero."""
-    ground = float(np.median(scar.rim_um)) if scar.rim_um.size else 0.0
-    return np.nan_to_num(scar.depth_um - ground)
-
-
-def _figures(scar: MeasuredScar, depth_um: Array) -> dict[str, float]:
-    return dict(zip(SCAR_FIGURES, scar_figures(scar.x_um, scar.y_um, depth_um), strict=True))
-
-
-def _shallow(figures: dict[str, float], least_um: float = 0.0) -> float:
+def _shallow(figures: Mapping[str, float], least_um: float = 0.0) -> float:
     """Relative error of a scar's depth, taken to be at least so large."""
     return DEPTH_ERROR_um / max(figures["depth"], least_um, 1e-9)
 

@@ -19,8 +19,9 @@ from wirewear.records.importing.guessed_files import FEWEST, mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
-from wirewear.records.importing.profilometry import ASKEW_deg, direction_deg, grid_of_points
+from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
 from wirewear.records.importing.reader import OPEN
+from wirewear.records.levelling import direction_deg
 from wirewear.records.values import MeasuredLoop
 from wirewear.results.scar import WIRES, called
 from wirewear.study.bodies import Body

@@ -208,6 +208,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
         if (source := getattr(mapping.surfaces, body)) is not None:
             found += surfaces_of(source, body, home, mapping)
     scars, told = zip(*(one.bridged() for one in found), strict=True) if found else ((), ())
+    told = (*(sentence for one in found for sentence in (*one.told, one.spikes_told)), *told)
     if not loops and not evolution and not scars:
         raise RecordError(
             f"{path} maps nothing: give [loops], [evolution], [{mapping.worn.name}s.{mapping.body_names[0]}] or "

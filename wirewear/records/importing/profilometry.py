@@ -6,36 +6,28 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.optimize import least_squares
 
-from geometry import Barrel, Cylinder, Flat
+from geometry import Cylinder, Flat
 from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.records.contact_tables import LineTest
 from wirewear.records.importing.height_maps import height_map
 from wirewear.records.importing.mapping import PROFILOMETER, PointMapping, ProfileSource, ScarSource
 from wirewear.records.importing.sources import columns_of_levels, files_of, numbers_in_name
-from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar
+from wirewear.records.levelling import FaceSurface, RoundSurface, direction_deg, unworn_surface
+from wirewear.records.spikes import without_spikes
+from wirewear.records.surfaces import PROFILES, SCARS, MeasuredProfile, MeasuredScar, grid_of
 from wirewear.results.scar import called
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.faces import Face
-
-MOST_POINTS = 20_000  #: Points that the fitted cylinder is sought on, at most; a map has often millions.
-
-#: Points that a wire's direction is sought on; rounds in which a fit settles on what is not worn.
-FEWER_POINTS, ROUNDS = 2_000, 5
-
-#: Noise of unworn points hardly exceeds this many deviations; nothing is known better than this of a height.
-FAR, FINEST_um = 3.0, 1e-3
-
-#: What lies within so many sizes of the scar is not taken to be unworn, if more than a share of the map is left.
-ABOUT, LEAST_UNWORN = 1.25, 0.2
 
 FEWEST_POINTS = 100  #: Fewer points tell no cylinder.
 
 
 #: Share of a body's radius beyond which its flanks are too steep to be measured; beyond any map of a straight one.
 STEEP, BEYOND_um = 0.95, 1e9
+
+DEEPEST_um = 1e4  #: What lies farther below or above a map's middle is a number written for "nothing".
 
 #: A wire that lies farther off than this from where the mapping says is another one: half of the least crossing angle.
 ASKEW_deg = 15.0
@@ -82,10 +74,9 @@ def grid_of_points(file: Path, points: tuple[Array, Array, Array]) -> tuple[Arra
     if x.size < FEWEST_POINTS:
         raise RecordError(f"{file}: a scar's map of heights needs {FEWEST_POINTS} points, not {x.size}.")
     try:
-        grid = MeasuredScar.from_points(0, "", x, y, height)
+        return grid_of(0, x, y, height)
     except RecordError:
         return _gridded(x, y, height)
-    return grid.x_um, grid.y_um, np.array(grid.depth_um)
 
 
 def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
@@ -100,18 +91,20 @@ def _gridded(x: Array, y: Array, height: Array) -> tuple[Array, Array, Array]:
     return lines[0], lines[1], np.asarray(griddata((x, y), height, tuple(places)))
 
 
-def scar_of(of: MapOfBody, x: Array, y: Array, height: Array) -> MeasuredScar:
+def scar_of(of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool = True) -> MeasuredScar:
     """The scar of a map of heights (n_x, n_y) over lines x (n_x,), y (n_y,) in µm; the origin is put at its middle.
+
+    form: whether how the body's form differs from the stated one is taken off, too.
     Raises RecordError if the points are too few, or lie beyond the body or at another angle than the mapping says.
     """
     x, y = x - 0.5 * (x[0] + x[-1]), y - 0.5 * (y[0] + y[-1])
-    crown, axis_deg = None if of.crown_unknown else 0.0, of.axis_deg
+    crown, axis_deg, told = None if of.crown_unknown else 0.0, of.axis_deg, tuple[str, ...]()
     if of.source.subtract_wire:
-        height, crown, turn_deg = _levelled(of, x, y, height)
+        height, crown, turn_deg, told = _levelled(of, x, y, height, form=form)
         if of.source.frame != "test":
             # A body's own frame is that of the body as it lies there.
             axis_deg += turn_deg
-    depth = -height
+    depth, spikes = without_spikes(-height)
     weight = np.maximum(np.nan_to_num(depth), 0.0) ** 2
     places = _along_and_across(x, y, axis_deg)
     along, across = (
@@ -121,7 +114,8 @@ def scar_of(of: MapOfBody, x: Array, y: Array, height: Array) -> MeasuredScar:
     cosine, sine = np.cos(np.radians(axis_deg)), np.sin(np.radians(axis_deg))
     x, y = x - (along * cosine - across * sine), y - (along * sine + across * cosine)
     askew_deg = 0.0 if of.source.frame == "test" else of.body.axis_angle_deg - axis_deg
-    return MeasuredScar(of.repeat, of.body.name, x, y, depth).turned(askew_deg)
+    left_out = np.where(spikes, -height, np.nan) if spikes.any() else None
+    return MeasuredScar(of.repeat, of.body.name, x, y, depth, left_out, told).turned(askew_deg)
 
 
 def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
@@ -130,98 +124,42 @@ def _along_and_across(x: Array, y: Array, axis_deg: float) -> Array:
     return np.stack([x[:, None] * cosine + y[None, :] * sine, y[None, :] * cosine - x[:, None] * sine])
 
 
-def _levelled(of: MapOfBody, x: Array, y: Array, height: Array) -> tuple[Array, float | None, float]:
-    """Height above the unworn surface, its crown's place across its axis, and by how much [deg] the axis is turned.
-
-    Least squares with a loss that counts points far below the surface for little: what is worn does not pull the fit.
-    Where the surface is curved its crown is sought, where it is straight its tilt; both are alike to second order.
+def _levelled(
+    of: MapOfBody, x: Array, y: Array, height: Array, *, form: bool
+) -> tuple[Array, float | None, float, tuple[str, ...]]:
+    """Heights above the unworn surface, its crown's place across its axis, by how much [deg] the axis is turned, and
+    what is to be said of it.
     """
     if of.body.face is not None:
         raise RecordError(f"{of.file}: heights of a pad's face cannot be levelled: import its worn depths.")
-    face, radii_um = Barrel(*of.body.curvatures_per_mm), 500.0 * np.array(of.body.diameters_mm)
+    radii_um = 500.0 * np.array(of.body.diameters_mm)
     curved, limit = np.isfinite(radii_um), np.minimum(STEEP * radii_um, BEYOND_um)[:, None]
-    places = _along_and_across(x, y, of.axis_deg).reshape(2, -1)
-    # A point farther off than the body is thick is none of its surface: a spike, or a number written for "nothing".
+    places = _along_and_across(x, y, of.axis_deg)
+    flat = places.reshape(2, -1)
+    # A point farther off than the body is thick is none of its surface: a number written for "nothing".
     middle = float(np.median(height[np.isfinite(height)])) if np.isfinite(height).any() else 0.0
-    height = np.where(np.abs(height - middle) < 2.0 * radii_um.min(), height, np.nan)
+    height = np.where(np.abs(height - middle) < min(2.0 * radii_um.min(), DEEPEST_um), height, np.nan)
     known = np.isfinite(height).ravel()
     top = known & (height.ravel() >= (np.percentile(height.ravel()[known], 95) if known.any() else 0.0))
-    ridge = np.where(curved, np.median(places[:, top], axis=1) if known.any() else 0.0, 0.0)
-    seen = np.flatnonzero(known & (np.abs(places - ridge[:, None]) < limit).all(axis=0))
-    if seen.size < FEWEST_POINTS:
+    ridge = np.where(curved, np.median(flat[:, top], axis=1) if known.any() else 0.0, 0.0)
+    seen = known & (np.abs(flat - ridge[:, None]) < limit).all(axis=0)
+    if np.count_nonzero(seen) < FEWEST_POINTS:
         raise RecordError(
             f"{of.file}: the map must lie within the width of the {called(of.body.name)}, {2.0 * radii_um.min():g} µm, "
             f"and hold {FEWEST_POINTS} points."
         )
     if of.body.has_axis:
         of.require_direction(x, y, height)
-    chosen = seen[:: max(seen.size // MOST_POINTS, 1)]
-    at, z = places[:, chosen], height.ravel()[chosen]
-    size = np.ptp(at, axis=1)
-    extent = np.array([1.0, *np.where(curved, size, 1.0 / size), size[1] / size[0]])
-
-    def surface(parameters: Array, at: Array) -> Array:
-        level, along, across, turn = extent * np.append(parameters, np.zeros(4 - parameters.size))
-        moved, tilt = (np.where(wanted, (along, across), 0.0) for wanted in (curved, ~curved))
-        beside = at - moved[:, None] - turn * np.stack([-at[1], at[0]])
-        return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T))
-
-    start = np.array([float(np.nanpercentile(z, 99)), *ridge / extent[1:3], *([0.0] if of.body.has_axis else [])])
-    fit = least_squares(lambda p: z - surface(p, at), start, loss="cauchy", f_scale=1.0)
-    found = least_squares(lambda p: z - surface(p, at), fit.x, loss="cauchy", f_scale=0.2).x
-    for _ in range(ROUNDS):
-        bare = _unworn(at[0], at[1], z - surface(found, at))
-        found = least_squares(lambda p, at, z: z - surface(p, at), found, args=(at[:, bare], z[bare])).x
-    _, along, across, turn = extent * np.append(found, np.zeros(4 - found.size))
-    crown = np.where(curved, (along, across), 0.0)[:, None] + turn * np.stack([-places[1], places[0]])
-    steep = (np.abs(places - crown) >= limit).any(axis=0)
-    rest = np.where(steep, np.nan, height.ravel() - surface(found, places)).reshape(height.shape)
-    return rest, None if of.crown_unknown else float(across), float(np.degrees(np.arctan(turn)))
-
-
-def _unworn(u: Array, v: Array, rest: Array) -> BoolArray:
-    """Points (n,) that are neither worn nor piled up, by what is left of their heights.
-
-    Neither are those about the scar: its edge is shallower than the noise, and would pull the surface down.
-    """
-    noise = FAR * deviation(rest)
-    near, worn = np.abs(rest) < noise, rest < -noise
-    if not worn.any():
-        return near
-    inside = np.ones_like(near)
-    for line in (u, v):
-        low, high = np.percentile(line[worn], (2.0, 98.0))
-        inside &= np.abs(line - 0.5 * (low + high)) < 0.5 * ABOUT * (high - low)
-    outside = near & ~inside
-    return outside if np.count_nonzero(outside) > LEAST_UNWORN * near.size else near
-
-
-def deviation(rest_um: Array) -> float:
-    """Standard deviation of a rest (n,) by its median, so that outliers do not count."""
-    return max(1.4826 * float(np.median(np.abs(rest_um - np.median(rest_um)))), FINEST_um)
-
-
-def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
-    """Direction [deg] from x, of (−90°, 90°], of the axis of a body so curved along and across, of surface (n_x, n_y).
-
-    That about which a parabola and a plane leave the least, by the median: no scar on less than half of the map counts.
-    """
-    places = [place.ravel() for place in np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij")]
-    known = np.flatnonzero(np.isfinite(height.ravel()))
-    known = known[:: max(known.size // FEWER_POINTS, 1)]
-    u, v, z = places[0][known], places[1][known], height.ravel()[known]
-    plane, (k, m) = np.column_stack([np.ones_like(u), u, v]), curvatures_per_mm
-
-    def left(angle_deg: float) -> float:
-        cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
-        flat = z + 5e-4 * (k * (u * cosine + v * sine) ** 2 + m * (v * cosine - u * sine) ** 2)
-        rest = flat - plane @ np.linalg.lstsq(plane, flat, rcond=None)[0]
-        for _ in range(ROUNDS):
-            keep = np.abs(rest) <= np.median(np.abs(rest))
-            rest = flat - plane @ np.linalg.lstsq(plane[keep], flat[keep], rcond=None)[0]
-        return float(np.median(np.abs(rest)))
-
-    return float(min(np.arange(-85.0, 91.0, 5.0), key=left))
+    surface = RoundSurface(of.body.curvatures_per_mm, (0.5 * float(np.ptp(flat[0])), 0.5 * float(np.ptp(flat[1]))))
+    start = surface.moving(ridge)
+    start[0] = np.median(height.ravel()[top])
+    found = unworn_surface(surface, places, np.where(seen.reshape(height.shape), height, np.nan), start, form=form)
+    steep = (np.abs(surface.beside(found.parameters, flat)) >= limit).any(axis=0).reshape(height.shape)
+    unworn = surface.height(found.parameters, flat).reshape(height.shape)
+    rest = np.where(steep, np.nan, height - unworn)
+    told = found.remarks(of.file.name, -rest, places, surface, of.body.name if form else "")
+    crown = None if of.crown_unknown else float(found.parameters[2] * surface.scales[2])
+    return rest, crown, surface.turned_deg(found.parameters), told
 
 
 def surfaces_of(
@@ -271,17 +209,21 @@ def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, r
 
 
 FEWEST_ON_LINE = 20  #: Fewer points tell no face.
-MARGIN = 0.15  #: Shares of a profile at either end that are taken to be unworn at first.
 
 
 def levelled(
-    file: Path, repeat: int, body: str, face: Face | Flat, heights: tuple[Array, Array], *, subtract: bool
+    file: Path,
+    repeat: int,
+    body: str,
+    face: Face | Flat,
+    heights: tuple[Array, Array],
+    *,
+    subtract: bool,
+    form: bool = True,
 ) -> MeasuredProfile:
     """The worn depth of heights over places, both (n,) in µm, their zero at the scar's middle.
 
-    The ends are taken to be unworn. From there the fit goes on to all points beside the scar, of which those that lie
-    far off count for little: what is worn or piled up does not pull it. Along a cylinder level and tilt suffice, as a
-    shift of its crown is a tilt; a flat's edges are sought, too.
+    form: whether how the body's form differs from the stated one is taken off, too.
     Raises RecordError if there are too few points.
     """
     x, height = heights
@@ -290,40 +232,22 @@ def levelled(
             f"{file}: a profile of heights needs {FEWEST_ON_LINE} points beside one another, not {x.size}."
         )
     middle = 0.5 * (float(x[0]) + float(x[-1]))
-    fitted = _fitted_face(face, x - middle, height) if subtract else np.zeros_like(height)
-    depth = fitted - height
+    fitted, told = np.zeros_like(height), tuple[str, ...]()
+    if subtract:
+        surface = FaceSurface(face, 0.5 * float(np.ptp(x)), not isinstance(face, Cylinder | Flat))
+        places = np.stack([(x - middle)[:, None], np.zeros((x.size, 1))])
+        start = np.zeros(surface.placing)
+        start[0] = np.percentile(height, 90)
+        found = unworn_surface(surface, places, height[:, None], start, form=form)
+        fitted = surface.height(found.parameters, places[..., 0])
+        told = found.remarks(file.name, (fitted - height)[:, None], places, surface, body if form else "")
+    measured = fitted - height
+    clean, spikes = without_spikes(measured[:, None])
+    depth = clean[:, 0]
     weight = np.maximum(depth, 0.0) ** 2
     scar = float(weight @ x) / float(weight.sum()) if weight.any() else middle
-    return MeasuredProfile(repeat, body, x - scar, depth, height, fitted)
-
-
-def _fitted_face(face: Face | Flat, x: Array, height: Array) -> Array:
-    """The unworn surface (n,) under heights at places x from the middle."""
-    half = 0.5 * float(np.ptp(x))
-    shifts = not isinstance(face, Cylinder | Flat)
-
-    def surface(parameters: Array, at: Array) -> Array:
-        level, tilt, aside = parameters
-        places = 1e-3 * (at - (aside * half if shifts else 0.0))
-        shape = 1e3 * face.height(np.column_stack([places, np.zeros_like(places)]))
-        return np.asarray(level + tilt * at / half + shape)
-
-    def fit(chosen: BoolArray, start: Array, scale: float) -> Array:
-        def off(parameters: Array) -> Array:
-            return np.asarray(surface(parameters, x[chosen]) - height[chosen])
-
-        return np.asarray(least_squares(off, start, loss="cauchy", f_scale=scale).x)
-
-    ends = np.abs(x) >= (1.0 - 2.0 * MARGIN) * half
-    line = np.polyfit(x[ends] / half, height[ends] - surface(np.zeros(3), x[ends]), 1)
-    start = np.array([line[1], line[0], 0.0])
-    rough = deviation(height[ends] - surface(start, x[ends]))
-    start = fit(ends, start, rough)
-    rough = deviation(height[ends] - surface(start, x[ends]))
-    left, right = MeasuredProfile(0, "", x, surface(start, x) - height).edges_um
-    bare = np.abs(x - 0.5 * (left + right)) > 0.5 * ABOUT * (right - left)
-    # A scar that leaves too little beside it is only told from what is not worn by its depth.
-    return surface(fit(bare if np.mean(bare) > LEAST_UNWORN else np.ones_like(bare), start, rough), x)
+    left_out = np.where(spikes[:, 0], measured, np.nan) if spikes.any() else None
+    return MeasuredProfile(repeat, body, x - scar, depth, height, fitted, left_out, told)
 
 
 def _profiles_in(
@@ -341,7 +265,7 @@ def _profiles_in(
         if x.size < 3:
             raise RecordError(f"{file}: the {body}'s profile of repeat {number:g} has fewer than three points.")
         if given == "depth_um":
-            yield MeasuredProfile(int(number), body, x, level)
+            yield MeasuredProfile.from_points(int(number), body, x, level)
         else:
             yield levelled(file, int(number), body, face, (x, level), subtract=source.subtract_face)
 

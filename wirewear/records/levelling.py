@@ -1,0 +1,540 @@
+"""The unworn surface under a map or profile of heights: of all ways in which the body may lie, the one that the map
+shows where nothing is worn.
+
+Wear only takes away. So the unworn surface is one on which a part of the map lies within its noise, some of it at the
+border, and above which little stands: what is piled up. Surfaces through a few places at random are weighed by that,
+and the best is then fitted to all points that are neither worn nor piled up.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+from scipy.ndimage import binary_dilation, uniform_filter
+
+from geometry import Barrel, Flat
+from geometry.arrays import Array, BoolArray
+from wirewear.records.spikes import FINEST_um, noise_um
+from wirewear.results.scar import called
+from wirewear.study.faces import Face
+
+
+class Surface(Protocol):
+    """Unworn surfaces of a body that lies in any way: `placing` parameters say how, `forms` further ones its form.
+
+    All are about as large as the heights in µm that they move the map's border by.
+    """
+
+    @property
+    def placing(self) -> int: ...
+    @property
+    def forms(self) -> int: ...
+
+    def form_text(self, parameters: Array, body: str) -> str:
+        """How the form of a body differs from the stated one, the beginning of a sentence."""
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm; those parameters that are not given are 0."""
+
+
+@dataclass(frozen=True)
+class RoundSurface:
+    """A body round along and across its axis, or straight, about the middle of a map of half sizes (2,) in µm.
+
+    Placing: level, along and across, and the turn of an axis. What is round is moved, what is straight tilted; both
+    are alike to second order. Forms: relative curvature of what is round, one of a ball; bows of what is straight.
+    """
+
+    curvatures_per_mm: tuple[float, float]
+    half_um: tuple[float, float]
+
+    @property
+    def placing(self) -> int:
+        along, across = self.curvatures_per_mm
+        return 3 if along == across else 4
+
+    @property
+    def forms(self) -> int:
+        along, across = self.curvatures_per_mm
+        return 2 if along != across else 1 if along else 3
+
+    @cached_property
+    def scales(self) -> Array:
+        """What level, shifts or tilts along and across, and turn are for a parameter of 1."""
+        k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
+        moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
+        twist = abs(k[0] - k[1]) * half[0] * half[1]
+        return np.array([1.0, *moves, 1.0 / max(twist, 1e-12)])
+
+    def beside(self, parameters: Array, at: Array) -> Array:
+        """Places (2, m) in µm from the crown along and across the axis as it lies; from the middle where straight."""
+        _, along, across, turn = self._placed(parameters)
+        moved = np.where(np.array(self.curvatures_per_mm) > 0.0, (along, across), 0.0)
+        return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
+
+    def turned_deg(self, parameters: Array) -> float:
+        """By how much the axis is turned."""
+        return float(np.degrees(np.arctan(self._placed(parameters)[3])))
+
+    def moving(self, places_um: Array) -> Array:
+        """Parameters that put the crown there (2,), as far as it is round."""
+        return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
+
+    def curvatures(self, parameters: Array) -> Array:
+        """One over the radii (2,) along and across [1/mm], those that form makes of the stated ones."""
+        k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
+        form = np.zeros(3)
+        form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
+        if k[0] == k[1] > 0.0:
+            form[1] = form[0] = form[0] / 2.0
+        return np.asarray(np.where(k > 0.0, k, 0.0) + 2e3 * form[:2] / half**2)
+
+    def form_text(self, parameters: Array, body: str) -> str:
+        """The radius that differs most, along or across, or that the body is not straight."""
+        stated, found = np.array(self.curvatures_per_mm), self.curvatures(parameters)
+        one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
+        if not stated[one]:
+            return f"where it is unworn, the {called(body)} is not straight"
+        return (
+            f"where it is unworn, the {called(body)} has a radius of {1.0 / found[one]:.5g} mm, not of "
+            f"{1.0 / stated[one]:.5g} mm as stated (diameter_mm = {2.0 / found[one]:.5g})"
+        )
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm along and across the axis."""
+        level, along, across, _ = self._placed(parameters)
+        straight = np.array(self.curvatures_per_mm) == 0.0
+        tilt, beside = np.where(straight, (along, across), 0.0), self.beside(parameters, at)
+        k = self.curvatures(parameters)
+        face = Barrel(*np.where(straight, 0.0, np.maximum(k, 0.1 * np.array(self.curvatures_per_mm))))
+        bows = -5e-4 * np.where(straight, k, 0.0) @ beside**2
+        if straight.all() and parameters.size == self.placing + self.forms:
+            bows = bows - parameters[-1] * np.prod(beside / np.array(self.half_um)[:, None], axis=0)
+        return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T) + bows)
+
+    def _placed(self, parameters: Array) -> Array:
+        return self.scales * np.append(parameters[: self.placing], np.zeros(4 - self.placing))
+
+
+@dataclass(frozen=True)
+class FaceSurface:
+    """The face of a line contact's body along a profile of half a length in µm.
+
+    Placing: level and tilt, and the shift of a face with edges; along a cylinder a shift is a tilt. Forms: a bow.
+    """
+
+    face: Face | Flat
+    half_um: float
+    shifts: bool
+
+    @property
+    def placing(self) -> int:
+        return 3 if self.shifts else 2
+
+    @property
+    def forms(self) -> int:
+        return 0 if self.shifts else 1
+
+    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
+        """That it bows."""
+        return f"where it is unworn, the {body} bows"
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm, those across without effect."""
+        level, tilt, *more = parameters
+        beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
+        shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))
+        bow = more[0] if more and not self.shifts else 0.0
+        return np.asarray(level + tilt * at[0] / self.half_um + shape - bow * (at[0] / self.half_um) ** 2)
+
+
+@dataclass(frozen=True)
+class LevelSurface:
+    """A plane at some height: what depths are counted from."""
+
+    placing: int = 1
+    forms: int = 0
+
+    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
+        """Nothing: it has no form."""
+        return ""
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Alike at places (2, m)."""
+        return np.full(at.shape[1], parameters[0])
+
+
+FAR, FARTHER = 3.0, 4.0  #: Noise of unworn points, and of their means, hardly exceeds so many deviations.
+
+#: Places along a map and along a profile that are weighed, medians of points; of so many points at least.
+PLACES, PLACES_OF_LINE, KNOWN = 36, 160, 0.3
+
+#: Surfaces at random in each of so many rounds, fewer for a direction; the best at each scale are fitted so many times.
+DRAWN, FEWER, ROUNDS, KEPT, FITTED = 800, 200, 3, 2, 4
+
+#: The border of a map that is weighed as much as all of it, as a share of its size; what stands above counts so much.
+BORDER, RAISED = 0.1, 3.0
+
+MOST_POINTS = 20_000  #: Points that a surface is fitted to, at most; a map has often millions.
+
+
+#: What was taken to be unworn is doubtful where less of a map or of its border lies on it, or more stands above it, by
+#: more than a share of the scar's depth.
+LEAST_ON, LEAST_BORDER, MOST_ABOVE, LITTLE = 0.08, 0.25, 0.15, 0.03
+
+#: A volume is known well within this share, by so many deviations.
+WELL_KNOWN, CERTAIN = 0.03, 2.0
+
+HELPS = "a map that reaches farther beyond the scar would help, or worn depths (depth_um) in place of heights"
+
+
+@dataclass(frozen=True, eq=False)
+class Unworn:
+    """The unworn surface that was found: its parameters, and what lies on it.
+
+    share, border, above: shares of the map, and of its border, that lie on it, and of the map that stands above it.
+    doubt_um3: standard deviation of the volume below it over the whole map.
+    form_um: how far its form differs from the stated one across the map; 0 where that is not to be seen.
+    unclear: parameters with those of a form that cannot be told from a scar, so that it is not taken off.
+    """
+
+    parameters: Array
+    share: float
+    border: float
+    above: float
+    doubt_um3: float
+    form_um: float = 0.0
+    unclear: Array | None = None
+
+    @property
+    def doubtful(self) -> bool:
+        """Whether what was taken to be unworn may be something else."""
+        return self.share < LEAST_ON or self.border < LEAST_BORDER or self.above > MOST_ABOVE
+
+    def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
+        """What is to be said of the surface that was found in a file, with depths (n_x, n_y) below it, sentences.
+
+        body: the one whose worn volume is asked for, without what its form differs; empty where that counts as depth.
+        """
+        said = []
+        if self.above > MOST_ABOVE:
+            said.append(
+                f"{self.above:.0%} of the map stands above what was taken to be unworn: something else may be; {HELPS}"
+            )
+        elif self.doubtful:
+            said.append(
+                f"only {self.share:.0%} of the map and {self.border:.0%} of its border lie on what was taken to be "
+                f"unworn; {HELPS}"
+            )
+        volume = float(np.abs(np.nansum(depth))) * _cell(places)
+        if body and self.doubt_um3 * CERTAIN > WELL_KNOWN * volume > 0.0:
+            share = min(CERTAIN * self.doubt_um3 / volume, 9.99)
+            said.append(f"what is unworn tells the worn volume within {share:.1%} only; {HELPS}")
+        if self.form_um and body:
+            whose = self.parameters if self.unclear is None else self.unclear
+            what = "that is taken off" if self.unclear is None else f"that may be the scar, and is left; {HELPS}"
+            said.append(f"{surface.form_text(whose, body)}, {self.form_um:.2g} µm across the map: {what}")
+        return tuple(f"{where}: {one}" for one in said)
+
+
+def _cell(places: Array) -> float:
+    """Area of one point of places (2, n_x, n_y) in µm², or its length along a profile in µm."""
+    steps = (places[:, 1:2, :1] - places[:, :1, :1], places[:, :1, 1:2] - places[:, :1, :1])
+    return float(np.prod([np.linalg.norm(step) for step in steps if step.size]))
+
+
+def unworn_surface(surface: Surface, places: Array, height: Array, start: Array, *, form: bool = True) -> Unworn:
+    """The unworn surface under heights (n_x, n_y) at places (2, n_x, n_y), all in µm; NaN where nothing is known.
+
+    start: parameters near which it is sought first.  form: whether its form may be another than the stated one; where
+    not, that which differs counts as depth.
+    """
+    found, scale = _sought(surface, places, height, start)
+    found, unworn = _settled(surface, places, height, found, scale)
+    form_um, unclear = 0.0, None
+    if surface.forms and (seen := _form(surface, places, height, found, unworn)) is not None:
+        formed, left = _fitted(surface, places, height, seen, unworn)
+        formed, more = _settled(surface, places, height, formed, min(scale, _within(left)))
+        form_um = _form_um(surface, places, formed)
+        depth = surface.height(found, places.reshape(2, -1)) - height.ravel()
+        clear = form_um < HIDDEN * float(np.nanpercentile(depth, 99.5))
+        if clear and np.count_nonzero(more) > LEFT * np.count_nonzero(unworn):
+            found, unworn = formed, more
+        else:
+            unclear = formed
+    if found.size > surface.placing and not form:
+        found, form_um = _fitted(surface, places, height, found[: surface.placing], unworn)[0], 0.0
+    return replace(_judged(surface, places, height, found, unworn), form_um=form_um, unclear=unclear)
+
+
+def _blocks(
+    places: Array, values: Array, parts: int = PLACES, known: float = KNOWN
+) -> tuple[Array, Array, Array, BoolArray]:
+    """Medians of groups of neighbours: their places (2, m), values (m,), counts (m,), and which are at the border."""
+    shape = values.shape
+    most = parts if min(shape) > 1 else parts * PLACES_OF_LINE // PLACES
+    steps = [max(-(-n // most), 1) for n in shape]
+    padded = [(0, -n % step) for n, step in zip(shape, steps, strict=True)]
+
+    def grouped(one: Array) -> Array:
+        whole = np.pad(one, padded, constant_values=np.nan)
+        cut = whole.reshape(whole.shape[0] // steps[0], steps[0], whole.shape[1] // steps[1], steps[1])
+        return cut.transpose(0, 2, 1, 3).reshape(cut.shape[0], cut.shape[2], -1)
+
+    groups = grouped(values)
+    count = np.isfinite(groups).sum(axis=2)
+    whole = np.isfinite(grouped(places[0])).sum(axis=2)
+    taken = count >= np.maximum(known * whole, 1)
+    middle = np.stack([np.nanmean(grouped(one)[taken], axis=1) for one in places])
+    border = np.zeros(taken.shape, dtype=bool)
+    for axis, held in ((0, taken.any(axis=1)), (1, taken.any(axis=0))):
+        if shape[axis] > 1 and held.any():
+            first, last = np.flatnonzero(held)[[0, -1]]
+            place = np.arange(held.size)
+            deep = max(BORDER * (last - first + 1), 1.0)
+            near = (place < first + deep) | (place > last - deep)
+            border |= near[:, None] if axis == 0 else near[None, :]
+    return middle, np.nanmedian(groups[taken], axis=1), count[taken], border[taken]
+
+
+def _jacobian(surface: Surface, parameters: Array, at: Array, size: int) -> tuple[Array, Array]:
+    """Heights (m,) of a surface at places (2, m), and what its first parameters change of them (m, size)."""
+    whole = np.append(parameters, np.zeros(max(size - parameters.size, 0)))
+    middle, steps = surface.height(parameters, at), 0.01 * np.eye(whole.size)[:size]
+    return middle, np.stack([(surface.height(whole + step, at) - middle) / 0.01 for step in steps], axis=1)
+
+
+def _sought(surface: Surface, places: Array, height: Array, start: Array) -> tuple[Array, float]:
+    """The parameters of the best of many surfaces, and within which distance places lie on it."""
+    noise, random, found, scale = noise_um(height), np.random.default_rng(0), start, FINEST_um
+    flat = places.reshape(2, -1)
+    for _ in range(ROUNDS):
+        rest = height - surface.height(found, flat).reshape(height.shape)
+        at, rest, count, border = _blocks(places, rest)
+        sharp = FINEST_um + 1.25 * noise / float(np.sqrt(np.median(count)))
+        weighed = _Candidates(
+            rest, _jacobian(surface, found, at, surface.placing)[1], border, sharp, _range(rest, sharp)
+        )
+        change, scale, _ = weighed.best(random)
+        found = found + change
+    return found, scale
+
+
+def _range(rest: Array, sharp: float) -> float:
+    low, high = np.percentile(rest, (1.0, 99.0))
+    return max(float(high - low), 20.0 * sharp)
+
+
+def direction_deg(x: Array, y: Array, height: Array, curvatures_per_mm: tuple[float, float]) -> float:
+    """Direction [deg] from x, of (−90°, 90°], of the axis of a body so curved along and across, of surface (n_x, n_y).
+
+    That at which most of a map lies on a parabola and a plane.
+    """
+    places = np.stack(np.meshgrid(x - x.mean(), y - y.mean(), indexing="ij"))
+    (u, v), z, count, border = _blocks(places, height, parts=24)
+    sharp = FINEST_um + 1.25 * noise_um(height) / float(np.sqrt(np.median(count)))
+    slopes = np.column_stack([np.ones_like(u), u / np.ptp(x), v / np.ptp(y)])
+    k, m = curvatures_per_mm
+
+    def weight(angle_deg: float) -> float:
+        cosine, sine = np.cos(np.radians(angle_deg)), np.sin(np.radians(angle_deg))
+        flat = z + 5e-4 * (k * (u * cosine + v * sine) ** 2 + m * (v * cosine - u * sine) ** 2)
+        weighed = _Candidates(flat - np.median(flat), slopes, border, sharp, _range(z, sharp))
+        return weighed.best(np.random.default_rng(0), FEWER)[2]
+
+    return float(max(np.arange(-85.0, 91.0, 5.0), key=weight))
+
+
+@dataclass(frozen=True, eq=False)
+class _Candidates:
+    """Places whose heights (m,) are given above a surface, with what parameters change of them (m, k)."""
+
+    rest: Array
+    slopes: Array
+    border: BoolArray
+    sharp: float  #: Standard deviation of a height at least.
+    range: float  #: Of heights.
+
+    @cached_property
+    def scales(self) -> Array:
+        """Distances within which places may be said to lie on a surface."""
+        return np.asarray(2.5 * self.sharp * 2.0 ** np.arange(np.log2(max(self.range / (10.0 * self.sharp), 2.0))))
+
+    def best(self, random: np.random.Generator, count: int = DRAWN) -> tuple[Array, float, float]:
+        """The change of parameters (k,) and the scale that weigh most of so many at random, and their weight."""
+        size, (_, k) = self.rest.size, self.slopes.shape
+        at_border = np.flatnonzero(self.border)
+        ends, anywhere = (random.integers(most, size=(count // 2, k)) for most in (at_border.size, size))
+        drawn = np.vstack([at_border[ends], anywhere])
+        matrices, right = self.slopes[drawn], self.rest[drawn]
+        sound = np.abs(np.linalg.det(matrices)) > 1e-4
+        changes: Array = np.vstack([np.zeros(k), np.linalg.solve(matrices[sound], right[sound][..., None])[..., 0]])
+        weights = self.weights(changes)
+        changes = np.array([
+            self._fitted(changes[one], float(scale))
+            for place, scale in enumerate(self.scales)
+            for one in np.argsort(weights[:, place])[-KEPT:]
+        ])  # fmt: skip
+        weights = self.weights(changes)
+        one, place = np.unravel_index(int(weights.argmax()), weights.shape)
+        return np.array(changes[one], dtype=np.float64), float(self.scales[place]), float(weights[one, place])
+
+    def weights(self, changes: Array) -> Array:
+        """How much speaks for surfaces changed by (n, k) at each scale, (n, scales).
+
+        As a logarithm of a likelihood: a place within a scale tells by how much it is narrower than the range.
+        """
+        off = self.rest - changes @ self.slopes.T
+        found = np.empty((len(changes), self.scales.size))
+        parts = np.stack([np.full(off.shape[1], 1.0 / off.shape[1]), self.border / max(self.border.sum(), 1)])
+        for place, scale in enumerate(self.scales):
+            on = np.maximum(1.0 - (off / scale) ** 2, 0.0) - RAISED * (off > scale)
+            found[:, place] = (on @ parts.T).mean(axis=1) * np.log(self.range / scale)
+        return found
+
+    def _fitted(self, change: Array, scale: float) -> Array:
+        for _ in range(FITTED):
+            near = np.abs(self.rest - self.slopes @ change) < scale
+            if np.count_nonzero(near) <= change.size:
+                break
+            change = np.asarray(np.linalg.lstsq(self.slopes[near], self.rest[near], rcond=None)[0])
+        return change
+
+
+SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
+
+
+def _settled(surface: Surface, places: Array, height: Array, found: Array, scale: float) -> tuple[Array, BoolArray]:
+    """Parameters fitted to all points that are neither worn nor piled up, by means of neighbours; and those points."""
+    flat, unworn = places.reshape(2, -1), np.zeros(height.shape, dtype=bool)
+    rough = max(scale, FAR * noise_um(height))
+    for place in range(SETTLED):
+        rest = height - surface.height(found, flat).reshape(height.shape)
+        # The first surface is only about right.
+        unworn = bare(rest, scale, 0.5 ** (place + 1) * rough if place < SETTLED - 1 else 0.0)
+        if np.count_nonzero(unworn) <= found.size:
+            break
+        found, left = _fitted(surface, places, height, found, unworn)
+        scale = min(scale, _within(left))
+    return found, unworn
+
+
+def _within(left: Array) -> float:
+    """The distance within which points lie that leave so much (m,)."""
+    return 2.0 * FAR * max(1.4826 * float(np.median(np.abs(left))), FINEST_um)
+
+
+def _form_um(surface: Surface, places: Array, found: Array) -> float:
+    """How far across the map the form of a surface differs from the stated one."""
+    flat = places.reshape(2, -1)[:, :: max(places[0].size // MOST_POINTS, 1)]
+    changed = _jacobian(surface, found[: surface.placing], flat, found.size)[1][:, surface.placing :]
+    return float(np.ptp(changed @ found[surface.placing :]))
+
+
+def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> tuple[Array, Array]:
+    """Parameters fitted to some of the points, by least squares about those that were found; and what is left (m,)."""
+    chosen = np.flatnonzero(unworn)
+    chosen = chosen[:: max(chosen.size // MOST_POINTS, 1)]
+    middle, slopes = _jacobian(surface, found, places.reshape(2, -1)[:, chosen], found.size)
+    rest = height.ravel()[chosen] - middle
+    change = np.linalg.lstsq(slopes, rest, rcond=None)[0]
+    return np.asarray(found + change), np.asarray(rest - slopes @ change)
+
+
+def bare(rest: Array, scale: float, least: float) -> BoolArray:
+    """Points (n_x, n_y) that are neither worn nor piled up, nor close to such, by heights above the unworn surface.
+
+    Told by means of neighbours, as an edge is shallower than the noise; of fewer where that leaves too little of them.
+    Nothing is off by less than `least`.
+    """
+    known = np.isfinite(rest)
+    white = noise_um(rest)
+    near = known & (np.abs(rest) < FAR * white)
+    off = ~near
+    for share in (0.02, 0.01, 0.0):
+        wide = tuple(2 * round(share * n) + 1 for n in rest.shape)
+        mean = uniform_filter(np.where(known, rest, 0.0), wide, mode="reflect")
+        held = uniform_filter(known.astype(float), wide, mode="reflect")
+        mean = np.where(held > 0.1, mean / np.maximum(held, 0.1), 0.0)
+        above = mean[known & (mean > 0.0) & (mean < scale)]
+        # Of what lies on it half stands above by noise alone.
+        noise = float(np.median(above)) / 0.6745 if above.size else scale
+        limit = max(FARTHER * max(noise, white / float(np.sqrt(np.prod(wide)))), least)
+        off = known & (np.abs(mean) > limit)
+        found = known & ~binary_dilation(
+            off, np.ones([min(max(n, 3), m) for n, m in zip(wide, rest.shape, strict=True)], dtype=bool)
+        )
+        if np.count_nonzero(found) > LEFT * np.count_nonzero(near):
+            return np.asarray(found)
+    return near & ~off
+
+
+LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
+
+#: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
+FLATNESS_um, HIDDEN = 0.05, 0.5
+
+#: A form is one that is so many of its deviations, and larger than what is left beside it.
+FORM, BESIDE = 6.0, 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class _Means:
+    """Means of unworn points in parts of a map: their heights above a surface (m,), what parameters change (m, k)."""
+
+    rest: Array
+    slopes: Array
+
+    @classmethod
+    def of(cls, surface: Surface, places: Array, rest: Array, found: Array, unworn: BoolArray) -> "_Means":
+        """Those of a surface of such parameters, which stand for all placing and forms."""
+        at, means, count, _ = _blocks(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
+        weight = np.sqrt(count / count.max(initial=1))
+        slopes = _jacobian(surface, found, at, surface.placing + surface.forms)[1]
+        return cls(weight * means, weight[:, None] * slopes)
+
+    def fitted(self, size: int) -> tuple[Array, Array, float]:
+        """The first parameters (size,) by least squares, their covariance, and the deviation of what is left."""
+        slopes = self.slopes[:, :size]
+        inverse = np.linalg.pinv(slopes)
+        change = inverse @ self.rest
+        left = self.rest - slopes @ change
+        deviation = float(np.sqrt(left @ left / max(left.size - size, 1)))
+        return change, deviation**2 * inverse @ inverse.T, deviation
+
+
+def _form(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Array | None:
+    """Parameters with those of form; None where it is not seen to differ from the stated one."""
+    rest = height - surface.height(found, places.reshape(2, -1)).reshape(height.shape)
+    means, whole = _Means.of(surface, places, rest, found, unworn), surface.placing + surface.forms
+    if means.rest.size < 2 * whole:
+        return None
+    change, covariance, deviation = means.fitted(whole)
+    own = slice(surface.placing, whole)
+    certain = change[own] @ np.linalg.pinv(covariance[own, own]) @ change[own] / surface.forms
+    told = means.slopes @ change - means.slopes[:, : surface.placing] @ means.fitted(surface.placing)[0]
+    if certain < FORM**2 or float(np.sqrt(np.mean(told**2))) < BESIDE * deviation:
+        return None
+    return np.asarray(np.append(found, np.zeros(whole - found.size)) + change)
+
+
+def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> Unworn:
+    flat = places.reshape(2, -1)
+    rest = height - surface.height(found, flat).reshape(height.shape)
+    _, blocks, _, border = _blocks(places, rest)
+    points = rest[unworn]
+    limit = FAR * max(1.4826 * float(np.median(np.abs(points))) if points.size else 0.0, noise_um(height))
+    on = np.abs(blocks) < limit
+    means, whole = _Means.of(surface, places, rest, found, unworn), surface.placing + surface.forms
+    doubt = np.inf
+    if means.rest.size > found.size:
+        # A form that is not seen may be as large as instruments leave it.
+        flatness = np.where(np.arange(whole) < found.size, 0.0, 1.0 / FLATNESS_um**2)
+        deviation = max(means.fitted(found.size)[2], 0.1 * FINEST_um)
+        covariance = np.linalg.pinv(means.slopes.T @ means.slopes / deviation**2 + np.diag(flatness))
+        lever = _jacobian(surface, found, flat[:, :: max(height.size // MOST_POINTS, 1)], whole)[1].mean(axis=0)
+        doubt = _cell(places) * height.size * float(np.sqrt(lever @ covariance @ lever))
+    # What is little beside the scar's depth is a form that is left.
+    above = blocks > max(limit, LITTLE * float(-np.percentile(blocks, 1.0)))
+    return Unworn(found, float(np.mean(on)), float(np.mean(on[border])), float(np.mean(above)), doubt)

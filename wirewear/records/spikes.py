@@ -1,0 +1,94 @@
+"""Single points that stand out of a map: what confocal microscopes and interferometers read at steep walls and dirt."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from scipy.ndimage import label
+
+from geometry.arrays import Array, BoolArray, IntArray
+
+#: A spike is beyond all points so near by more than these spread, and so many deviations of the noise.
+NEAR, NEAR_ON_LINE, FAR = 3, 8, 8.0
+
+MOST_TOGETHER = 4  #: More points beside one another are no single ones.
+
+FINEST_um = 1e-3  #: Nothing is known better than this of a height.
+
+
+def noise_um(levels: Array) -> float:
+    """Standard deviation of the noise of levels (n_x, n_y) in µm from point to point."""
+    found = []
+    for axis in (0, 1):
+        # Of a straight line nothing is left in second differences, of noise √6 times its deviation.
+        second = np.diff(levels, 2, axis=axis) if levels.shape[axis] > 2 else np.zeros(0)
+        if (second := second[np.isfinite(second)]).size:
+            found.append(1.4826 * float(np.median(np.abs(second - np.median(second)))) / np.sqrt(6.0))
+    return max(min(found, default=0.0), FINEST_um)
+
+
+def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
+    """Levels (n_x, n_y) in µm, in place of spikes what is between the points beside them; and which points are spikes.
+
+    NaN is a point that is missing. A profile has n_y = 1.
+    """
+    least, spikes = FAR * noise_um(levels), np.zeros(levels.shape, dtype=bool)
+    candidates = np.argwhere(_beyond_lines(levels, least))
+    if not candidates.size:
+        return levels, spikes
+    reach = [0 if size == 1 else NEAR if min(levels.shape) > 1 else NEAR_ON_LINE for size in levels.shape]
+    near = sliding_window_view(
+        np.pad(levels, [(own, own) for own in reach], constant_values=np.nan), [2 * own + 1 for own in reach]
+    )
+    for part in np.array_split(candidates, len(candidates) // 10_000 + 1):
+        around = np.sort(near[tuple(part.T)].reshape(len(part), -1), axis=1)  # with what is missing at the end
+        known = np.isfinite(around).sum(axis=1)
+        # Of the points about it, some may be spikes, too.
+        cut = np.minimum(known // 4, MOST_TOGETHER)
+        rows = np.arange(len(part))
+        low, high = around[rows, cut], around[rows, np.maximum(known - 1 - cut, 0)]
+        off, spread = levels[tuple(part.T)], np.maximum(high - low, least)
+        spikes[tuple(part.T)] = (off < low - spread) | (off > high + spread)
+    groups, _ = label(spikes, np.ones((3, 3)))
+    spikes &= np.bincount(groups.ravel())[groups] <= MOST_TOGETHER
+    bare = np.where(spikes, np.nan, levels)
+    found = np.array(bare)
+    for place in np.argwhere(spikes):
+        between, spread = _between(bare, place, reach)
+        at = tuple(place)
+        spikes[at] = abs(levels[at] - between) > max(spread, least)
+        found[at] = between if spikes[at] else levels[at]
+    return found, spikes
+
+
+def _beyond_lines(levels: Array, least: float) -> BoolArray:
+    """Points that stand out to the same side from one of two points on either side along each line."""
+    found = np.zeros(levels.shape, dtype=bool)
+    wide = np.pad(levels, NEAR + 1, constant_values=np.nan)
+    for side in (1.0, -1.0):
+        out = np.isfinite(levels)
+        for axis in (axis for axis in (0, 1) if levels.shape[axis] > 1):
+            for way in (1, -1):
+                # What is missing tells nothing.
+                near = [~(side * (levels - _beside(wide, axis, way * step)) <= least) for step in (NEAR, NEAR + 1)]
+                out &= near[0] | near[1]
+        found |= out
+    return found
+
+
+def _beside(wide: Array, axis: int, step: int) -> Array:
+    """Levels so many points farther along an axis, of levels with a border of `NEAR` + 1."""
+    border = NEAR + 1
+    starts = [border + (step if own == axis else 0) for own in (0, 1)]
+    first, second = (slice(start, start + size - 2 * border) for start, size in zip(starts, wide.shape, strict=True))
+    return wide[first, second]
+
+
+def _between(levels: Array, place: IntArray, reach: Sequence[int]) -> tuple[float, float]:
+    """The level at a place (2,) by a plane through the known points about it, and how far these spread about it."""
+    first = np.maximum(place - reach, 0)
+    near = levels[tuple(slice(a, b + own + 1) for a, b, own in zip(first, place, reach, strict=True))]
+    at: IntArray = np.argwhere(np.isfinite(near))
+    columns, known = np.column_stack([np.ones(len(at)), at - (place - first)]), near[tuple(at.T)]
+    plane = np.linalg.lstsq(columns, known, rcond=None)[0]
+    return float(plane[0]), float(np.ptp(known - columns @ plane)) if known.size else 0.0
