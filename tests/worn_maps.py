@@ -27,9 +27,8 @@ files = "{file}"
 STEEL = 'material = "steel"\n'
 BALL = f"[bodies.ball]\ndiameter_mm = {{diameter_mm}}\n{STEEL}[bodies.flat]\n{STEEL}"
 WIRES = f"[wires]\ndiameter_mm = {{diameter_mm}}\n{STEEL}"
-CYLINDERS = f'[bodies.lower]\nshape = "cylinder"\ndiameter_mm = {{diameter_mm}}\n{STEEL}' + (
-    f'[bodies.upper]\nshape = "cylinder"\ndiameter_mm = {{diameter_mm}}\naxis_angle_deg = 90.0\n{STEEL}'
-)
+CYLINDER = f'shape = "cylinder"\ndiameter_mm = {{diameter_mm}}\n{STEEL}'
+CYLINDERS = f"[bodies.lower]\n{CYLINDER}[bodies.upper]\naxis_angle_deg = 90.0\n{CYLINDER}"
 PAD = f"length_mm = 10.0\n[pad]\nradius_mm = 6.0\n{STEEL}[specimen]\n{STEEL}"
 CONTACTS = {"ball-on-flat": BALL, "crossed-wires": WIRES, "point-contact": CYLINDERS, "cylinder-on-flat": PAD}
 
@@ -37,7 +36,7 @@ CONTACTS = {"ball-on-flat": BALL, "crossed-wires": WIRES, "point-contact": CYLIN
 def mapping(folder: Path, kind: str, body: str, source: str, file: str = "map.csv", diameter_mm: float = 6.0) -> Path:
     """A mapping of one worn surface, beside a loop of gross slip; `source` are further lines of its table."""
     phase = 2.0 * np.pi * np.arange(64) / 64
-    rows = zip(phase / (6.0 * np.pi), 60.0 * np.sin(phase), np.where(np.cos(phase) > 0.0, 1.2, -1.2), strict=True)
+    rows = zip(phase / (6.0 * np.pi), 60.0 * np.sin(phase), np.clip(6.0 * np.cos(phase - 0.2), -1.2, 1.2), strict=True)
     table = "\n".join(["time_s,displacement_um,tangential_force_N", *(f"{t:.6g},{x:.6g},{q:g}" for t, x, q in rows)])
     (folder / "loops.csv").write_text(table, encoding="utf-8")
     surface = "profiles" if kind == "cylinder-on-flat" else "scars"

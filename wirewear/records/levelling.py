@@ -181,7 +181,7 @@ MOST_POINTS = 20_000  #: Points that a surface is fitted to, at most; a map has 
 
 #: What was taken to be unworn is doubtful where less of a map or of its border lies on it, or more stands above it, by
 #: more than a share of the scar's depth.
-LEAST_ON, LEAST_BORDER, MOST_ABOVE, LITTLE = 0.08, 0.25, 0.15, 0.03
+LEAST_ON, LEAST_BORDER, MOST_ABOVE, MOST_AT_BORDER, LITTLE = 0.08, 0.25, 0.15, 0.1, 0.03
 
 #: A volume is known well within this share, by so many deviations.
 WELL_KNOWN, CERTAIN = 0.03, 2.0
@@ -193,7 +193,7 @@ HELPS = "a map that reaches farther beyond the scar would help, or worn depths (
 class Unworn:
     """The unworn surface that was found: its parameters, and what lies on it.
 
-    share, border, above: shares of the map, and of its border, that lie on it, and of the map that stands above it.
+    share, border: shares of the map and of its border that lie on it.  above, border_above: that stand above it.
     doubt_um3: standard deviation of the volume below it over the whole map.
     form_um: how far its form differs from the stated one across the map; 0 where that is not to be seen.
     unclear: parameters with those of a form that cannot be told from a scar, so that it is not taken off.
@@ -203,6 +203,7 @@ class Unworn:
     share: float
     border: float
     above: float
+    border_above: float
     doubt_um3: float
     form_um: float = 0.0
     unclear: Array | None = None
@@ -210,7 +211,11 @@ class Unworn:
     @property
     def doubtful(self) -> bool:
         """Whether what was taken to be unworn may be something else."""
-        return self.share < LEAST_ON or self.border < LEAST_BORDER or self.above > MOST_ABOVE
+        return self.share < LEAST_ON or self.border < LEAST_BORDER or self._raised
+
+    @property
+    def _raised(self) -> bool:
+        return self.above > MOST_ABOVE or self.border_above > MOST_AT_BORDER
 
     def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
         """What is to be said of the surface that was found in a file, with depths (n_x, n_y) below it, sentences.
@@ -218,9 +223,10 @@ class Unworn:
         body: the one whose worn volume is asked for, without what its form differs; empty where that counts as depth.
         """
         said = []
-        if self.above > MOST_ABOVE:
+        if self._raised:
             said.append(
-                f"{self.above:.0%} of the map stands above what was taken to be unworn: something else may be; {HELPS}"
+                f"{self.above:.0%} of the map and {self.border_above:.0%} of its border stand above what was taken to "
+                f"be unworn, as if that were worn, too; {HELPS}"
             )
         elif self.doubtful:
             said.append(
@@ -537,4 +543,5 @@ def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn
         doubt = _cell(places) * height.size * float(np.sqrt(lever @ covariance @ lever))
     # What is little beside the scar's depth is a form that is left.
     above = blocks > max(limit, LITTLE * float(-np.percentile(blocks, 1.0)))
-    return Unworn(found, float(np.mean(on)), float(np.mean(on[border])), float(np.mean(above)), doubt)
+    share, at_border, raised, raised_at_border = (float(np.mean(one)) for one in (on, on[border], above, above[border]))
+    return Unworn(found, share, at_border, raised, raised_at_border, doubt)

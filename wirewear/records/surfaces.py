@@ -54,8 +54,8 @@ class MeasuredScar:
 
     @property
     def spans_um(self) -> dict[str, float]:
-        """Lengths of what is worn that such a map alone tells."""
-        return {}
+        """Depth, length along the motion and width across."""
+        return {name: self.figures[name] for name in SCAR_FIGURES[1:]}
 
     @classmethod
     def from_points(cls, repeat: int, body: str, x_um: Array, y_um: Array, depth_um: Array) -> "MeasuredScar":
@@ -305,7 +305,8 @@ class MeasuredProfile:
 
     @property
     def spans_um(self) -> dict[str, float]:
-        return {"width": self.width_um}
+        """Depth and width."""
+        return {"depth": float(self.smooth_um.max()), "width": self.width_um}
 
     @property
     def points(self) -> dict[str, Array]:

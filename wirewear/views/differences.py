@@ -264,12 +264,9 @@ def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
         source, covered = f"scar, {pair.name}", np.isfinite(pair.measured).all(axis=0)
         if not covered.any():
             continue
-        # A single wild point of a profilometer is no depth.
-        deep = np.array([_deep(depth[covered]) for depth in pair.measured])
         for quantity, unit, simulated, tests in (
             ("worn volume", "10⁻³ mm³", 1e3 * float(np.mean(pair.simulated_volumes_mm3)),
              1e3 * np.array(pair.measured_volumes_mm3)),
-            ("depth of the deepest 1 %", "µm", _deep(pair.simulated[covered]), deep),
             *((name, "µm", float(own.mean()), tests) for name, (own, tests) in pair.spans_um.items()),
         ):  # fmt: skip
             scatter, basis = _pooled([tests], [])
@@ -283,11 +280,6 @@ def scar_differences(pairs: Iterable[ScarPair]) -> list[Difference]:
         text = "depth (rms over the map)"
         rows.append(Difference(source, text, "µm", pair.simulated_cycle, None, None, distance, scatter, ratio, basis))
     return rows
-
-
-def _deep(depth: Array) -> float:
-    worn = depth[depth > 0.05 * depth.max()]
-    return float(np.percentile(worn, 99)) if worn.size else 0.0
 
 
 def _value(figures: LoopFigures, attribute: str) -> Measured | None:
