@@ -134,6 +134,7 @@ class WithinElements:
     patch: ContactPatch
     pressures_MPa: Sequence[Array]  #: Of the patch's nodes, each (n,).
     position: IntArray  #: (k,) to which of them each belongs.
+    fresh: float = 1.0  #: How much integrals over elements count: worn bodies touch in bands that they move over.
 
     @cached_property
     def spreads(self) -> tuple[SpreadPressure, ...]:
@@ -142,11 +143,13 @@ class WithinElements:
 
     def among(self, chosen: slice) -> "WithinElements":
         """Some of the nodes."""
-        return WithinElements(self.patch, self.pressures_MPa, self.position[chosen])
+        return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:
         """What a law's limit is over that by nodes' pressures alone, (k,)."""
-        return np.array([own.share(friction) for own in self.spreads])[self.position]
+        if self.fresh == 0.0:
+            return np.ones(len(self.position))
+        return 1.0 + self.fresh * (np.array([own.share(friction) for own in self.spreads])[self.position] - 1.0)
 
 
 def _about(loaded: BoolArray) -> slice:

@@ -298,7 +298,11 @@ def within_elements(problem: ContactProblem, states: Sequence[ContactState], pos
 
     They are those along z: slopes are small where pressure falls to nothing.
     """
-    return WithinElements(problem.primary.patch, [state.traction[:, 2] for state in states], position)
+    wear = states[0].wear
+    worn = float(wear.primary_depth.max() + wear.secondary_depth.max())
+    # From half of the approach on, scars decide where the bodies touch.
+    fresh = max(1.0 - 2.0 * worn / max(-states[0].holder_z, 1e-300), 0.0)
+    return WithinElements(problem.primary.patch, [state.traction[:, 2] for state in states], position, fresh)
 
 
 def sliding_force(problem: ContactProblem, state: ContactState) -> float:
