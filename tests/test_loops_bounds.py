@@ -17,6 +17,7 @@ from tests.synthetic_loops import Disturbance, MasingLoop, Recipe, SyntheticLoop
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import clean_loop
+from wirewear.views.loops_report import rounded
 
 AMPLITUDE_um, SLIDING_N = 2000.0, 2.08
 
@@ -251,3 +252,11 @@ def test_figures_of_disturbed_loops_hold_the_truth_or_are_noted(count: int) -> N
     assert sum(far <= 1.0 for _, far, _ in seen) > 0.95 * len(seen)
     outside = [item for item in seen if item[1] > 2.0]
     assert len(outside) <= LEFT * len(seen), "\n".join(f"{name}: {far:.1f} {what}" for name, far, what in outside)
+
+
+@pytest.mark.parametrize(
+    ("value", "half", "shown"),
+    [(0.6, 1e-12, ("0.6", "1e-12")), (52.8123, 0.02, ("52.81", "0.02")), (3e-14, 1e-15, ("0", "1e-15"))],
+)
+def test_no_more_digits_are_shown_than_mean_something(value: float, half: float, shown: tuple[str, str]) -> None:
+    assert rounded(Measured(value, (value - half, value + half))) == shown

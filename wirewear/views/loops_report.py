@@ -188,12 +188,15 @@ def _cell(measured: Measured | None, factor: float) -> str:
 
 
 def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
-    """Value × factor and half its 95 % interval, both to the latter's first significant digit."""
-    half = 0.5 * (measured.interval95[1] - measured.interval95[0]) * factor
-    if not 0.0 < half < math.inf:
-        return f"{round(measured.value * factor, 12) + 0.0:.4g}", f"{half:.1g}"
+    """Value × factor and half its 95 % interval, both to the latter's first significant digit.
+
+    An interval that is no more than round-off, as of loops without noise, leaves four digits of the value.
+    """
+    value, half = measured.value * factor, 0.5 * (measured.interval95[1] - measured.interval95[0]) * factor
+    if not max(1e-5 * abs(value), 1e-9) < half < math.inf:
+        return f"{round(value, 9) + 0.0:.4g}", f"{half:.1g}"
     decimals = max(-math.floor(math.log10(half)), 0)
-    return f"{round(measured.value * factor, decimals) + 0.0:.{decimals}f}", f"{half:.{decimals}f}"
+    return f"{round(value, decimals) + 0.0:.{decimals}f}", f"{half:.{decimals}f}"
 
 
 def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
