@@ -55,9 +55,11 @@ class CycleTrace:
         forces, moved = np.array([of.primary_force for of in every]), np.diff([of.drive - of.holder_x for of in every])
         slid, means = np.diff([of.primary_slid for of in every], axis=0), forces[1:] + forces[:-1]
         weights = np.maximum(means[..., 2], 0.0)
+        # A node that is pressed at one end alone slides half of the way.
+        whole = weights * np.where((forces[1:, :, 2] > 0.0) == (forces[:-1, :, 2] > 0.0), 1.0, 2.0)
         # Under a load that goes, strain is given back against the slip; walls may push more than friction.
         rubbed = np.where(np.diff([of.load_share for of in every]), (slid * means[..., 0]).sum(axis=1), moved)
-        return np.asarray(np.sign(rubbed) * (slid * weights).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300))
+        return np.asarray(np.sign(rubbed) * (slid * whole).sum(axis=1) / np.maximum(weights.sum(axis=1), 1e-300))
 
     @property
     def friction_work(self) -> float:

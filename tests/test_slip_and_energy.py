@@ -12,6 +12,7 @@ from solvers.wear_path import wear_path
 from wirewear import RunResult
 from wirewear.effects.holder import FreePlay
 from wirewear.reference import SliderLoop, slider_loop
+from wirewear.results.scar import remedies
 from wirewear.simulation import simulate
 from wirewear.study import Study, study_from_tables
 
@@ -94,6 +95,7 @@ def test_the_energy_that_wears_is_that_of_the_loops_whatever_the_load_and_the_ri
 @pytest.mark.seconds
 @pytest.mark.parametrize("load", LOADS)
 def test_the_slip_amplitude_is_half_the_way_of_the_contact_whatever_the_load_and_the_rig(load: str) -> None:
+    assert run(load).quality.get("slip_against_loops", 0.0) < 5e-3
     found = run(load).evolution["slip_amplitude_um"][-1]
     assert found == pytest.approx(1e3 * slider(load).slip_amplitude_mm - contact_um()[0], rel=0.01)
 
@@ -122,3 +124,10 @@ def test_places_of_a_shorter_stroke_lie_within_it() -> None:
     assert places[-1] == -1.0
     assert np.all(np.diff(places) < 0.0)
     assert np.abs(places).max() <= 1.0
+
+
+def test_a_run_says_of_what_its_energy_is_short_and_what_is_an_error_of_the_program() -> None:
+    said = remedies({"energy_against_loops", "volume_against_energy", "penetration", "pressure_against_strength"})
+    assert ["jump_tolerance" in one for one in said] == [True, False, False]
+    assert ["report it" in one for one in said] == [False, True, False]
+    assert ["finer --fidelity" in one for one in said] == [False, False, True]

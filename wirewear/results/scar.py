@@ -1,6 +1,6 @@
 """The worn surface of one body: a map, or of a line contact a profile; and how far a run's checks may be off."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -76,6 +76,7 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
     "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 2e-3),
     "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
     "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
+    "slip_against_loops": ("slip in the contact against the loop's width, over the contact's displacement", 2e-2),
     "depth_between_nodes": ("share of the driven body's largest depth lost between its nodes, estimated", 3e-2),
     "law_between_nodes": ("error of laws other than Coulomb's by the fresh contact's elements, estimated", 2e-2),
     "pressure_against_strength": (
@@ -88,6 +89,29 @@ QUALITIES: Mapping[str, tuple[str, float]] = {
 
 #: Those that are of the test itself, and the same however finely it is solved.
 OF_THE_TEST = frozenset({"pressure_against_strength"})
+#: What lessens the others where they are more than their limit, as the end of a sentence.
+_OF_THE_PROGRAM = "is an error of the program: please report it with the study"
+_REMEDIES: Mapping[str, str] = {
+    "energy_against_loops": "falls with a smaller jump_tolerance in [fidelity] or with more loop_cycles in [log], not "
+    "with the mesh",
+    "slip_against_loops": _OF_THE_PROGRAM,
+    "volume_against_energy": _OF_THE_PROGRAM,
+}
+
+
+def remedies(beyond: Collection[str]) -> list[str]:
+    """Sentences on what helps against qualities that are beyond their limits."""
+    others = sorted(set(beyond) - OF_THE_TEST - set(_REMEDIES))
+    mesh = (
+        [f"{_spoken(others)} mostly fall{'s' * (len(others) == 1)} with a finer --fidelity or [mesh]."]
+        if others
+        else []
+    )
+    return [*(f"{_spoken([name])} {_REMEDIES[name]}." for name in sorted(set(beyond) & set(_REMEDIES))), *mesh]
+
+
+def _spoken(names: Sequence[str]) -> str:
+    return ", ".join(name.replace("_", " ") for name in names).capitalize()
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from rich.text import Text
 
 from wirewear.base.errors import ResultError, counted
 from wirewear.results import RunResult
-from wirewear.results.scar import OF_THE_TEST, flagged, limit_of
+from wirewear.results.scar import flagged, limit_of, remedies
 from wirewear.results.values import PRESSURE_LENGTH
 
 STATUS_STYLES = {"complete": "green", "running": "yellow", "failed": "red"}
@@ -54,12 +54,7 @@ def summary(results: Sequence[RunResult]) -> RenderableType:
         table.add_section()
     files = [Text(str(result.path), overflow="fold") for result in results if result.path]
     beyond = {name for result in results for name, value in result.quality.items() if value > limit_of(name)}
-    remedy = (
-        [Text("What is more than its limit mostly falls with a finer --fidelity or [mesh].")]
-        if beyond - OF_THE_TEST
-        else []
-    )
-    return Group(table, *remedy, *([Text("Results are in"), *files] if files else []))
+    return Group(table, *map(Text, remedies(beyond)), *([Text("Results are in"), *files] if files else []))
 
 
 def _status(result: RunResult) -> str:

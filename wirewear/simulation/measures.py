@@ -1,6 +1,7 @@
 """Figures of a simulated cycle: slip amplitude and energy, each by the loop and by what the contact itself did."""
 
 from collections.abc import Callable
+from math import nan
 
 import numpy as np
 
@@ -33,6 +34,17 @@ def friction_work_mJ(trace: CycleTrace) -> float:
 def slid_amplitude_mm(trace: CycleTrace) -> float:
     """A quarter of the way that the bodies slide in a cycle, as a mean over the load; also by half a cycle."""
     return (0.5 if is_half(trace) else 0.25) * float(np.abs(trace.slips).sum())
+
+
+def slip_mismatch(trace: CycleTrace) -> float:
+    """Difference of both slip amplitudes over the contact's displacement; NaN where the bodies part, or do not come to
+    slide as a whole, so that these are not the same.
+    """
+    slides, ways = _all_slide(trace), np.sign(trace.slips)
+    apart = [state.drive - state.holder_x for state in (trace.start, *trace.states)]
+    if trace.normal_force.min() <= 0.0 or not {-1.0, 1.0} <= {*ways[slides].tolist()}:
+        return nan
+    return abs(slip_amplitude_mm(trace) - slid_amplitude_mm(trace)) / (0.5 * float(np.ptp(apart)))
 
 
 def slip_amplitude_mm(trace: CycleTrace, probe: Probe | None = None) -> float:

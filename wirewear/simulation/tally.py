@@ -12,10 +12,12 @@ from wirewear.base.course import enclosed_energy
 from wirewear.loops.sensor import enclosed_area
 from wirewear.results import BULK_WORK
 from wirewear.results.scar import ENERGIES_AGREE
+from wirewear.simulation.measures import slip_mismatch
 
 QUALITY = (
     "force_balance", "penetration", "complementarity", "slip_direction_error_rad", "elastic_slip",
     "loop_area_against_friction_work", "volume_against_energy", "energy_against_loops", "mirror_error",
+    "slip_against_loops",
     "depth_between_nodes",
 )  # fmt: skip
 
@@ -43,6 +45,7 @@ class Counters:
     loop_area_against_friction_work: float = 0.0
     volume_against_energy: float = 0.0
     energy_against_loops: float = 0.0
+    slip_against_loops: float = nan
     mirror_error: float = nan
     depth_between_nodes: float = nan  #: Of the latest measured cycle.
 
@@ -103,6 +106,7 @@ def judge(counters: Counters, trace: CycleTrace, rows: Sequence[Mapping[str, flo
     """
     counters.worst("loop_area_against_friction_work", area_mismatch(trace, rows[-1].get(BULK_WORK, 0.0)))
     counters.worst("mirror_error", rows[-1]["mirror_error"])
+    counters.worst("slip_against_loops", slip_mismatch(trace))
     cycles = [row["cycle"] for row in rows]
     energies = [row["dissipated_energy_mJ"] - row.get(BULK_WORK, 0.0) for row in rows]
     around_mJ = max(4e-3 * row["displacement_amplitude_um"] * row["max_tangential_force_N"] for row in rows)
