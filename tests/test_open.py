@@ -201,6 +201,7 @@ def test_the_page_presets_no_kind_of_contact_names_units_and_speaks_of_no_option
 
 
 def begun(page: Page, desk: Desk, name: str) -> None:
+    wait_for(page, f"!document.querySelector('#step-{name} button').disabled")
     page.value(f"document.querySelector('#step-{name} button').click()")
     began = monotonic()
     while step(desk, name)["state"] == "idle" and monotonic() - began < 20.0:
