@@ -120,7 +120,7 @@ def test_numbers_in_words_are_those_of_whole_cycles(labels: list[str], counts: l
 
 
 @pytest.mark.parametrize("again", [True, False])
-@pytest.mark.parametrize("label", ["Cycle {}", "# Zyklus: {}", "[N = {}]", "Cycle;{}", "--- loop no. {} ---"])
+@pytest.mark.parametrize("label", ["Cycle {}", "# Zyklus: {}", "[N = {}]", "Cycle number:;{}", "--- loop no. {} ---"])
 def test_blocks_of_a_file_are_read_as_their_cycles(tmp_path: Path, again: bool, label: str) -> None:
     names, path = "Displacement (um);Force (N)\n", tmp_path / "log.csv"
     parts = (

@@ -99,7 +99,7 @@ def test_words_for_a_reading_that_is_none_leave_out_their_samples_alone(tmp_path
 
 def test_another_word_among_numbers_is_named_with_its_line(tmp_path: Path) -> None:
     forces = [f"{force:.4f}" for force in FORCE]
-    forces[80] = "gestört"
+    forces[80] = forces[81] = "gestört"
     path = written(tmp_path, "Time (s),Displacement (um),Force (N)", TIME, X, forces)
     with pytest.raises(RecordError, match=r"line 82, column Force \(N\): 'gestört' is no number"):
         read_loops(path)

@@ -21,9 +21,9 @@ _COUNT = r"(\d+(?:[,.'’ \xa0\u202f]\d{3})*(?:[.,]\d+)?(?:e\+?\d+|\s*[x×·*]\s
 def _patterns(key: str) -> tuple[re.Pattern[str], re.Pattern[str]]:
     words = sorted({*map(plain, NUMBER_WORDS[key]), *USUAL_NAMES[key]}, key=len, reverse=True)
     word = "|".join(re.escape(own).replace("_", r"[\s_.\-]*") for own in words)
-    between = r"[\s_:=#.,;|\-]*(?:no|nr|number|nummer|num|numero)?[\s_:=#.,;|°º\-]*"
+    between = r"[\s_:=#.,;|\-]*(?:n\.?o|nr|number|nummer|num|numero)?[\s_:=#.,;|°º\-]*"
     return (
-        re.compile(rf"(?<![^\W\d_])(?:{word}){between}(?<![\d.,]){_COUNT}(?![^\W\d_])"),
+        re.compile(rf"(?<![^\W\d_])(?:{word}){between}(?<!\d)(?<!\d[.,]){_COUNT}(?![^\W\d_])"),
         re.compile(rf"(?<![\w.,]){_COUNT}[\s_.\-]*(?:st|nd|rd|th)?[\s_.\-]*(?:{word})(?![^\W_])"),
     )
 

@@ -198,18 +198,18 @@ def _table(lines: list[str], delimiter: str | None, decimal: str, least: int = 2
     if delimiter == decimal and not any('"' in line for line in lines):
         return _Table(delimiter, decimal)
     number = re.compile(_NUMBER.replace("[.,]", re.escape(decimal)))
-    best, run, profile, strange = _Table(delimiter, decimal), list[int](), "", False
+    best, run, profile, strange = _Table(delimiter, decimal), list[int](), "", 0
     for place, line in enumerate([*lines, "end"]):
         if not line.strip() and run:
             continue
         kinds = "".join(
             _kind(delimited.ungrouped(field, decimal), number) for field in delimited.fields_of(line, delimiter)
         ).rstrip(" ")
-        if run and not strange and _has_a_word(profile, kinds):
+        if run and strange < FEWEST_ALONE and _has_a_word(profile, kinds):
             # If numbers go on below it, it is a row: reading it names the word.
-            strange = True
+            strange += 1
             continue
-        strange = False
+        strange = 0
         if kinds.count("n") + kinds.count("c") < least or "n" not in kinds:
             kinds = ""
         joined = _joined(profile, kinds)
