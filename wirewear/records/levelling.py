@@ -43,7 +43,8 @@ class RoundSurface:
     """A body round along and across its axis, or straight, about the middle of a map of half sizes (2,) in µm.
 
     Placing: level, along and across, and the turn of an axis. What is round is moved, what is straight tilted; both
-    are alike to second order. Forms: relative curvature of what is round, one of a ball; bows of what is straight.
+    are alike to second order. Forms: curvature of what is round, of a ball also how
+    that changes outwards; bows of what is straight.
     """
 
     curvatures_per_mm: tuple[float, float]
@@ -57,7 +58,7 @@ class RoundSurface:
     @property
     def forms(self) -> int:
         along, across = self.curvatures_per_mm
-        return 2 if along != across else 1 if along else 3
+        return 2 if along != across or along else 3
 
     @cached_property
     def scales(self) -> Array:
@@ -96,6 +97,8 @@ class RoundSurface:
         one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
         if not stated[one]:
             return f"where it is unworn, the {called(body)} is not straight"
+        if abs(found[one] / stated[one] - 1.0) < ALIKE:
+            return f"where it is unworn, the {called(body)} is not round"
         return (
             f"where it is unworn, the {called(body)} has a radius of {1.0 / found[one]:.5g} mm, not of "
             f"{1.0 / stated[one]:.5g} mm as stated (diameter_mm = {2.0 / found[one]:.5g})"
@@ -109,6 +112,8 @@ class RoundSurface:
         k = self.curvatures(parameters)
         face = Barrel(*np.where(straight, 0.0, np.maximum(k, 0.1 * np.array(self.curvatures_per_mm))))
         bows = -5e-4 * np.where(straight, k, 0.0) @ beside**2
+        if self.placing == 3 and not straight.any() and parameters.size == self.placing + self.forms:
+            bows = bows - parameters[-1] * (np.sum(beside**2, axis=0) / np.sum(np.square(self.half_um))) ** 2
         if straight.all() and parameters.size == self.placing + self.forms:
             bows = bows - parameters[-1] * np.prod(beside / np.array(self.half_um)[:, None], axis=0)
         return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T) + bows)
@@ -480,6 +485,8 @@ LEFT = 0.4  #: Of the points that lie within the noise so many are left beside w
 
 #: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
 FLATNESS_um, HIDDEN = 0.05, 0.5
+
+ALIKE = 1e-3  #: A radius that differs by less is the stated one.
 
 #: A form is one that is so many of its deviations, and larger than what is left beside it.
 FORM, BESIDE = 6.0, 1.0
