@@ -8,167 +8,14 @@ and the best is then fitted to all points that are neither worn nor piled up.
 
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.ndimage import binary_dilation, uniform_filter
 
-from geometry import Barrel, Flat
 from geometry.arrays import Array, BoolArray
+from wirewear.loops.robust import median_deviation
 from wirewear.records.spikes import FINEST_um, noise_um
-from wirewear.results.scar import called
-from wirewear.study.faces import Face
-
-
-class Surface(Protocol):
-    """Unworn surfaces of a body that lies in any way: `placing` parameters say how, `forms` further ones its form.
-
-    All are about as large as the heights in µm that they move the map's border by.
-    """
-
-    @property
-    def placing(self) -> int: ...
-    @property
-    def forms(self) -> int: ...
-
-    def form_text(self, parameters: Array, body: str) -> str:
-        """How the form of a body differs from the stated one, the beginning of a sentence."""
-
-    def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm; those parameters that are not given are 0."""
-
-
-@dataclass(frozen=True)
-class RoundSurface:
-    """A body round along and across its axis, or straight, about the middle of a map of half sizes (2,) in µm.
-
-    Placing: level, along and across, and the turn of an axis. What is round is moved, what is straight tilted; both
-    are alike to second order. Forms: curvature of what is round, of a ball also how
-    that changes outwards; bows of what is straight.
-    """
-
-    curvatures_per_mm: tuple[float, float]
-    half_um: tuple[float, float]
-
-    @property
-    def placing(self) -> int:
-        along, across = self.curvatures_per_mm
-        return 3 if along == across else 4
-
-    @property
-    def forms(self) -> int:
-        along, across = self.curvatures_per_mm
-        return 2 if along != across or along else 3
-
-    @cached_property
-    def scales(self) -> Array:
-        """What level, shifts or tilts along and across, and turn are for a parameter of 1."""
-        k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
-        moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
-        twist = abs(k[0] - k[1]) * half[0] * half[1]
-        return np.array([1.0, *moves, 1.0 / max(twist, 1e-12)])
-
-    def beside(self, parameters: Array, at: Array) -> Array:
-        """Places (2, m) in µm from the crown along and across the axis as it lies; from the middle where straight."""
-        _, along, across, turn = self._placed(parameters)
-        moved = np.where(np.array(self.curvatures_per_mm) > 0.0, (along, across), 0.0)
-        return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
-
-    def turned_deg(self, parameters: Array) -> float:
-        """By how much the axis is turned."""
-        return float(np.degrees(np.arctan(self._placed(parameters)[3])))
-
-    def moving(self, places_um: Array) -> Array:
-        """Parameters that put the crown there (2,), as far as it is round."""
-        return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
-
-    def curvatures(self, parameters: Array) -> Array:
-        """One over the radii (2,) along and across [1/mm], those that form makes of the stated ones."""
-        k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
-        form = np.zeros(3)
-        form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
-        if k[0] == k[1] > 0.0:
-            form[1] = form[0] = form[0] / 2.0
-        return np.asarray(np.where(k > 0.0, k, 0.0) + 2e3 * form[:2] / half**2)
-
-    def form_text(self, parameters: Array, body: str) -> str:
-        """The radius that differs most, along or across, or that the body is not straight."""
-        stated, found = np.array(self.curvatures_per_mm), self.curvatures(parameters)
-        one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
-        if not stated[one]:
-            return f"where it is unworn, the {called(body)} is not straight"
-        if abs(found[one] / stated[one] - 1.0) < ALIKE:
-            return f"where it is unworn, the {called(body)} is not round"
-        return (
-            f"where it is unworn, the {called(body)} has a radius of {1.0 / found[one]:.5g} mm, not of "
-            f"{1.0 / stated[one]:.5g} mm as stated (diameter_mm = {2.0 / found[one]:.5g})"
-        )
-
-    def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm along and across the axis."""
-        level, along, across, _ = self._placed(parameters)
-        straight = np.array(self.curvatures_per_mm) == 0.0
-        tilt, beside = np.where(straight, (along, across), 0.0), self.beside(parameters, at)
-        k = self.curvatures(parameters)
-        face = Barrel(*np.where(straight, 0.0, np.maximum(k, 0.1 * np.array(self.curvatures_per_mm))))
-        bows = -5e-4 * np.where(straight, k, 0.0) @ beside**2
-        if self.placing == 3 and not straight.any() and parameters.size == self.placing + self.forms:
-            bows = bows - parameters[-1] * (np.sum(beside**2, axis=0) / np.sum(np.square(self.half_um))) ** 2
-        if straight.all() and parameters.size == self.placing + self.forms:
-            bows = bows - parameters[-1] * np.prod(beside / np.array(self.half_um)[:, None], axis=0)
-        return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T) + bows)
-
-    def _placed(self, parameters: Array) -> Array:
-        return self.scales * np.append(parameters[: self.placing], np.zeros(4 - self.placing))
-
-
-@dataclass(frozen=True)
-class FaceSurface:
-    """The face of a line contact's body along a profile of half a length in µm.
-
-    Placing: level and tilt, and the shift of a face with edges; along a cylinder a shift is a tilt. Forms: a bow.
-    """
-
-    face: Face | Flat
-    half_um: float
-    shifts: bool
-
-    @property
-    def placing(self) -> int:
-        return 3 if self.shifts else 2
-
-    @property
-    def forms(self) -> int:
-        return 0 if self.shifts else 1
-
-    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
-        """That it bows."""
-        return f"where it is unworn, the {body} bows"
-
-    def height(self, parameters: Array, at: Array) -> Array:
-        """Heights (m,) in µm at places (2, m) in µm, those across without effect."""
-        level, tilt, *more = parameters
-        beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
-        shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))
-        bow = more[0] if more and not self.shifts else 0.0
-        return np.asarray(level + tilt * at[0] / self.half_um + shape - bow * (at[0] / self.half_um) ** 2)
-
-
-@dataclass(frozen=True)
-class LevelSurface:
-    """A plane at some height: what depths are counted from."""
-
-    placing: int = 1
-    forms: int = 0
-
-    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
-        """Nothing: it has no form."""
-        return ""
-
-    def height(self, parameters: Array, at: Array) -> Array:
-        """Alike at places (2, m)."""
-        return np.full(at.shape[1], parameters[0])
-
+from wirewear.records.unworn_bodies import Surface, jacobian
 
 FAR, FARTHER = 3.0, 4.0  #: Noise of unworn points, and of their means, hardly exceeds so many deviations.
 
@@ -182,7 +29,6 @@ DRAWN, FEWER, ROUNDS, KEPT, FITTED = 800, 200, 3, 2, 4
 BORDER, RAISED = 0.1, 3.0
 
 MOST_POINTS = 20_000  #: Points that a surface is fitted to, at most; a map has often millions.
-
 
 #: What was taken to be unworn is doubtful where less of a map or of its border lies on it, or more stands above it, by
 #: more than a share of the scar's depth.
@@ -309,13 +155,6 @@ def _blocks(
     return middle, np.nanmedian(groups[taken], axis=1), count[taken], border[taken]
 
 
-def _jacobian(surface: Surface, parameters: Array, at: Array, size: int) -> tuple[Array, Array]:
-    """Heights (m,) of a surface at places (2, m), and what its first parameters change of them (m, size)."""
-    whole = np.append(parameters, np.zeros(max(size - parameters.size, 0)))
-    middle, steps = surface.height(parameters, at), 0.01 * np.eye(whole.size)[:size]
-    return middle, np.stack([(surface.height(whole + step, at) - middle) / 0.01 for step in steps], axis=1)
-
-
 def _sought(surface: Surface, places: Array, height: Array, start: Array) -> tuple[Array, float]:
     """The parameters of the best of many surfaces, and within which distance places lie on it."""
     noise, random, found, scale = noise_um(height), np.random.default_rng(0), start, FINEST_um
@@ -325,7 +164,7 @@ def _sought(surface: Surface, places: Array, height: Array, start: Array) -> tup
         at, rest, count, border = _blocks(places, rest)
         sharp = FINEST_um + 1.25 * noise / float(np.sqrt(np.median(count)))
         weighed = _Candidates(
-            rest, _jacobian(surface, found, at, surface.placing)[1], border, sharp, _range(rest, sharp)
+            rest, jacobian(surface, found, at, surface.placing)[1], border, sharp, _range(rest, sharp)
         )
         change, scale, _ = weighed.best(random)
         found = found + change
@@ -433,13 +272,13 @@ def _settled(surface: Surface, places: Array, height: Array, found: Array, scale
 
 def _within(left: Array) -> float:
     """The distance within which points lie that leave so much (m,)."""
-    return 2.0 * FAR * max(1.4826 * float(np.median(np.abs(left))), FINEST_um)
+    return 2.0 * FAR * max(median_deviation(left), FINEST_um)
 
 
 def _form_um(surface: Surface, places: Array, found: Array) -> float:
     """How far across the map the form of a surface differs from the stated one."""
     flat = places.reshape(2, -1)[:, :: max(places[0].size // MOST_POINTS, 1)]
-    changed = _jacobian(surface, found[: surface.placing], flat, found.size)[1][:, surface.placing :]
+    changed = jacobian(surface, found[: surface.placing], flat, found.size)[1][:, surface.placing :]
     return float(np.ptp(changed @ found[surface.placing :]))
 
 
@@ -447,7 +286,7 @@ def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn
     """Parameters fitted to some of the points, by least squares about those that were found; and what is left (m,)."""
     chosen = np.flatnonzero(unworn)
     chosen = chosen[:: max(chosen.size // MOST_POINTS, 1)]
-    middle, slopes = _jacobian(surface, found, places.reshape(2, -1)[:, chosen], found.size)
+    middle, slopes = jacobian(surface, found, places.reshape(2, -1)[:, chosen], found.size)
     rest = height.ravel()[chosen] - middle
     change = np.linalg.lstsq(slopes, rest, rcond=None)[0]
     return np.asarray(found + change), np.asarray(rest - slopes @ change)
@@ -486,8 +325,6 @@ LEFT = 0.4  #: Of the points that lie within the noise so many are left beside w
 #: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
 FLATNESS_um, HIDDEN = 0.05, 0.5
 
-ALIKE = 1e-3  #: A radius that differs by less is the stated one.
-
 #: A form is one that is so many of its deviations, and larger than what is left beside it.
 FORM, BESIDE = 6.0, 1.0
 
@@ -504,7 +341,7 @@ class _Means:
         """Those of a surface of such parameters, which stand for all placing and forms."""
         at, means, count, _ = _blocks(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
         weight = np.sqrt(count / count.max(initial=1))
-        slopes = _jacobian(surface, found, at, surface.placing + surface.forms)[1]
+        slopes = jacobian(surface, found, at, surface.placing + surface.forms)[1]
         return cls(weight * means, weight[:, None] * slopes)
 
     def fitted(self, size: int) -> tuple[Array, Array, float]:
@@ -537,7 +374,7 @@ def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn
     rest = height - surface.height(found, flat).reshape(height.shape)
     _, blocks, _, border = _blocks(places, rest)
     points = rest[unworn]
-    limit = FAR * max(1.4826 * float(np.median(np.abs(points))) if points.size else 0.0, noise_um(height))
+    limit = FAR * max(median_deviation(points), noise_um(height))
     on = np.abs(blocks) < limit
     means, whole = _Means.of(surface, places, rest, found, unworn), surface.placing + surface.forms
     doubt = np.inf
@@ -546,7 +383,7 @@ def _judged(surface: Surface, places: Array, height: Array, found: Array, unworn
         flatness = np.where(np.arange(whole) < found.size, 0.0, 1.0 / FLATNESS_um**2)
         deviation = max(means.fitted(found.size)[2], 0.1 * FINEST_um)
         covariance = np.linalg.pinv(means.slopes.T @ means.slopes / deviation**2 + np.diag(flatness))
-        lever = _jacobian(surface, found, flat[:, :: max(height.size // MOST_POINTS, 1)], whole)[1].mean(axis=0)
+        lever = jacobian(surface, found, flat[:, :: max(height.size // MOST_POINTS, 1)], whole)[1].mean(axis=0)
         doubt = _cell(places) * height.size * float(np.sqrt(lever @ covariance @ lever))
     # What is little beside the scar's depth is a form that is left.
     above = blocks > max(limit, LITTLE * float(-np.percentile(blocks, 1.0)))

@@ -8,8 +8,9 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.records.columns import Column
-from wirewear.records.levelling import LevelSurface, unworn_surface
+from wirewear.records.levelling import unworn_surface
 from wirewear.records.spikes import noise_um, without_spikes
+from wirewear.records.unworn_bodies import LevelSurface
 from wirewear.results.scar import SCAR_FIGURES, Scar, called, scar_figures
 
 WIDEST = 3  #: Widest gap along a line that is bridged, in points: reflexes and dirt; what is wider, `check` tells.

@@ -1,0 +1,171 @@
+"""Surfaces of bodies that are not worn, as they may lie under a map or profile of heights."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+
+from geometry import Barrel, Flat
+from geometry.arrays import Array
+from wirewear.results.scar import called
+from wirewear.study.faces import Face
+
+ALIKE = 1e-3  #: A radius that differs by less is the stated one.
+
+
+class Surface(Protocol):
+    """Unworn surfaces of a body that lies in any way: `placing` parameters say how, `forms` further ones its form.
+
+    All are about as large as the heights in µm that they move the map's border by.
+    """
+
+    @property
+    def placing(self) -> int: ...
+    @property
+    def forms(self) -> int: ...
+
+    def form_text(self, parameters: Array, body: str) -> str:
+        """How the form of a body differs from the stated one, the beginning of a sentence."""
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm; those parameters that are not given are 0."""
+
+
+@dataclass(frozen=True)
+class RoundSurface:
+    """A body round along and across its axis, or straight, about the middle of a map of half sizes (2,) in µm.
+
+    Placing: level, along and across, and the turn of an axis. What is round is moved, what is straight tilted; both
+    are alike to second order. Forms: curvature of what is round, of a ball also how
+    that changes outwards; bows of what is straight.
+    """
+
+    curvatures_per_mm: tuple[float, float]
+    half_um: tuple[float, float]
+
+    @property
+    def placing(self) -> int:
+        along, across = self.curvatures_per_mm
+        return 3 if along == across else 4
+
+    @property
+    def forms(self) -> int:
+        along, across = self.curvatures_per_mm
+        return 2 if along != across or along else 3
+
+    @cached_property
+    def scales(self) -> Array:
+        """What level, shifts or tilts along and across, and turn are for a parameter of 1."""
+        k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
+        moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
+        twist = abs(k[0] - k[1]) * half[0] * half[1]
+        return np.array([1.0, *moves, 1.0 / max(twist, 1e-12)])
+
+    def beside(self, parameters: Array, at: Array) -> Array:
+        """Places (2, m) in µm from the crown along and across the axis as it lies; from the middle where straight."""
+        _, along, across, turn = self._placed(parameters)
+        moved = np.where(np.array(self.curvatures_per_mm) > 0.0, (along, across), 0.0)
+        return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
+
+    def turned_deg(self, parameters: Array) -> float:
+        """By how much the axis is turned."""
+        return float(np.degrees(np.arctan(self._placed(parameters)[3])))
+
+    def moving(self, places_um: Array) -> Array:
+        """Parameters that put the crown there (2,), as far as it is round."""
+        return np.array([0.0, *places_um / self.scales[1:3], 0.0][: self.placing])
+
+    def curvatures(self, parameters: Array) -> Array:
+        """One over the radii (2,) along and across [1/mm], those that form makes of the stated ones."""
+        k, half = np.array(self.curvatures_per_mm), np.array(self.half_um)
+        form = np.zeros(3)
+        form[: max(parameters.size - self.placing, 0)] = parameters[self.placing :]
+        if k[0] == k[1] > 0.0:
+            form[1] = form[0] = form[0] / 2.0
+        return np.asarray(np.where(k > 0.0, k, 0.0) + 2e3 * form[:2] / half**2)
+
+    def form_text(self, parameters: Array, body: str) -> str:
+        """The radius that differs most, along or across, or that the body is not straight."""
+        stated, found = np.array(self.curvatures_per_mm), self.curvatures(parameters)
+        one = int(np.argmax(np.abs(found - stated) * np.array(self.half_um) ** 2))
+        if not stated[one]:
+            return f"where it is unworn, the {called(body)} is not straight"
+        if abs(found[one] / stated[one] - 1.0) < ALIKE:
+            return f"where it is unworn, the {called(body)} is not round"
+        return (
+            f"where it is unworn, the {called(body)} has a radius of {1.0 / found[one]:.5g} mm, not of "
+            f"{1.0 / stated[one]:.5g} mm as stated (diameter_mm = {2.0 / found[one]:.5g})"
+        )
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm along and across the axis."""
+        level, along, across, _ = self._placed(parameters)
+        straight = np.array(self.curvatures_per_mm) == 0.0
+        tilt, beside = np.where(straight, (along, across), 0.0), self.beside(parameters, at)
+        k = self.curvatures(parameters)
+        face = Barrel(*np.where(straight, 0.0, np.maximum(k, 0.1 * np.array(self.curvatures_per_mm))))
+        bows = -5e-4 * np.where(straight, k, 0.0) @ beside**2
+        if self.placing == 3 and not straight.any() and parameters.size == self.placing + self.forms:
+            bows = bows - parameters[-1] * (np.sum(beside**2, axis=0) / np.sum(np.square(self.half_um))) ** 2
+        if straight.all() and parameters.size == self.placing + self.forms:
+            bows = bows - parameters[-1] * np.prod(beside / np.array(self.half_um)[:, None], axis=0)
+        return np.asarray(level + tilt @ at + 1e3 * face.height(1e-3 * beside.T) + bows)
+
+    def _placed(self, parameters: Array) -> Array:
+        return self.scales * np.append(parameters[: self.placing], np.zeros(4 - self.placing))
+
+
+@dataclass(frozen=True)
+class FaceSurface:
+    """The face of a line contact's body along a profile of half a length in µm.
+
+    Placing: level and tilt, and the shift of a face with edges; along a cylinder a shift is a tilt. Forms: a bow.
+    """
+
+    face: Face | Flat
+    half_um: float
+    shifts: bool
+
+    @property
+    def placing(self) -> int:
+        return 3 if self.shifts else 2
+
+    @property
+    def forms(self) -> int:
+        return 0 if self.shifts else 1
+
+    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
+        """That it bows."""
+        return f"where it is unworn, the {body} bows"
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Heights (m,) in µm at places (2, m) in µm, those across without effect."""
+        level, tilt, *more = parameters
+        beside = at[0] - (self.half_um * 0.1 * more[0] if self.shifts else 0.0)
+        shape = 1e3 * self.face.height(1e-3 * np.column_stack([beside, np.zeros_like(beside)]))
+        bow = more[0] if more and not self.shifts else 0.0
+        return np.asarray(level + tilt * at[0] / self.half_um + shape - bow * (at[0] / self.half_um) ** 2)
+
+
+@dataclass(frozen=True)
+class LevelSurface:
+    """A plane at some height: what depths are counted from."""
+
+    placing: int = 1
+    forms: int = 0
+
+    def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
+        """Nothing: it has no form."""
+        return ""
+
+    def height(self, parameters: Array, at: Array) -> Array:
+        """Alike at places (2, m)."""
+        return np.full(at.shape[1], parameters[0])
+
+
+def jacobian(surface: Surface, parameters: Array, at: Array, size: int) -> tuple[Array, Array]:
+    """Heights (m,) of a surface at places (2, m), and what its first parameters change of them (m, size)."""
+    whole = np.append(parameters, np.zeros(max(size - parameters.size, 0)))
+    middle, steps = surface.height(parameters, at), 0.01 * np.eye(whole.size)[:size]
+    return middle, np.stack([(surface.height(whole + step, at) - middle) / 0.01 for step in steps], axis=1)
