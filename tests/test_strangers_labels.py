@@ -11,6 +11,7 @@ import pytest
 
 from geometry.arrays import Array
 from tests.strangers_files import STIFFNESS_N_per_um, loops
+from tests.test_import import HEAD
 from tests.test_strangers_files import STEEL
 from wirewear.base.blocks import counts_in
 from wirewear.base.errors import RecordError
@@ -29,6 +30,9 @@ def force(limit: float) -> Array:
         found.append(at)
     return np.array(found[X.size :])
 
+
+#: What a mapping says of sheets that are numbered.
+BLOCKS = "\nblocks = true\nheader_lines = 1"
 
 LOOPS = [force(limit) for limit in FORCES_N]
 
@@ -160,6 +164,22 @@ def test_sheets_that_nothing_numbers_are_named_as_not_read(tmp_path: Path) -> No
     assert told in guess(path).remarks
     (loop,) = read_loops(path)
     assert told in loop.notes
+
+
+@pytest.mark.parametrize(("further", "left"), [("", "'Cycle 100', 'Summary' are"), (BLOCKS, "'Summary' is")])
+def test_a_mapping_written_by_hand_names_the_sheets_that_its_import_does_not_read(
+    tmp_path: Path, further: str, left: str
+) -> None:
+    own: list[Titled] = [(f"Cycle {n}", [["x_um", "Q_N"]], LOOPS[0]) for n in CYCLES[:2]]
+    workbook(tmp_path / "log.xlsx", [*own, ("Summary", [["cycle", "energy"]], LOOPS[0])])
+    loops = '\n[loops]\nfiles = "log.xlsx"\n[loops.columns]\ndisplacement_um = "x_um"\ntangential_force_N = "Q_N"\n'
+    path = tmp_path / "mapping.toml"
+    path.write_text(HEAD + loops.replace("\n[loops.", f"{further}\n[loops."), encoding="utf-8")
+    if further:
+        path.write_text(path.read_text(encoding="utf-8") + 'cycle = "cycle of block"\n', encoding="utf-8")
+    record = import_record(path)
+    assert len(record.loops) == (2 if further else 1)
+    assert record.notes.count(f"log.xlsx: of its sheets, {left} not read") == 1
 
 
 @pytest.mark.parametrize(

@@ -27,6 +27,7 @@ from wirewear.base.spreadsheets import (
     UNCOMPUTED,
     Sheet,
     is_spreadsheet,
+    left_out,
     refuse_other_sheets,
     sheet_text,
     sheets_of,
@@ -329,6 +330,17 @@ def contents_of(path: Path) -> tuple[bytes, list[Sheet]]:
         return sheet_text(sheets), sheets
     refuse_other_sheets(data, path)
     return data, []
+
+
+def sheets_left_out(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
+    """A sentence on the sheets of a spreadsheet that `read_delimited` does not read, if there are any.
+    Raises RecordError if the file cannot be read.
+    """
+    _, sheets = contents_of(path)
+    if not layout.blocks:
+        return left_out(path, sheets)
+    lines = workbook_text(sheets).decode().split("\n")
+    return left_out(path, sheets, lines[layout.header_lines] if layout.header_lines < len(lines) else None)
 
 
 @lru_cache(maxsize=1)

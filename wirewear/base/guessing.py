@@ -12,7 +12,7 @@ from wirewear.base import delimited
 from wirewear.base.blocks import COLUMNS, blocks_of, numbering
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.naming import KNOWN_UNITS, MISSING, WORDS, encoding_of, usual_unit
-from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, largest, sheet_text, workbook_text
+from wirewear.base.spreadsheets import UNCOMPUTED, Sheet, left_out, sheet_text, workbook_text
 
 FIRST_LINES = 200  #: Lines that are looked at: headers of profilometers and controllers have some eighty.
 FEWEST_ALONE = 16  #: Numbers below one another that are a profile's heights, and no notes.
@@ -132,14 +132,9 @@ def _of_blocks(path: Path, guessed: GuessedLayout, text: str, sheets: list[Sheet
         what = " and ".join(f"{key}s {', '.join(map(str, counts))}" for key, counts in told.items())
         remarks = [f"{path.name}: {len(labels)} {'sheets' if sheets else 'blocks'} are read, as {what}"]
         guessed = replace(guessed, layout=layout, names=names, units=units, width=len(names), tables=())
-        read = {sheet.title for sheet in sheets if name in sheet.lines}
     else:
-        remarks, read = [], {largest(sheets).title} if sheets else set()
-    left = [repr(sheet.title) for sheet in sheets if sheet.title not in read]
-    remarks += (
-        [f"{path.name}: of its sheets, {', '.join(left)} {'are' if len(left) > 1 else 'is'} not read"] if left else []
-    )
-    return replace(guessed, remarks=tuple(remarks))
+        remarks = []
+    return replace(guessed, remarks=(*remarks, *left_out(path, sheets, name if told else None)))
 
 
 def _place(text: str, lines: int) -> int:

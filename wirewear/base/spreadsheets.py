@@ -90,6 +90,16 @@ def workbook_text(sheets: list[Sheet]) -> bytes:
     return "\n".join([line for sheet in sheets for line in (SHEET + sheet.title, *sheet.lines)] + [""]).encode()
 
 
+def left_out(path: Path, sheets: list[Sheet], names: str | None = None) -> tuple[str, ...]:
+    """A sentence on those sheets that are not read: all but the largest, or but those with that line of names."""
+    left = [
+        repr(one.title) for one in sheets if (one is not largest(sheets) if names is None else names not in one.lines)
+    ]
+    return (
+        (f"{path.name}: of its sheets, {', '.join(left)} {'are' if len(left) > 1 else 'is'} not read",) if left else ()
+    )
+
+
 def refuse_other_sheets(data: bytes, path: Path) -> None:
     """Say of spreadsheets that are not read what would be. Raises RecordError if the bytes are those of one."""
     if data.startswith(_OLD_EXCEL) or data[30:80].startswith(b"mimetypeapplication/vnd.oasis.opendocument.spreadsheet"):

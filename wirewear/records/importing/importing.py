@@ -12,6 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
+from wirewear.base.delimited import sheets_left_out
 from wirewear.base.errors import RecordError
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError
@@ -21,9 +22,10 @@ from wirewear.loops.sensor import enclosed_area
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, WIDTH_in, depth_scale, new_figure, save
 from wirewear.records.contact_tables import TABLES, LineRecordTables
 from wirewear.records.importing import sources
+from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
-from wirewear.records.importing.reader import require_mapping
+from wirewear.records.importing.reader import TextReader, require_mapping
 from wirewear.records.normal_force import pressing
 from wirewear.records.reading import EVOLUTION_COLUMNS, read_tables, tables_of_file
 from wirewear.records.remarks import listed, plural
@@ -217,7 +219,10 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     taken_over = {name: getattr(mapping, name) for name in model.model_fields if hasattr(mapping, name)}
     files = {"loops": "loops.csv"} if loops else {}
     tables = model.model_validate(taken_over | {"conditions": conditions, "files": files})
-    return ExperimentRecord(tables, loops, evolution, scars, (*notes, *filter(None, told), *turned))
+    read = dict.fromkeys((file, sources.layout_of(source)) for source, file in _files_of(mapping, home))
+    texts = ((file, layout) for file, layout in read if kind_of(file) == TextReader.kind)
+    unread = dict.fromkeys(note for one in texts for note in sheets_left_out(*one))
+    return ExperimentRecord(tables, loops, evolution, scars, (*notes, *unread, *filter(None, told), *turned))
 
 
 def _mapping_of(path: Path) -> tuple[Any, tuple[str, ...]]:
@@ -232,13 +237,16 @@ def inputs_of(mapping_path: Path) -> list[Path]:
     Raises RecordError, in one sentence, if the mapping cannot be read, or a file is not there.
     """
     mapping, _ = _mapping_of(mapping_path)
+    return [mapping_path, *(file for _, file in _files_of(mapping, mapping_path.parent))]
+
+
+def _files_of(mapping: Any, home: Path) -> Iterator[tuple[Any, Path]]:
+    """The files that a mapping names, each behind its source."""
     surfaces = (getattr(mapping.surfaces, body) for body in mapping.body_names)
-    found = [mapping_path]
     for source in filter(None, (mapping.loops, mapping.evolution, *surfaces)):
         columns = () if source.columns is None else sources.wanted_columns(source.columns).values()
-        for file in sources.files_of(source, mapping_path.parent):
-            found += [file, *(sources.file_of(own, file) for own in columns)]
-    return found
+        for file in sources.files_of(source, home):
+            yield from ((source, own) for own in (file, *(sources.file_of(column, file) for column in columns)))
 
 
 def mapped_loops(
