@@ -7,6 +7,7 @@ import pytest
 
 from geometry.arrays import Array
 from wirewear.loops.cycles import cycles_between, split_cycles, turns_of
+from wirewear.records.importing.guessed_conditions import frequency_of
 
 SAMPLES = 200
 
@@ -51,3 +52,17 @@ def test_blocks_of_smaller_strokes_are_cycles_of_their_own(amplitudes_um: Sequen
     x = noisy(np.repeat(np.array(amplitudes_um, dtype=float), SAMPLES) * np.sin(phase))
     found = [0.5 * float(np.ptp(x[part])) for part in split_cycles(x)]
     assert found == pytest.approx(amplitudes_um, abs=0.5)
+
+
+@pytest.mark.parametrize(("share", "ratio"), [(0.0, 1.0), (0.05, 16.7), (0.2, 7.1)])
+@pytest.mark.parametrize("cycles", [3.0, 5.4])
+@pytest.mark.parametrize("start", [0.0, 1.0, 0.5 * np.pi])
+def test_the_frequency_of_a_drive_is_right_under_ripples(
+    share: float, ratio: float, cycles: float, start: float
+) -> None:
+    time = np.arange(int(1000 * cycles)) / 3000.0
+    phase = 6.0 * np.pi * time
+    x = 50.0 * (np.sin(phase + start) + 0.2 * np.sin(2.0 * phase) + share * np.sin(ratio * phase + 0.4))
+    found, doubt = frequency_of({"displacement_um": x, "time_s": time}, {})
+    assert found == pytest.approx(3.0, rel=5e-4)
+    assert not doubt

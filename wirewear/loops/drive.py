@@ -18,6 +18,7 @@ LEAST_DRIFT, CERTAIN, MOST_DRIFT, WHOLE = 0.01, 5.0, 0.2, 0.02
 BETTER = 0.9
 
 REFINED = 5  #: Newton's steps to that period, each of which leaves less than a tenth of its error.
+WINDOWS, MOST_WINDOWS = 8, 2000  #: Beginnings in each cycle, and in all, of windows in which a phase is sought.
 ALIKE_STEPS = 1.5  #: Steps of time are alike whose upper quartile exceeds the lower one by no more than this factor.
 
 
@@ -125,6 +126,32 @@ def period_of(time: Array, displacement: Array) -> float:
     for _ in range(REFINED):
         period = sine(period)[1]
     return period if sine(period)[0] < BETTER * sine(even)[0] else even
+
+
+def period_by_phase(time: Array, displacement: Array, about: float) -> float:
+    """Period at which the phase of the fundamental goes on in samples (n,) of over two cycles, without gaps in time.
+
+    Unlike the samples at which cycles begin, phases hardly move with what rides on the drive.
+
+    about: the period, well enough to count the cycles.
+    """
+    period = about
+    for _ in range(REFINED):
+        length = 2.0 * period
+        count = int(np.clip(WINDOWS * ((time[-1] - time[0] - length) / period), 2, MOST_WINDOWS))
+        begins = np.linspace(time[0], time[-1] - length, count)
+        found = []
+        for begin, end in zip(begins, begins + length, strict=True):
+            part = slice(*np.searchsorted(time, (begin, end)))
+            # Under Hann's window of two cycles no harmonic is another's, and ripples between them leave little.
+            weight = np.sin(np.pi * (time[part] - begin) / length)
+            wave = np.exp(2j * np.pi * (time[part] - time[0]) / period)
+            columns = np.column_stack([wave.real, wave.imag, np.ones_like(weight)])
+            fit = np.linalg.lstsq(weight[:, None] * columns, weight * displacement[part], rcond=None)[0]
+            found.append(complex(fit[0], -fit[1]))
+        ahead = np.polyfit(begins, np.unwrap(np.angle(found)), 1, w=np.abs(found))[0] / (2.0 * np.pi)
+        period = float(1.0 / (1.0 / period + ahead))
+    return period
 
 
 def even_period(time: Array) -> float:

@@ -13,7 +13,7 @@ from wirewear.base.errors import RecordError
 from wirewear.loops import LoopError
 from wirewear.loops.clock import Clock, read_clock
 from wirewear.loops.cycles import split_cycles
-from wirewear.loops.drive import period_of, series
+from wirewear.loops.drive import period_by_phase, period_of, series
 from wirewear.records.importing.guessed_columns import GuessedFile, shut
 from wirewear.records.importing.guessed_files import FEWEST, mapped_columns
 from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_map
@@ -118,7 +118,7 @@ def _loops(
 
 
 def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: float = 0.0) -> tuple[float | None, str]:
-    """Cycles a second: of a log of many cycles by their starts, of one by its length; None where no time is told.
+    """Cycles a second: of a log of several cycles by their phase, of one by its length; None where no time is told.
 
     And what stands against numbering cycles by it, if anything.
 
@@ -146,7 +146,9 @@ def frequency_of(columns: dict[str, Array], source: dict[str, Any], doubt_s: flo
             return _across_gaps(np.split(x, gaps), np.split(time, gaps), doubt_s)
         if len(parts) > 2:
             starts = time[[part.start for part in parts]]
-            return _rounded(float(np.polyfit(np.arange(starts.size), starts, 1)[0]), 6), ""
+            period = float(np.polyfit(np.arange(starts.size), starts, 1)[0])
+            steady = np.all(steps >= 0.0) and np.ptp(time) > 2.5 * period > 0.0
+            return _rounded(period_by_phase(time, x, period) if steady else period, 6), ""
         lengths = [time[part] for part in parts]
     spans = [float(np.ptp(own)) * own.size / max(own.size - 1, 1) for own in lengths if own.size]
     return _rounded(float(np.median(spans)), 6) if spans else None, ""
