@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as students_t
+from scipy.special import stdtrit
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
@@ -266,7 +266,7 @@ def _of_fit(fitted: FastFit, repeats: int, record: AnyRecord, contact_N_per_um: 
     if repeats > 1:
         # Friction of one specimen is the same in all of its loops: tests count, not loops.
         scatter = fitted.repeats.std(axis=0, ddof=1) / np.sqrt(repeats)
-        deviations = np.hypot(deviations, float(students_t.ppf(0.975, repeats - 1)) / 1.96 * scatter)
+        deviations = np.hypot(deviations, float(stdtrit(repeats - 1, 0.975)) / 1.96 * scatter)
     low, high = (
         np.clip(fitted.coordinates + side * 1.96 * deviations, fitted.low, fitted.high) for side in (-1.0, 1.0)
     )

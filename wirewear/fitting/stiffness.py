@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import brentq
-from scipy.stats import t as students_t
+from scipy.special import stdtrit
 
 from geometry.arrays import Array
 from wirewear.diagnosis.model.forward import simulate
@@ -62,7 +62,7 @@ def spring_of_loads(loads_N: Array, descent_um: Array, cycles: Array) -> FittedP
     count = int(np.isfinite(loads_N).sum())
     if free < 1 or count * np.log((beside + floor) / (left + floor)) < EVIDENCE:
         return None
-    half = float(np.hypot(float(students_t.ppf(0.975, free)) * deviation, 1.96 * DESCENT_DEVIATION * slope))
+    half = float(np.hypot(float(stdtrit(free, 0.975)) * deviation, 1.96 * DESCENT_DEVIATION * slope))
     low, value, high = (-1e3 * (slope + side * half) for side in (1.0, 0.0, -1.0))
     if not low > 0.0:
         return None

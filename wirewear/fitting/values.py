@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.stats import t as students_t
+from scipy.special import stdtrit
 
 from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.frame import notebook_table
@@ -15,7 +15,7 @@ from wirewear.records import AnyRecord
 from wirewear.study import AnyStudy
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
-_OPEN = float(students_t.ppf(0.975, 1))
+_OPEN = float(stdtrit(1, 0.975))
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class FittedParameter:
         found = np.atleast_1d(np.asarray(values, dtype=np.float64))
         count, mean = found.size, float(found.mean())
         scatter = float(found.std(ddof=1)) if count > 1 else 0.0
-        wide = float(students_t.ppf(0.975, count - 1)) * scatter / np.sqrt(count) if count > 1 else 0.0
+        wide = float(stdtrit(count - 1, 0.975)) * scatter / np.sqrt(count) if count > 1 else 0.0
         half = float(np.hypot(wide, 1.96 * deviation))
         if (found > 0.0).all():
             factor = float(np.exp(min(half / mean, _OPEN)))

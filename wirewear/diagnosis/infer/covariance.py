@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
@@ -315,7 +315,7 @@ def _scatter_factors(observed: Observations, per_repeat: Array, stated: Sequence
         return np.ones(per_repeat.shape[1]), np.ones(per_repeat.shape[1])
     squares = (np.stack(rows) ** 2).sum(axis=0)
     factors = _pooled(squares, count, np.where(stated, STATED_REPEATS, PRIOR_REPEATS))
-    return factors, np.asarray(chi2.sf(squares, count - 1))
+    return factors, np.asarray(chdtrc(count - 1, squares))
 
 
 def _pooled(squares: Array, count: int, prior: Array | float = PRIOR_REPEATS) -> Array:

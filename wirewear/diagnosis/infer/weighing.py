@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
-from scipy.stats import chi2
+from scipy.special import chdtrc
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
@@ -290,4 +290,4 @@ def chance(squares: float, count: int, scale: float = SCALE) -> float:
     It is the mean over that of what it were with the variance known: a posterior predictive p-value.
     """
     scaled = squares * np.exp(-scale * _PLACES)
-    return float(_WEIGHTS @ chi2.sf(scaled, count) / _WEIGHTS.sum())
+    return float(_WEIGHTS @ chdtrc(count, scaled) / _WEIGHTS.sum())
