@@ -146,7 +146,9 @@ def imported(written: Written, folder: Path) -> ExperimentRecord:
 
 @pytest.mark.seconds
 @pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("foreign", [False, True], ids=["English", "foreign"])
+@pytest.mark.parametrize(
+    "foreign", [pytest.param(False, id="English"), pytest.param(True, id="foreign", marks=pytest.mark.slow)]
+)
 def test_a_strangers_file_ends_in_the_right_values(tmp_path: Path, kind: str, foreign: bool) -> None:
     language: Language = OTHERS.get(kind, GERMAN) if foreign else ENGLISH
     written = KINDS[kind](language)

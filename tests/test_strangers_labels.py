@@ -135,7 +135,7 @@ def test_blocks_of_a_file_are_read_as_their_cycles(tmp_path: Path, again: bool, 
     require_right(path)
 
 
-@pytest.mark.parametrize("head", [[], [["Machine", 7], []]])
+@pytest.mark.parametrize("head", [[["Machine", 7], []], pytest.param([], marks=pytest.mark.slow)])
 @pytest.mark.parametrize("titles", ["Cycle {}", "Zyklus_{}", "N={}"])
 def test_sheets_of_a_workbook_are_read_as_their_cycles(tmp_path: Path, titles: str, head: list[list[object]]) -> None:
     names: list[list[object]] = [*head, ["Displacement", "Force"], ["um", "N"]]
