@@ -25,6 +25,8 @@ LOADS: dict[str, tuple[dict[str, Any], float | str, int]] = {
     "that opens": ({"amplitude_share": 1.3, "lag_deg": 200.0}, 250.0, 1),
     "on a rigid rig": ({"amplitude_share": 0.6, "lag_deg": 120.0}, "rigid", 1),
 }
+QUICK = ("of a table", "on a rigid rig")
+EACH_LOAD = [load if load in QUICK else pytest.param(load, marks=pytest.mark.slow) for load in LOADS]
 
 
 def study(load: dict[str, Any] | None, stiffness: float | str, cycles: int, **conditions: Any) -> Study:
@@ -82,7 +84,7 @@ def slider(load: str, amplitude_um: float = AMPLITUDE_um, contact: float = 0.0) 
 
 
 @pytest.mark.seconds
-@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("load", EACH_LOAD)
 def test_the_energy_that_wears_is_that_of_the_loops_whatever_the_load_and_the_rig(load: str) -> None:
     evolution = run(load).evolution
     cycles, energy_mJ = LOADS[load][2], 1e3 * evolution["accumulated_energy_J"][-1]
@@ -93,7 +95,7 @@ def test_the_energy_that_wears_is_that_of_the_loops_whatever_the_load_and_the_ri
 
 
 @pytest.mark.seconds
-@pytest.mark.parametrize("load", LOADS)
+@pytest.mark.parametrize("load", EACH_LOAD)
 def test_the_slip_amplitude_is_half_the_way_of_the_contact_whatever_the_load_and_the_rig(load: str) -> None:
     assert run(load).quality.get("slip_against_loops", 0.0) < 5e-3
     found = run(load).evolution["slip_amplitude_um"][-1]
@@ -111,7 +113,7 @@ def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None
 
 
 @pytest.mark.parametrize("stiffness", [50.0, "rigid"])
-@pytest.mark.parametrize("share", [0.02, 0.6, 0.99])
+@pytest.mark.parametrize("share", [0.6, *(pytest.param(share, marks=pytest.mark.slow) for share in (0.02, 0.99))])
 def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, share: float) -> None:
     force_N = share * FRICTION * LOAD_N
     held = study(None, stiffness, 1, displacement_amplitude_um=120.0, held_tangential_force_N=force_N)
