@@ -56,7 +56,7 @@ def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bo
 @click.option("--output", metavar="DIR", type=group.OutputFolder(), help="Result folder.  [default: runs/<sweep>]")
 @click.option("--jobs", type=click.IntRange(1), help="Runs side by side.  [default: one a core]")
 @group.scheduler_option
-@click.option("--estimate", is_flag=True, help="Make three runs only, and say what all of them will take.")
+@click.option("--estimate", is_flag=True, help="Make one run only, and say what all of them will take.")
 @group.most_memory
 def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: str | None, estimate: bool) -> None:
     """Run a study with keys or effects varied; the same command goes on with a sweep that was interrupted.

@@ -213,7 +213,7 @@ class SweepResult:
 def run_sweep(
     sweep: Sweep, output: Path, engine: Engine, observer: SweepObserver | None = None, *, only_pilots: bool = False
 ) -> SweepResult:
-    """Make every row that OUTPUT does not hold yet; with `only_pilots`, only those that a forecast needs.
+    """Make every row that OUTPUT does not hold yet; with `only_pilots`, only what a forecast needs.
     Raises RunError if OUTPUT holds another sweep, is written to by somebody else, or cannot be written; StudyError if
     the sweep needs more memory or disk than there is; EngineError if the cluster cannot be reached, or runs another
     program.
@@ -261,9 +261,16 @@ def _make_missing(
     sizes = sizes_of(sweep)
     foreseeable = bool(np.isfinite(sizes).all())
     first = [place for place in pilots(sizes) if place + 1 not in rows] if foreseeable else []
-    if first:
-        observer.note(f"{len(first)} runs come first: they tell what all take")
-    make(first)
+    if only_pilots:
+        # One run that has figures is enough: what others take follows from their sizes.
+        for place in first:
+            if not any(row.cpu_s > 0.0 for row in rows.values()):
+                observer.note(f"run {place + 1} tells what all take")
+                make([place])
+    else:
+        if first:
+            observer.note(f"{len(first)} runs come first: they tell what all take")
+        make(first)
     if foreseeable and any(row.cpu_s > 0.0 for row in rows.values()):
         expected = forecast(sweep, sizes, list(rows.values()), engine.workers)
         observer.foreseen(expected)
