@@ -74,7 +74,7 @@ class SpreadPressure:
 
     @property
     def area_mm2(self) -> float:
-        """Of the contact."""
+        """The contact's area."""
         return float(self.parts_mm2.sum())
 
     @cached_property
@@ -138,11 +138,11 @@ class WithinElements:
 
     @cached_property
     def spreads(self) -> tuple[SpreadPressure, ...]:
-        """Of each position."""
+        """How pressure is spread at each position, one for each of `pressures_MPa`."""
         return tuple(SpreadPressure.of(self.patch, pressure) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice) -> "WithinElements":
-        """Some of the nodes."""
+        """How pressure is spread about the chosen nodes alone."""
         return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
 
     def share(self, friction: Friction) -> Array:

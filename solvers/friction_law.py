@@ -71,7 +71,7 @@ class Within(Protocol):
     """How pressure is spread within the elements about k nodes; see `WithinElements`."""
 
     def among(self, chosen: slice, /) -> "Within":
-        """Some of the nodes."""
+        """How pressure is spread about the chosen nodes alone."""
 
     def share(self, friction: "Friction", /) -> float | Array:
         """What a law's limit is over that by nodes' pressures alone, one or (k,)."""

@@ -46,7 +46,7 @@ class Coupled:
 
 @dataclass(frozen=True)
 class _Block:
-    """Of a position: where its pressures and height stand among all unknowns, its factors, the nodes (m,) that it
+    """One position's equations: where its pressures and height stand among all unknowns, factors, nodes (m,) that it
     faces, and what work on them does to it, (n + 1, m).
     """
 
@@ -62,8 +62,8 @@ class _Block:
 
 @dataclass(frozen=True)
 class _Factors:
-    """Of equations between some unknowns.  usual: the median of the diagonal of their pressures.  work: (nodes, a)
-    sparse, work on the nodes that matter by each pressure.
+    """What solves equations between some unknowns.  usual: the median of the diagonal of their pressures.
+    work: (nodes, a) sparse, work on the nodes that matter by each pressure.
     """
 
     unknowns: IntArray
@@ -75,7 +75,7 @@ class _Factors:
 
     @classmethod
     def of(cls, unknowns: IntArray, coupled: Coupled) -> "_Factors | None":
-        """Those of equations between unknowns (a + positions,); None where they are singular."""
+        """Factors of equations between unknowns (a + positions,); None where they are singular."""
         opened, start = coupled.opened, np.concatenate([[0], np.cumsum([len(block) - 1 for block in coupled.blocks])])
         among = np.unique(opened.indices)
         number = np.full(opened.shape[1], -1)

@@ -33,7 +33,7 @@ class WearStop(NamedTuple):
 
 
 def stops_of(start: ContactState, trace: CycleTrace, half_cycle: Mirror | None) -> tuple[WearStop, ...]:
-    """Those of a closed cycle traced with the wear frozen from a state on, or of its first half where `half_cycle` maps
+    """Stops of a closed cycle traced with the wear frozen from a state on, or of its first half where `half_cycle` maps
     that onto the second.
     """
     worn = trace.worn
@@ -49,7 +49,7 @@ def stops_of(start: ContactState, trace: CycleTrace, half_cycle: Mirror | None) 
 
 
 def _spans(pressed: BoolArray, kept: IntArray, count: int) -> list[tuple[int, int, int]]:
-    """Of some ends of a cycle's increments, from which end to which the bodies slide before and after: the next ones,
+    """From which to which end of increments the bodies slide before and after each of some ends: the next ones,
     or where they part and meet in between, for apart they do not slide.
 
     pressed: (m,) where the bodies touch, from the cycle's start on to the first of `kept` in the next one.  count: of

@@ -345,7 +345,7 @@ def sheets_left_out(path: Path, layout: DelimitedLayout) -> tuple[str, ...]:
 
 @lru_cache(maxsize=1)
 def _sheets_of(path: Path, _digest: bytes) -> list[Sheet]:
-    """Of the same contents the sheets are read once, however many columns are asked for."""
+    """The sheets of a file, read once for each contents, however many columns are asked for."""
     return sheets_of(read_bytes(path, RecordError), path)
 
 

@@ -104,7 +104,7 @@ def draw_tractions(states: Sequence[BodyState]) -> Figure:
 
 
 def _spread(places: Array, loaded: BoolArray, step: float) -> IntArray:
-    """Of the loaded places (n, 2) the one nearest to the middle of each square of that width, as indices."""
+    """Indices of the loaded places (n, 2) that lie nearest to the middle of a square of that width, one a square."""
     found = np.flatnonzero(loaded)
     squares = np.floor(places[found] / step)
     off = np.linalg.norm(places[found] - (squares + 0.5) * step, axis=1)

@@ -37,6 +37,16 @@ LEAST_ON, LEAST_BORDER, MOST_ABOVE, MOST_AT_BORDER, LITTLE = 0.08, 0.25, 0.15, 0
 #: A volume is known well within this share, by so many deviations.
 WELL_KNOWN, CERTAIN = 0.03, 2.0
 
+SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
+
+LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
+
+#: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
+FLATNESS_um, HIDDEN = 0.05, 0.5
+
+#: A form is one that is so many of its deviations, and larger than what is left beside it.
+FORM, BESIDE = 6.0, 1.0
+
 HELPS = "a map that reaches farther beyond the scar would help, or worn depths (depth_um) in place of heights"
 
 
@@ -252,9 +262,6 @@ class _Candidates:
         return change
 
 
-SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
-
-
 def _settled(surface: Surface, places: Array, height: Array, found: Array, scale: float) -> tuple[Array, BoolArray]:
     """Parameters fitted to all points that are neither worn nor piled up, by means of neighbours; and those points."""
     flat, unworn = places.reshape(2, -1), np.zeros(height.shape, dtype=bool)
@@ -320,15 +327,6 @@ def bare(rest: Array, scale: float, least: float) -> BoolArray:
     return near & ~off
 
 
-LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
-
-#: Form that instruments leave; a form as large as this share of a scar's depth is not told from it.
-FLATNESS_um, HIDDEN = 0.05, 0.5
-
-#: A form is one that is so many of its deviations, and larger than what is left beside it.
-FORM, BESIDE = 6.0, 1.0
-
-
 @dataclass(frozen=True, eq=False)
 class _Means:
     """Means of unworn points in parts of a map: their heights above a surface (m,), what parameters change (m, k)."""
@@ -338,7 +336,7 @@ class _Means:
 
     @classmethod
     def of(cls, surface: Surface, places: Array, rest: Array, found: Array, unworn: BoolArray) -> "_Means":
-        """Those of a surface of such parameters, which stand for all placing and forms."""
+        """Means of what stands above a surface found, with slopes for all its placing and forms."""
         at, means, count, _ = _blocks(places, np.where(unworn, rest, np.nan), parts=24, known=0.05)
         weight = np.sqrt(count / count.max(initial=1))
         slopes = jacobian(surface, found, at, surface.placing + surface.forms)[1]

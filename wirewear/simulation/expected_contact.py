@@ -287,7 +287,7 @@ def law_error(problem: ContactProblem, pressed: ContactState) -> float:
 
 
 def _factor_error(problem: ContactProblem, spread: SpreadPressure) -> float:
-    """The same of the mean factor on wear, with the edge farther out and farther in."""
+    """By how much the mean factor on wear may be off, as the contact's edge stands farther out or farther in."""
     weights, hertz = spread.pressure_MPa * spread.parts_mm2, problem.timing.frequency_Hz
     pressure, amplitude = float(weights.sum()) / spread.area_mm2, problem.timing.drive.amplitude_mm
     power = 4e-3 * problem.friction * pressure * amplitude * hertz

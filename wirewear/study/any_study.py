@@ -113,7 +113,7 @@ class AnyStudy(Generic[Tables]):
 
     @property
     def body_names(self) -> tuple[str, ...]:
-        """Of the driven body and of the held one."""
+        """Names of the driven body and of the held one."""
         return tuple(self.layers)
 
     @property

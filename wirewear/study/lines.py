@@ -215,12 +215,12 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Of the specimen and of the pad."""
+        """Layers of the specimen and of the pad."""
         return {"specimen": self.specimen.layers, "pad": self.pad.layers}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """Of the specimen and of the pad."""
+        """Elastic constants of the specimen and of the pad."""
         return {"specimen": self.specimen.elastic, "pad": self.pad.elastic}
 
     @property

@@ -136,7 +136,7 @@ class BlockCourse:
 
     @classmethod
     def of(cls, schedule: Schedule[Any], end: float) -> Self:
-        """Of a test that ended after so many cycles; without a programme, it would go on as it was."""
+        """What a test has done that ended after so many cycles; without a programme, it would go on as it was."""
         turn = sum(block.cycles for block in schedule.blocks) or 1
         alike: list[Any] = []
         names, every = [], []
@@ -160,7 +160,7 @@ class BlockCourse:
         return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
 
     def among(self, cycles: Iterable[int], block: int) -> list[int]:
-        """Those of the cycles that belong to a block."""
+        """The cycles among these that belong to a block."""
         return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
 
     def latest(self, block: int) -> Stage:

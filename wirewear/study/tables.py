@@ -361,12 +361,12 @@ class ContactTables(CommonTables):
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
-        """Of the driven body and of the held one."""
+        """Layers of the driven body and of the held one."""
         return {body.name: body.layers for body in self.bodies_of_test()}
 
     @property
     def materials(self) -> dict[str, Elastic]:
-        """Of the driven body and of the held one."""
+        """Elastic constants of the driven body and of the held one."""
         return {body.name: body.material for body in self.bodies_of_test()}
 
     @property

@@ -87,7 +87,7 @@ def friction_log(loops: Iterable[Loop]) -> list[tuple[int, LoopFigures]]:
 
 
 def slope_mm3_per_J(energy_J: Array, volume_mm3: Array) -> float:
-    """Of the straight line through the origin, by least squares; NaN where no number of normal size is dissipated."""
+    """Slope of the least-squares line through the origin; NaN where no number of normal size is dissipated."""
     told = np.max(energy_J, initial=0.0) > np.finfo(np.float64).tiny
     return line_through_origin(energy_J, volume_mm3).slope_mm3_per_J if told else float("nan")
 
