@@ -13,6 +13,7 @@ import platform
 import re
 import stat
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
 from functools import cache
@@ -25,6 +26,7 @@ from numba import njit
 from numba.core.caching import NullCache
 from numba.core.compiler import CompileResult
 from numba.core.dispatcher import Dispatcher
+from numba.core.event import Event, Listener, register
 from numba.core.runtime.nrt import rtsys
 from numba.core.serialize import dumps
 
@@ -70,6 +72,34 @@ def _is_compiled_in(item: object) -> bool:
     if isinstance(item, type):
         return issubclass(item, tuple)
     return isinstance(item, (Dispatcher, tuple, bool, int, float, np.generic, np.ndarray))
+
+
+class _CompilingClock(Listener):
+    """Adds up the CPU time within compilations, of which one calls for another."""
+
+    def __init__(self) -> None:
+        self.spent_s, self._begun_s, self._within = 0.0, 0.0, 0
+
+    def on_start(self, event: Event) -> None:  # noqa: ARG002
+        """A compilation begins."""
+        if not self._within:
+            self._begun_s = time.process_time()
+        self._within += 1
+
+    def on_end(self, event: Event) -> None:  # noqa: ARG002
+        """One ends."""
+        self._within -= 1
+        if not self._within:
+            self.spent_s += time.process_time() - self._begun_s
+
+
+_CLOCK = _CompilingClock()
+register("numba:compile", _CLOCK)
+
+
+def working_cpu_s() -> float:
+    """CPU time of this process so far without what it has spent on compiling: later processes load what is compiled."""
+    return time.process_time() - _CLOCK.spent_s
 
 
 _CHECK_BYTES = hashlib.sha256().digest_size

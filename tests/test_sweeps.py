@@ -2,6 +2,7 @@
 
 import math
 import re
+import time
 from collections.abc import Callable, Iterator, Sequence
 from math import inf
 from pathlib import Path
@@ -9,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numba import njit
 
 from tests.browser import page_faults
 from tests.studies import COARSE, WEARING, line_study
@@ -79,6 +81,18 @@ def sweep_file(tmp_path: Path) -> Callable[[str], Path]:
 def asked(sweep_file: Callable[[str], Path], monkeypatch: pytest.MonkeyPatch) -> Sweep:
     monkeypatch.setattr("wirewear.sweeps.running.run_case", spring_loop)
     return load_sweep(sweep_file(HYPERCUBE + STIFFNESS + FRICTION))
+
+
+def test_what_a_run_takes_leaves_out_compiling_which_later_runs_are_spared(monkeypatch: pytest.MonkeyPatch) -> None:
+    def compiling(*_: object, **__: object) -> None:
+        njit(lambda x: x.sum())(np.ones(2))
+        raise RunError("nothing but compiled")
+
+    monkeypatch.setattr("wirewear.sweeps.sweep.simulate", compiling)
+    begun = time.process_time()
+    row = run_case(line_study(), {}, "quick", 1, None)
+    assert row.failure == "nothing but compiled"
+    assert 0.0 < row.cpu_s < 0.3 * (time.process_time() - begun)
 
 
 def files(folder: Path, sweep: Sweep, engine: Engine) -> dict[str, bytes]:

@@ -1,7 +1,6 @@
 """A sweep as a value: its study, its design (a grid, a Latin hypercube, or Saltelli's), what its runs leave."""
 
 import resource
-import time
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -15,6 +14,7 @@ import numpy as np
 from scipy.stats import qmc
 
 from geometry.arrays import Array
+from solvers.kept_code import working_cpu_s
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, WirewearError, counted
 from wirewear.base.reading import Held, read_toml, require_no_other
@@ -179,7 +179,7 @@ CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/interior")
 class SweepRow:
     """A run that came to its end: its figures, or the sentence that says why there are none.
 
-    `cpu_s` and `peak_bytes` are what it took; they differ from machine to machine.
+    `cpu_s`, without compiling, and `peak_bytes` are what it took; they differ from machine to machine.
     """
 
     number: int
@@ -204,7 +204,7 @@ def run_case(
 
     What goes wrong with the study or its simulation is in the row.
     """
-    begun = time.process_time()
+    begun = working_cpu_s()
     figures, failure = None, ""
     try:
         own = varied(study, values)
@@ -217,7 +217,7 @@ def run_case(
     except MemoryError:
         failure = "there was not enough memory"
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return SweepRow(number, figures, failure, time.process_time() - begun, peak)
+    return SweepRow(number, figures, failure, working_cpu_s() - begun, peak)
 
 
 def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:
