@@ -3,11 +3,13 @@
 import ast
 import json
 import stat
+import sys
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
+from packaging.requirements import Requirement
 
 from studies.blind import make_batch
 from studies.blind.errors import BlindError
@@ -17,7 +19,7 @@ from studies.blind.generators.independent.model import IndependentModel
 from studies.blind.generators.owners import OwnersWhoKnow
 from studies.blind.sealing import fingerprint
 from tests.blind_batches import PlainModel, contents, truth_in
-from tests.test_house import ROOT, imported_modules
+from tests.test_house import PROJECT, ROOT, imported_modules
 from wirewear import read_record
 from wirewear.base.errors import RunError
 
@@ -51,6 +53,15 @@ def test_an_interrupted_batch_goes_on_and_ends_as_an_unbroken_one(tmp_path: Path
     assert contents(tmp_path / "broken") == contents(tmp_path / "whole")
     assert truth_in(tmp_path / "broken")["truths"] == truth_in(tmp_path / "whole")["truths"]
     assert not list((tmp_path / "broken").glob(".*"))
+
+
+def test_without_the_package_that_seals_keys_the_exam_says_in_a_sentence_what_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "cryptography", None)
+    with pytest.raises(BlindError, match=r"cryptography.*not installed.*wirewear\[exam\]"):
+        make_batch(tmp_path / "batch", cases=1, seed=2, generator=PlainModel())
+    assert "cryptography" not in {Requirement(one).name for one in PROJECT["dependencies"]}
 
 
 def test_a_record_damaged_between_its_making_and_the_seal_is_not_sealed(tmp_path: Path) -> None:

@@ -10,6 +10,7 @@ import os
 import secrets
 from collections.abc import Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from studies.blind.errors import BlindError
@@ -23,9 +24,7 @@ def new_key_file(path: Path) -> bytes:
     Raises BlindError if the file exists or cannot be written, and RunError if its folder cannot be made, or takes no
     files.
     """
-    from cryptography.fernet import Fernet
-
-    key = Fernet.generate_key()
+    key: bytes = _fernet().Fernet.generate_key()
     prepared_folder(path.parent)
     try:
         with os.fdopen(os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL, KEY_MODE), "wb") as file:
@@ -41,14 +40,13 @@ def read_key_file(path: Path) -> bytes:
     """The key in a file.
     Raises BlindError if there is none, or it is not one that `python -m studies.blind make` wrote.
     """
-    from cryptography.fernet import Fernet
-
+    fernet = _fernet()
     try:
         key = path.read_bytes().strip()
     except OSError as problem:
         raise BlindError(f"the key file {path} cannot be read ({problem.strerror or problem}).") from None
     try:
-        Fernet(key)
+        fernet.Fernet(key)
     except ValueError:
         raise BlindError(f"{path} is not a key file that `python -m studies.blind make` wrote.") from None
     return key
@@ -66,24 +64,32 @@ def fingerprint(truth: Mapping[str, Any]) -> str:
 
 def sealed(truth: Mapping[str, Any], key: bytes) -> bytes:
     """The truth, encrypted (Fernet: AES-128 in CBC mode with HMAC-SHA256)."""
-    from cryptography.fernet import Fernet
-
-    return Fernet(key).encrypt(_spelled(truth))
+    return bytes(_fernet().Fernet(key).encrypt(_spelled(truth)))
 
 
 def opened(token: bytes, key: bytes, where: str) -> dict[str, Any]:
     """The truth that was sealed. Raises BlindError if the key does not open it, or it was altered."""
-    from cryptography.fernet import Fernet, InvalidToken
-
+    fernet = _fernet()
     try:
-        truth = json.loads(Fernet(key).decrypt(token))
-    except InvalidToken:
+        truth = json.loads(fernet.Fernet(key).decrypt(token))
+    except fernet.InvalidToken:
         raise BlindError(
             f"the key does not open {where}: it belongs to another batch, or the file was altered."
         ) from None
     if not isinstance(truth, dict):
         raise BlindError(f"{where} holds no table.")
     return truth
+
+
+def _fernet() -> ModuleType:
+    """The module that encrypts. Raises BlindError if its package is not installed."""
+    try:
+        from cryptography import fernet
+    except ImportError:
+        raise BlindError(
+            "the exam seals its keys by cryptography, which is not installed: pip install 'wirewear[exam]'."
+        ) from None
+    return fernet
 
 
 def _spelled(truth: Mapping[str, Any]) -> bytes:
