@@ -18,7 +18,7 @@ from wirewear.loops.cleaning import clean_loop
 from wirewear.loops.cycles import _continues_a_line, _shortened, _steps
 from wirewear.loops.drive import Drift, drift_of, period_of
 from wirewear.loops.noise import correlated_noise, rounding_noise, step_of
-from wirewear.loops.opening import lag_of
+from wirewear.loops.opening import is_certain, lag_of
 
 
 @pytest.mark.parametrize(("displacement_sign", "force_sign", "step"), [(1, -1, 1), (-1, 1, 1), (-1, -1, 1), (1, 1, -1)])
@@ -28,6 +28,18 @@ def test_sign_and_direction_conventions_do_not_matter(displacement_sign: int, fo
     assert_known(figures)
     turned = any("reversed" in note or "sign was changed" in note for note in figures.notes)
     assert turned == (displacement_sign * force_sign * step < 0)
+
+
+@pytest.mark.parametrize("samples", [40, 200])
+def test_a_square_loop_without_noise_is_measured(samples: int) -> None:
+    """A force that jumps to its plateau passes no level above it, and reaches it with no step."""
+    times = np.arange(samples) / samples
+    displacement = 50.0 * (1.0 - 4.0 * np.abs(times - 0.5))
+    force = np.where(times < 0.5, 1.4, -1.4)
+    lag = lag_of(clean_loop(displacement, force, 2.0, time_s=times))
+    assert lag is None or not is_certain(lag)
+    energy = analyse_loop(displacement, force, 2.0, time_s=times).dissipated_energy_mJ
+    assert energy.value == pytest.approx(0.28, rel=3.0 / samples)
 
 
 @pytest.mark.parametrize(("cycles", "note"), [(0.96, "open by"), (1.04, "run on past one cycle"), (1.2, "past one")])

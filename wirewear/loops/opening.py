@@ -255,9 +255,13 @@ def _branch_lags(before: Branch, branch: Branch, steps: tuple[float, float]) -> 
 
 
 def _passed(rise: Array, begin: int, level: float) -> float:
-    """Place between samples (n,) at which a rise from one of them passes a level; that sample where it is above it."""
+    """Place between samples (n,) at which a rise from one of them passes a level; that sample where it is above it.
+
+    One that never reaches the level passes it at the last sample, or as far beyond as its last step goes on to it.
+    """
     place = begin + int(np.argmax(rise[begin:] >= level)) if rise.max() >= level else rise.size - 1
-    return place - float((rise[place] - level) / (rise[place] - rise[place - 1])) if place > begin else float(begin)
+    step = float(rise[place] - rise[place - 1]) if place > begin else 0.0
+    return place - float(rise[place] - level) / step if step else float(place)
 
 
 def earlier(loop: CleanLoop, samples: float) -> CleanLoop:
