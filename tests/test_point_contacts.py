@@ -11,7 +11,7 @@ import pytest
 from geometry import WireGeometry, build_body
 from studies.benchmarks.random_draws import LARGEST_PRESSURE_MPa, draw_shapes
 from wirewear import parse_study, reference
-from wirewear.base.errors import StudyError
+from wirewear.base.errors import AssumedWarning, StudyError
 from wirewear.results import RunResult, read_result
 from wirewear.simulation import discretise, run_study
 from wirewear.study import Study, study_from_tables
@@ -151,15 +151,24 @@ def test_a_crossing_angle_counts_where_both_wires_state_all_else_and_so_does_wha
         (BALL, {"effects": [{"name": "crossing_angle_error", "angle_deg": 2.0}]}, "crossing_angle_error"),
         (BALL, {"wires": {"diameter_mm": 0.45}}, "wires"),
         (wires(0.0, 4.0), {}, "crossing_angle_deg"),
+        *(
+            (wires(axis, 90.0), {"conditions": TEST["conditions"] | {"motion_angle_deg": motion}}, "give it as well")
+            for axis in (0.0, 20.0)
+            for motion in (0.0, 30.0)
+        ),
         (wires(0.0, "20"), {}, "bodies in s.toml give an axis_angle_deg that"),  # type: ignore[arg-type]
         (wires(0.0, 90.0, unlike=({"shape": "tube"}, {})), {}, "give a 'tube'"),
-        (wires(0.0, 90.0, unlike=({**STEEL, "diameter_mm": 0.4}, {"diameter": 0.6})), {}, "in [bodies.fixed]"),
+        (wires(0.0, 90.0, unlike=(UNLIKE[0], {**UNLIKE[1], "diameter": 0.6})), {}, "in [bodies.fixed]"),
         (
             {"kind": "crossed-wires", "wires": {"crossing_angle_deg": 35.0, **wires(0.0, 90.0)["bodies"]}},
             {},
             "beside an",
         ),
-        (wires(0.0, 5.0, unlike=({**STEEL, "diameter_mm": 0.1}, {"diameter_mm": 9.0})), {}, "touch along a line"),
+        (
+            wires(0.0, 5.0, unlike=({**STEEL, "diameter_mm": 0.1}, {**STEEL, "diameter_mm": 9.0})),
+            {},
+            "touch along a line",
+        ),
         ({"kind": "ball-on-flat", "bodies": {"ball": STEEL, "flat": STEEL}}, {}, "diameter_mm"),
     ],
 )
@@ -167,6 +176,14 @@ def test_what_is_no_contact_at_a_point_is_told(contact: dict[str, Any], tables: 
     told = refusal(contact, **tables)
     assert says in told
     assert "\n" not in told
+
+
+def test_what_the_fixed_wire_takes_over_from_the_moving_one_is_said() -> None:
+    moving, fixed = {"diameter_mm": 0.4, **STEEL}, {"youngs_modulus_MPa": 210000.0}
+    with pytest.warns(AssumedWarning, match="the fixed wire states no diameter_mm, no poissons_ratio") as said:
+        found = study(wires(0.0, 90.0, unlike=(moving, fixed)))
+    assert len(said) == 1
+    assert {min(wire.diameters_mm) for wire in found.bodies} == {0.4}
 
 
 def test_a_test_too_hard_for_a_small_ball_is_refused_before_it_is_meshed() -> None:

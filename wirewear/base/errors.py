@@ -18,6 +18,10 @@ class KeptNothingWarning(UserWarning):
     """What is computed cannot be kept for the next time; nothing is wrong with it."""
 
 
+class AssumedWarning(UserWarning):
+    """Something was not stated, and is taken over from elsewhere."""
+
+
 class StudyError(WirewearError):
     """A study cannot be read or asks for something that makes no sense."""
 
@@ -57,7 +61,7 @@ def tell_plainly() -> None:
     otherwise = warnings.showwarning
 
     def shown(message: Warning | str, category: type[Warning], *where: Any, **more: Any) -> None:
-        if issubclass(category, KeptNothingWarning):
+        if issubclass(category, KeptNothingWarning | AssumedWarning):
             sys.stderr.write(f"wirewear: {message}\n")
         elif sys.warnoptions:
             otherwise(message, category, *where, **more)

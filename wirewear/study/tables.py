@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Annotated, Any, ClassVar, Literal
 
 import numpy as np
-from pydantic import Field, PlainValidator
+from pydantic import Field, PlainValidator, model_validator
 
 from geometry import Elastic
 from solvers import Archard, Coulomb, Drive, EnergyLaw, FrictionLaw, Holder, Waveform, WearLaw, WearRates
@@ -16,7 +16,7 @@ from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bu
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
 from wirewear.study.surfaces import LayerTable, layers_of
-from wirewear.study.wires import BothWires
+from wirewear.study.wires import BothWires, with_motion_of_wires
 
 Formulation = Literal["augmented-lagrangian", "penalty"]
 Variation = Literal["none", "cycles", "energy_J"]
@@ -435,12 +435,17 @@ class StudyTables(ContactTables, _OfWires):
         description="kind of contact", examples=["crossed-wires"]
     )
 
+    @model_validator(mode="before")
+    @classmethod
+    def _with_motion(cls, tables: Any) -> Any:
+        return with_motion_of_wires(tables)
+
     def bodies_of_test(self) -> tuple[Wire, Wire]:
         """The moving and the fixed wire."""
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> keys.Inconsistency | None:
         """Wires that are none, two directions of motion, or a stroke longer than a wire is thick."""
-        twice = self.wires.motion_angle_deg and self.conditions.motion_angle_deg
+        twice = self.wires.motion_angle_deg is not None
         told = keys.Inconsistency(("conditions", "motion_angle_deg"), "is given, and the wires give it as well")
         return self.wires.contradiction() or (told if twice else None) or self.too_far()

@@ -1,12 +1,13 @@
 """The table of both wires of a study or a record: keys with their ranges, defaults and meaning."""
 
+import warnings
 from collections.abc import Mapping
 from dataclasses import fields
 from typing import Annotated, Any
 
 from pydantic import AliasChoices, BeforeValidator, Field
 
-from wirewear.base.errors import shown
+from wirewear.base.errors import AssumedWarning, shown
 from wirewear.study import keys
 from wirewear.study.bodies import Wire, touch_along_line
 from wirewear.study.drive import BULK, BulkTable
@@ -14,7 +15,9 @@ from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface
 
 #: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
 _NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
-_ANGLES = ("crossing_angle_deg", "motion_angle_deg")
+_MOTION = "motion_angle_deg"
+_ANGLES = ("crossing_angle_deg", _MOTION)
+_BOTH = AliasChoices("wires", "bodies")
 
 
 def _wires_of_bodies(table: Any) -> Any:
@@ -28,7 +31,11 @@ def _wires_of_bodies(table: Any) -> Any:
     for shape in (own.pop("shape", "wire") for own in (moving, fixed)):
         if shape != "wire":
             raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
-    for key in [key for key in _NEEDED if key not in both and key in moving]:
+    shared = [key for key in _NEEDED if key not in both and key in moving]
+    if assumed := [key for key in shared if key not in fixed]:
+        said = f"the fixed wire states no {', no '.join(assumed)}, and is taken to have what the moving wire states"
+        warnings.warn(AssumedWarning(f"{said}."), stacklevel=2)
+    for key in shared:
         both |= {own: moving.pop(own) for own in (key, "material") if own in moving and own not in both}
     return {**both, **_angles(both, moving, fixed), "moving": moving, "fixed": fixed}
 
@@ -49,6 +56,29 @@ def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, An
     except ValueError as problem:
         raise ValueError(f"give an axis_angle_deg that {problem}") from None
     return {"crossing_angle_deg": (second - first) % 180.0, "motion_angle_deg": (90.0 - first) % 180.0 - 90.0}
+
+
+def with_motion_of_wires(tables: Any) -> Any:
+    """A study's unchecked tables with the direction of motion in the conditions, also where the wires tell it.
+
+    They stay as they are where both tell it, were it an angle of 0, and where the wires cannot be read.
+    """
+    key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
+    wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
+    if not isinstance(wires, Mapping) or not isinstance(conditions, Mapping):
+        return tables
+    turned = any("axis_angle_deg" in own for own in wires.values() if isinstance(own, Mapping))
+    try:
+        both = _wires_of_bodies(wires) if turned else wires
+    except ValueError:
+        # To be told at its key.
+        return tables
+    # Results of earlier versions hold a default of 0 beside what the wires tell.
+    twice = conditions.get(_MOTION) is not None if turned else bool(conditions.get(_MOTION))
+    if both.get(_MOTION) is None or twice:
+        return tables
+    rest = {own: value for own, value in both.items() if own != _MOTION}
+    return {**tables, key: rest, "conditions": {**conditions, _MOTION: both[_MOTION]}}
 
 
 class WireOverride(keys.OfMaterial):
@@ -128,7 +158,5 @@ class Wires(keys.OfMaterial):
 
 #: A key that takes both wires, or two bodies by their names.
 BothWires = Annotated[
-    Wires,
-    BeforeValidator(_wires_of_bodies),
-    Field(description="the two wires", validation_alias=AliasChoices("wires", "bodies")),
+    Wires, BeforeValidator(_wires_of_bodies), Field(description="the two wires", validation_alias=_BOTH)
 ]
