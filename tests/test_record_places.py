@@ -189,6 +189,30 @@ def test_what_was_there_stays_when_a_record_cannot_be_put_in_place(
         assert contents(home) == before
 
 
+def test_a_record_whose_writer_is_killed_between_two_steps_is_named_to_readers_and_put_back_by_the_next_writer(
+    home: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    wirewear("import", "mapping.toml", "--output", "record")
+    before, rename = contents(home), Path.rename
+
+    def killed(self: Path, target: Path) -> Path:
+        if ".partial" in self.name:
+            raise KeyboardInterrupt
+        return rename(self, target)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(ctypes, "CDLL", lambda _: object())
+        patch.setattr(Path, "rename", killed)
+        with pytest.raises(KeyboardInterrupt):
+            write_record(home / "record", read_record(home / "by_hand"), overwrite=True)
+    assert not (home / "record").exists()
+    with pytest.raises(RecordError, match=r"the record before is in .*record\.before\."):
+        read_record(home / "record")
+    # It is not one that may be overwritten: the next writer finds it in its place.
+    assert "was not made of the same file" in wirewear("export", "run.h5", "--as-record", "record", code=2).stderr
+    assert contents(home) == before
+
+
 def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_was_begun_in(
     home: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -169,7 +169,7 @@ def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterat
     # The name of "." is that of the folder.
     path = link_followed(path).resolve()
     path.parent.mkdir(parents=True, exist_ok=True)
-    _remove_abandoned(path)
+    put_back(path)
     partial, holder = _beside(path, folder=True)
     try:
         yield partial
@@ -191,6 +191,26 @@ def folder_in_one_step(path: Path, *, in_place_of: Sequence[str] = ()) -> Iterat
         shutil.rmtree(partial, ignore_errors=True)
 
 
+def put_back(path: Path) -> None:
+    """Clear what a process left that was killed while it exchanged `path`: the folder before is put back.
+
+    Where the system exchanges no folders in one step, it may have ended between two. Nothing is touched while another
+    process is at it.
+    """
+    _remove_abandoned(path)
+    if (aside := set_aside(path)) is not None and not [*_partials(path)]:
+        aside.rename(path)
+
+
+def set_aside(path: Path) -> Path | None:
+    """The folder that was at `path`, where nothing is now, before a process was killed that exchanged it; None of none.
+
+    Nor is there any where several could be it.
+    """
+    found = [] if os.path.lexists(path) else [*path.parent.glob(f"{_literal(path.name)}{_BEFORE}*")]
+    return found[0] if len(found) == 1 else None
+
+
 def _link(source: Path, target: Path) -> None:
     """A second name of a file, or of all files of a folder; a copy where the file system knows no such names."""
     if source.is_dir() and not source.is_symlink():
@@ -202,11 +222,14 @@ def _link(source: Path, target: Path) -> None:
         shutil.copy2(source, target, follow_symlinks=False)
 
 
+_BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
 _AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
 
 
 def _exchange(new: Path, old: Path) -> None:
     """Exchange two folders in one step; where the system knows none, the old one is put back if the new cannot come.
+
+    Should the process be killed between two steps, `put_back` does so.
     Raises OSError if they cannot be exchanged.
     """
     rename = getattr(ctypes.CDLL(None), "renameat2", None)
@@ -214,7 +237,7 @@ def _exchange(new: Path, old: Path) -> None:
     if rename is not None and rename(*names) == 0:
         return
     # A name that nobody takes for abandoned, should the process end between the steps.
-    aside = old.with_name(f"{old.name}.before.{secrets.token_hex(4)}")
+    aside = old.with_name(f"{old.name}{_BEFORE}{secrets.token_hex(4)}")
     old.rename(aside)
     try:
         new.rename(old)
@@ -313,7 +336,7 @@ def name_beside(path: Path) -> Path:
 
 def _remove_abandoned(path: Path) -> None:
     """Delete what processes that were killed while writing `path` have left."""
-    for left in path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}"):
+    for left in _partials(path):
         with suppress(OSError):
             holder = os.open(left, os.O_RDONLY | os.O_NOFOLLOW)
             try:
@@ -323,6 +346,11 @@ def _remove_abandoned(path: Path) -> None:
                     left.unlink()
             finally:
                 os.close(holder)
+
+
+def _partials(path: Path) -> Iterator[Path]:
+    """What stands beside `path` of `name_beside`."""
+    return path.parent.glob(f".{_literal(path.stem)}.*.partial{_literal(path.suffix)}")
 
 
 def _literal(text: str) -> str:

@@ -17,6 +17,7 @@ from pydantic import BaseModel, ValidationError
 from geometry.arrays import Array, BoolArray
 from wirewear.base import reading
 from wirewear.base.errors import RecordError, shown
+from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
 from wirewear.records.normal_force import pressing
@@ -78,6 +79,8 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
     reading.require_no_other(folder, RecordError, reading.Held.RECORD)
     if not folder.is_dir():
         what = "is a file" if folder.is_file() else "does not exist"
+        if (aside := set_aside(folder)) is not None:
+            what += f", but the record before is in {aside}, where a command left it that was killed: rename it"
         raise RecordError(f"{folder} {what}: a record is a folder with {reading.TABLE_FILE_NAME} and CSV files.")
     path = folder / reading.TABLE_FILE_NAME
     model = tables_of_file(folder)

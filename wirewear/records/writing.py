@@ -15,7 +15,15 @@ import numpy as np
 from wirewear.base import reading
 from wirewear.base.errors import RecordError
 from wirewear.base.locks import occupied
-from wirewear.base.writing import folder_in_one_step, link_followed, usable_folder, write_csv, write_text, writing
+from wirewear.base.writing import (
+    folder_in_one_step,
+    link_followed,
+    put_back,
+    usable_folder,
+    write_csv,
+    write_text,
+    writing,
+)
 from wirewear.records.contact_tables import TABLES
 from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged
 from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
@@ -47,6 +55,8 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
         place = link_followed(folder).resolve()
     # The folder itself is tried by whoever is given it.
     usable_folder(place.parent)
+    with writing(RecordError, f"cannot write the record to {folder}"):
+        put_back(place)
     for path in made_of:
         if path.resolve().is_relative_to(place):
             raise RecordError(f"{folder} holds {path}, which the record is made of: choose another folder.")
