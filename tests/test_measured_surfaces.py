@@ -11,7 +11,7 @@ import pytest
 
 from geometry import ContactPatch, Flat
 from geometry.arrays import Array
-from solvers import CondensedBody, place, press, unloaded_state
+from solvers import CondensedBody, PatchLeftError, place, press, unloaded_state
 from tests.studies import line_study
 from tests.synthetic_results import result as made_up
 from tests.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIUS_mm, study
@@ -233,6 +233,13 @@ def test_a_surface_that_cannot_be_taken_is_told_in_one_sentence(
     with pytest.raises(StudyError, match=complaint) as found:
         any_study(tables, "s.toml")
     assert "\n" not in str(found.value)
+
+
+def test_a_surface_that_stands_out_where_the_bodies_then_touch_is_named() -> None:
+    tables, line = study(BALL).resolved(), np.array([-100.0, 100.0])
+    tables["bodies"]["ball"]["surface"] = kept(line, line, np.array([[-1e3, -1e3], [-1e3, 1e3]]))
+    with pytest.raises(PatchLeftError, match=r"upper body stands out by 1000 um .*at \(-100, -100\) um"):
+        simulate(any_study(tables, "s.toml"), fidelity="quick")
 
 
 def test_heights_are_told_where_to_be_read_by_what_does_not_level_them(tmp_path: Path) -> None:

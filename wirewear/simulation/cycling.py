@@ -17,6 +17,7 @@ from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest
 from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore
 from wirewear.simulation.observers import Observer, moment_of
+from wirewear.simulation.problem import standing_out
 from wirewear.simulation.recorded import Recorded
 from wirewear.study.tables import Stop
 
@@ -218,10 +219,10 @@ class _Run:
                     step = stepper.step(problem, state, done, 1.0, (1.0,), 1.0)
                     state, done = step.state, done + step.jump
                 return problem, self._measured(problem, state, 1.0, 1.0)
-            except PatchLeftError:
+            except PatchLeftError as left:
                 larger = self.meshes.next_stage(self.history, 0.0)
                 if larger is None:
-                    raise
+                    raise PatchLeftError("; ".join([str(left), *standing_out(problem)])) from None
                 # Nothing of the run has been on the smaller meshes: that is no change.
                 self.history = MeshHistory(larger.stage)
                 problem = self._problem()

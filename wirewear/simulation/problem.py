@@ -192,6 +192,21 @@ def measured(
     return replace(condensed, patch=replace(condensed.patch, profile=profile))
 
 
+def standing_out(problem: solvers.ContactProblem) -> list[str]:
+    """Of each body whose measured surface stands out beyond the unworn shape, where it does, as parts of a sentence."""
+    said = []
+    for body, name in ((problem.lower, "lower"), (problem.upper, "upper")):
+        surface = body.patch.profile
+        if isinstance(surface, LoweredSurface) and (least := surface.depth_mm.min()) < 0.0:
+            row, column = np.unravel_index(surface.depth_mm.argmin(), surface.depth_mm.shape)
+            at = ", ".join(f"{1e3 * place:.4g}" for place in (surface.x_mm[row], surface.y_mm[column]))
+            said.append(
+                f"the surface stated of the {name} body stands out by {-1e3 * least:.4g} um from its unworn shape (a "
+                f"depth below 0) at ({at}) um, so that the bodies may touch there first: give depths, and no heights"
+            )
+    return said
+
+
 def laws_of(study: AnyStudy[Any]) -> dict[str, Any]:
     """Rig, friction, drive and wear of a contact problem, before any effect and variation."""
     return {
