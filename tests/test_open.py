@@ -34,9 +34,24 @@ def desk(tmp_path: Path) -> Iterator[Desk]:
 @pytest.fixture
 def server(desk: Desk) -> Iterator[DeskServer]:
     with DeskServer(desk) as made:
-        Thread(target=made.serve_forever, daemon=True).start()
+        Thread(target=made.serve_forever, args=(0.02,), daemon=True).start()
         yield made
         made.shutdown()
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Page]:
+    with browser() as page:
+        yield page
+
+
+@pytest.fixture
+def page(chromium: Page, server: DeskServer) -> Iterator[Page]:
+    """Of one browser for all tests; it asks the server no more when that ends."""
+    chromium.problems.clear()
+    yield chromium
+    assert not chromium.problems
+    chromium.open("about:blank")
 
 
 def asked(url: str, method: str = "GET", body: bytes = b"", **headers: str) -> tuple[int, bytes]:
@@ -127,47 +142,41 @@ def test_a_record_that_was_opened_is_checked_where_it_lies(server: DeskServer) -
 
 @pytest.mark.seconds
 @needs_browser
-def test_a_bar_shows_how_far_a_step_is(server: DeskServer) -> None:
+def test_a_bar_shows_how_far_a_step_is(server: DeskServer, page: Page) -> None:
     """Of a run the decades of its cycles, of other work that it goes on: then it has no value, and is at -1."""
-    with browser() as page:
-        page.open(server.url, 390, 800, phone=True)
-        page.value(
-            "const told = JSON.parse(find('data').textContent), one = told.steps.find(s => s.name === 'diagnose')"
+    page.open(server.url, 390, 800, phone=True)
+    page.value("const told = JSON.parse(find('data').textContent), one = told.steps.find(s => s.name === 'diagnose')")
+    places = []
+    for line in ("steel: cycle 100 of 100\u2009000  0.02 J", "searching for causes"):
+        # In one go: the page asks every second for what there is.
+        place, said = page.value(
+            f"one.state = 'running'; one.lines.push('wirewear: {line}'); show(told);"
+            "[find('step-diagnose').querySelector('progress').position,"
+            " find('step-diagnose').querySelector('.note').textContent]"
         )
-        places = []
-        for line in ("steel: cycle 100 of 100\u2009000  0.02 J", "searching for causes"):
-            # In one go: the page asks every second for what there is.
-            place, said = page.value(
-                f"one.state = 'running'; one.lines.push('wirewear: {line}'); show(told);"
-                "[find('step-diagnose').querySelector('progress').position,"
-                " find('step-diagnose').querySelector('.note').textContent]"
-            )
-            places.append(place)
-            assert line in said
-        assert places == [pytest.approx(0.4), -1]
-        assert page.value(TOO_WIDE) == []
-        assert not page.problems
+        places.append(place)
+        assert line in said
+    assert places == [pytest.approx(0.4), -1]
+    assert page.value(TOO_WIDE) == []
 
 
 @pytest.mark.slow
 @needs_browser
-def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServer, tmp_path: Path) -> None:
+def test_files_that_are_dropped_become_a_record_in_the_browser(server: DeskServer, page: Page) -> None:
     desk = server.desk
-    with browser() as page:
-        page.open(server.url)
-        dropped = json.dumps(logged())
-        page.value(f"put([new File([{dropped}], 'cycle100.csv')])")
-        choose_kind(page, "crossed-wires")
-        for flag, value in (("diameter", "0.45"), ("normal-load", "2"), ("cycles", "100")):
-            page.value(f"document.querySelector('#step-guess [data-flag=\"--{flag}\"]').value = '{value}'")
-        for name in ("guess", "look", "import", "check", "loops"):
-            begun(page, desk, name)
-        assert step(desk, "loops")["left"] == ["loops.png"]
-        wait_for(page, "document.querySelector('#step-loops img')?.naturalWidth > 100")
-        assert "diameter_mm = 0.45" in page.value("document.querySelector('textarea').value")
-        assert not page.problems
-        page.open(server.url, 390, 800, phone=True)
-        assert page.value(TOO_WIDE) == []
+    page.open(server.url)
+    dropped = json.dumps(logged())
+    page.value(f"put([new File([{dropped}], 'cycle100.csv')])")
+    choose_kind(page, "crossed-wires")
+    for flag, value in (("diameter", "0.45"), ("normal-load", "2"), ("cycles", "100")):
+        page.value(f"document.querySelector('#step-guess [data-flag=\"--{flag}\"]').value = '{value}'")
+    for name in ("guess", "look", "import", "check", "loops"):
+        begun(page, desk, name)
+    assert step(desk, "loops")["left"] == ["loops.png"]
+    wait_for(page, "document.querySelector('#step-loops img')?.naturalWidth > 100")
+    assert "diameter_mm = 0.45" in page.value("document.querySelector('textarea').value")
+    page.open(server.url, 390, 800, phone=True)
+    assert page.value(TOO_WIDE) == []
     assert (desk.folder / "record" / "experiment.toml").is_file()
 
 
@@ -179,25 +188,51 @@ def choose_kind(page: Page, kind: str) -> None:
 @pytest.mark.seconds
 @needs_browser
 def test_the_page_presets_no_kind_of_contact_names_units_and_speaks_of_no_option_of_a_command_line(
-    server: DeskServer,
+    server: DeskServer, page: Page
 ) -> None:
     server.desk.add("test.csv", HEADER.encode())
     go, labels = "document.querySelector('#step-guess button')", "[...document.querySelectorAll('#step-guess label')]"
     visible = f"{labels}.filter(one => !one.hidden).map(one => one.textContent)"
-    with browser() as page:
-        page.open(server.url)
-        assert page.value(f"{go}.disabled")
-        choose_kind(page, "ball-on-flat")
-        wait_for(page, f"!{go}.disabled")
-        shown = page.value(visible)
-        assert any("diameter [mm]" in one for one in shown)
-        assert not any(one.endswith("length") or "length [mm]" in one for one in shown)
-        choose_kind(page, "cylinder-on-flat")
-        wait_for(page, f"{visible}.some(one => one.includes('length [mm]'))")
-        assert not any("diameter [mm]" in one for one in page.value(visible))
-        assert "--" not in page.value("document.body.innerText")
-        assert page.value("forPage('say --pad-material NAME')") == "say “pad material” NAME"
-        assert not page.problems
+    page.open(server.url)
+    assert page.value(f"{go}.disabled")
+    choose_kind(page, "ball-on-flat")
+    wait_for(page, f"!{go}.disabled")
+    shown = page.value(visible)
+    assert any("diameter [mm]" in one for one in shown)
+    assert not any(one.endswith("length") or "length [mm]" in one for one in shown)
+    choose_kind(page, "cylinder-on-flat")
+    wait_for(page, f"{visible}.some(one => one.includes('length [mm]'))")
+    assert not any("diameter [mm]" in one for one in page.value(visible))
+    assert "--" not in page.value("document.body.innerText")
+    assert page.value("forPage('say --pad-material NAME')") == "say “pad material” NAME"
+
+
+@pytest.mark.seconds
+@needs_browser
+def test_what_was_refused_stays_on_the_page_and_an_edit_that_was_not_saved_in_its_field(
+    server: DeskServer, page: Page
+) -> None:
+    page.open(server.url)
+    page.value("put([new File(['1'], '.hidden'), new File(['1;2'], 'a.csv')])")
+    wait_for(page, "find('files').textContent.includes('a.csv')")
+    page.value("ask('GET', 'state')")
+    assert "no name of a file" in page.value("find('problem').hidden ? '' : find('problem').textContent")
+    # A folder that is dropped, which cannot be read, keeps no other file from being put.
+    page.value(
+        "window.was = fetch; window.fetch = (to, how) => to.includes('folder') ? Promise.reject() : was(to, how)"
+    )
+    page.value("put([new File([''], 'folder'), new File(['3;4'], 'b.csv')])")
+    assert "folder was not taken" in page.value("find('problem').textContent")
+    assert (server.desk.folder / "files" / "b.csv").is_file()
+    page.value("window.fetch = (to, how) => how.method === 'PUT' ? Promise.reject() : was(to, how)")
+    page.value(
+        "window.edit = document.querySelector('textarea'); edit.value = 'mine'; edit.oninput(); save(shown.get('look'))"
+    )
+    server.desk.write_mapping("of another tab")
+    page.value("ask('GET', 'state')")
+    assert page.value("edit.value") == "mine"
+    # The browser itself says of a refusal that it is one.
+    page.problems.clear()
 
 
 def begun(page: Page, desk: Desk, name: str) -> None:

@@ -18,7 +18,8 @@ from typing import Any
 import pytest
 
 from tests.commands import wirewear
-from tests.test_open import asked, desk, server
+from tests.test_open import asked, desk, ended, server, step
+from wirewear.faces import desk as desk_module
 from wirewear.faces import serving
 from wirewear.faces.desk import Desk
 from wirewear.faces.serving import LOOPBACK, DeskServer
@@ -165,13 +166,40 @@ def test_who_sends_slowly_is_cut_off(server: DeskServer, monkeypatch: pytest.Mon
     assert asked(f"{server.url}state")[0] == 200
 
 
-def test_too_many_connections_are_closed_at_once(server: DeskServer, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_who_knows_the_address_is_answered_however_many_wait_without_a_word(server: DeskServer) -> None:
     idle = [socket.create_connection((LOOPBACK, server.server_address[1]), timeout=5.0) for _ in range(210)]
     try:
-        assert idle[-1].recv(1) == b""
+        assert asked(f"{server.url}state")[0] == 200
+        assert idle[0].recv(1) == b""
     finally:
         for one in idle:
             one.close()
+
+
+def test_a_mapping_that_is_no_text_in_utf_8_leaves_the_page_as_it_is(server: DeskServer) -> None:
+    (server.desk.folder / "mapping.toml").write_bytes("# Messgröße\n".encode("latin-1"))
+    assert "Messgr\ufffd" in json.loads(asked(f"{server.url}state")[1])["mapping"]
+    assert asked(server.url)[0] == 200
+
+
+def test_a_step_that_has_ended_is_sent_no_signal(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The system may have given its number to processes of somebody else."""
+    monkeypatch.setattr(desk_module, "_AS_STEP", "print('done')")
+    desk.add("a.csv", b"1;2\n")
+    desk.start("guess", {})
+    ended(desk, "guess")
+    sent_to: list[int] = []
+    monkeypatch.setattr(os, "killpg", lambda group, _: sent_to.append(group))
+    desk.stop()
+    assert sent_to == []
+
+
+def test_a_look_whose_pictures_cannot_be_moved_ends(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(desk_module, "_AS_STEP", "open('record_first_loop.png', 'w'); open('first_look', 'w')")
+    desk.write_mapping("")
+    desk.start("look", {})
+    assert "its pictures stay in" in ended(desk, "look", 20.0)["lines"][-1]
+    assert step(desk, "look")["state"] == "done"
 
 
 def test_a_browser_is_given_a_file_of_its_owner_and_no_secret(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -223,7 +251,7 @@ def test_a_second_desk_is_refused_before_it_touches_the_folder(tmp_path: Path) -
 
 
 @pytest.mark.seconds
-@pytest.mark.parametrize("name", ["SIGTERM", "SIGHUP", "SIGKILL"])
+@pytest.mark.parametrize("name", ["SIGKILL", "SIGTERM", pytest.param("SIGHUP", marks=pytest.mark.slow)])
 def test_a_step_ends_with_the_desk(tmp_path: Path, name: str) -> None:
     with opened(tmp_path / "desk", "no_gap") as (process, url):
         assert asked(f"{url}steps/diagnose", "PUT", b"{}")[0] == 200

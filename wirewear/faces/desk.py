@@ -6,7 +6,6 @@ pipe that the system closes then.
 """
 
 import os
-import shutil
 import signal
 import subprocess
 import sys
@@ -22,7 +21,7 @@ from typing import Any
 
 import click
 
-from wirewear.base.errors import RunError, shown
+from wirewear.base.errors import RunError, WirewearError, as_sentence, shown
 from wirewear.base.reading import Held, recognised
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.faces.group import cli
@@ -187,9 +186,10 @@ class Desk:
 
     def stop(self) -> None:
         """End what runs, as Ctrl-C does."""
-        for job in self._jobs.values():
-            if job.ended is None:
-                with suppress(ProcessLookupError):
+        with self._lock:
+            for job in self._jobs.values():
+                # Once it is reaped, the system may give its number to a group of somebody else.
+                if job.process.returncode is None:
                     os.killpg(job.process.pid, signal.SIGINT)
 
     def state(self) -> dict[str, Any]:
@@ -199,7 +199,7 @@ class Desk:
             "folder": str(self.folder),
             "files": [path.name for path in self._files()],
             "opened": {what: str(path) for what, path in self.places.items()},
-            "mapping": mapping.read_text(encoding="utf-8") if mapping.is_file() else None,
+            "mapping": mapping.read_text(encoding="utf-8", errors="replace") if mapping.is_file() else None,
             "steps": [self._told(step) for step in STEPS if RESULT not in step.needs or RESULT in self.places],
         }
 
@@ -211,13 +211,19 @@ class Desk:
         return None
 
     def _follow(self, step: Step, job: _Job) -> None:
-        with job.process as process:
-            for line in process.stdout or ():
-                job.lines.append(line.rstrip())
-        if step.name == "look":
-            # Its pictures lie beside the record that is yet to be.
-            for picture in self.folder.glob(f"{RECORD}*.png"):
-                shutil.move(picture, prepared_folder(self.folder / step.leaves) / picture.name)
+        process = job.process
+        for line in process.stdout or ():
+            job.lines.append(line.rstrip())
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        with self._lock, process:
+            # Both are left once it is reaped.
+            pass
+        try:
+            # Pictures of a first look lie beside the record that is yet to be.
+            for picture in self.folder.glob(f"{RECORD}*.png") if step.name == "look" else ():
+                picture.replace(prepared_folder(self.folder / step.leaves) / picture.name)
+        except (OSError, WirewearError) as problem:
+            job.lines.append(as_sentence(f"its pictures stay in {self.folder}: {problem}"))
         job.ended = time.monotonic()
 
     def _told(self, step: Step) -> dict[str, Any]:

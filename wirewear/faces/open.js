@@ -19,18 +19,26 @@ const named = flag => flag.replace(/^-+/, "").replaceAll("-", " ");
 // On a page, an option of the command line is a field.
 const forPage = text => text.replace(/--([a-z][a-z-]*)/g, (_, name) => `“${named(name)}”`);
 
+const ENDED = "wirewear has ended: begin `wirewear open` again.";
+function say(problem) {
+  find("problem").hidden = !problem;
+  find("problem").textContent = problem;
+}
+
+// What went wrong, or nothing; it stays on the page until something is put again.
 async function ask(method, place, body) {
-  const answer = await fetch(place, { method, body });
-  const text = await answer.text();
-  find("problem").hidden = answer.ok;
-  if (!answer.ok) { find("problem").textContent = text; return null; }
-  const state = JSON.parse(text);
-  show(state);
-  return state;
+  const answer = await fetch(place, { method, body }).then(async one => ({ ok: one.ok, text: await one.text() })).catch(() => null);
+  const unsent = body instanceof File ? `${body.name} was not taken: it is a folder, or cannot be read.` : ENDED;
+  const problem = answer === null ? unsent : answer.ok ? "" : answer.text;
+  if (method === "PUT" || problem || find("problem").textContent === ENDED) say(problem);
+  if (!problem) show(JSON.parse(answer.text));
+  return problem;
 }
 
 async function put(files) {
-  for (const file of files) await ask("PUT", "files/" + encodeURIComponent(file.name), file);
+  const problems = [];
+  for (const file of [...files]) problems.push(await ask("PUT", "files/" + encodeURIComponent(file.name), file));
+  say(problems.filter(Boolean).join(" "));
 }
 
 function option(one) {
@@ -65,7 +73,7 @@ function section(step) {
     state: made("span", { className: "note" }), bar: made("progress", { max: 1 }), text: made("pre"), left: made("div"), edit: null, seen: "",
   };
   parts.begin.onclick = async () => {
-    if (parts.edit && parts.edit.dataset.changed) await save(parts);
+    if (parts.edit && parts.edit.dataset.changed && await save(parts)) return;
     ask("PUT", "steps/" + step.name, chosen(own));
   };
   parts.end.onclick = () => ask("PUT", "stop");
@@ -92,8 +100,9 @@ function tell(parts, step, running) {
 }
 
 async function save(parts) {
-  delete parts.edit.dataset.changed;
-  await ask("PUT", "mapping", parts.edit.value);
+  const text = parts.edit.value, problem = await ask("PUT", "mapping", text);
+  if (!problem && parts.edit.value === text) delete parts.edit.dataset.changed;
+  return problem;
 }
 
 function show(state) {
@@ -128,7 +137,4 @@ drop.ondragleave = () => drop.classList.remove("over");
 drop.ondrop = event => { event.preventDefault(); drop.classList.remove("over"); put(event.dataTransfer.files); };
 find("choose").onchange = event => put(event.target.files);
 show(JSON.parse(find("data").textContent));
-setInterval(() => ask("GET", "state").catch(() => {
-  find("problem").hidden = false;
-  find("problem").textContent = "wirewear has ended: begin `wirewear open` again.";
-}), 1000);
+setInterval(() => ask("GET", "state"), 1000);

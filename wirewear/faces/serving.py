@@ -48,6 +48,8 @@ class DeskServer(ThreadingHTTPServer):
         self.desk = desk
         self.secret = secrets.token_urlsafe(16)
         self._free = BoundedSemaphore(_MOST_CONNECTIONS)
+        #: Whoever has not yet said the address, the first to come first.
+        self.strangers: dict[_Handler, None] = {}
 
     @property
     def url(self) -> str:
@@ -72,10 +74,13 @@ class DeskServer(ThreadingHTTPServer):
             (self.desk.folder / _DOOR).unlink(missing_ok=True)
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        """Answer a request, unless too many are answered already."""
+        """Answer a request, unless too many are answered already; who has long not said the address gives way."""
         if not self._free.acquire(blocking=False):
-            self.shutdown_request(request)
-            return
+            for waiting in [*self.strangers][:1]:
+                waiting.cut()
+            if not self._free.acquire(timeout=_REST_s):
+                self.shutdown_request(request)
+                return
         super().process_request(request, client_address)
 
     def process_request_thread(self, request: Any, client_address: Any) -> None:
@@ -102,16 +107,22 @@ class _Handler(BaseHTTPRequestHandler):
         super().setup()
         self._unread = 0
         self._clock = self._cut_after(_HEAD_s)
+        self.server.strangers[self] = None
 
     def finish(self) -> None:
         """Let the client read the answer before the connection is closed, also where its body was not read."""
         self._clock.cancel()
+        self._clock = self._cut_after(_HEAD_s)
         with suppress(OSError):
             super().finish()
             if self._unread:
                 self.connection.shutdown(socket.SHUT_WR)
                 self.connection.settimeout(_REST_s)
-                self.connection.recv(CHUNK)
+                # Browsers read no answer before they have sent all that they have begun.
+                while self.connection.recv(CHUNK):
+                    pass
+        self._clock.cancel()
+        self.server.strangers.pop(self, None)
 
     def do_GET(self) -> None:
         """The page, its state, or a file of the folder."""
@@ -134,6 +145,7 @@ class _Handler(BaseHTTPRequestHandler):
             if asked is None:
                 self.send_error(HTTPStatus.NOT_FOUND)
                 return
+            self.server.strangers.pop(self, None)
             self._clock = self._cut_after(_WHOLE_s)
             answer(asked)
         except WirewearError as problem:
@@ -203,12 +215,13 @@ class _Handler(BaseHTTPRequestHandler):
 
     def _cut_after(self, seconds: float) -> Timer:
         """Break the connection off after so long, unless that is cancelled."""
-        clock = Timer(seconds, self._cut)
+        clock = Timer(seconds, self.cut)
         clock.daemon = True
         clock.start()
         return clock
 
-    def _cut(self) -> None:
+    def cut(self) -> None:
+        """Break the connection off."""
         with suppress(OSError):
             self.connection.shutdown(socket.SHUT_RDWR)
 
