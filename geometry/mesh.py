@@ -11,6 +11,7 @@ Mech. Eng. 163 (1998) 231).
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
 from typing import ClassVar
@@ -55,6 +56,11 @@ class ElementMesh(ABC):
         sides = self.cells[:, self.SIDES].reshape(-1, self.SIDES.shape[1])
         _, first, counts = np.unique(np.sort(sides, axis=1), axis=0, return_index=True, return_counts=True)
         return np.asarray(sides[first[counts == 1]])
+
+    @cached_property
+    def boundary_nodes(self) -> IntArray:
+        """Sorted nodes of the whole boundary, shape (k,)."""
+        return np.unique(self.boundary_facets())
 
     @abstractmethod
     def scaled_jacobians(self) -> Array:
@@ -107,6 +113,17 @@ class HexMesh(ElementMesh):
             directions = edges / np.where(lengths > 0.0, lengths, 1.0)[:, :, None]
             smallest = np.minimum(smallest, np.linalg.det(directions))
         return smallest
+
+    @cached_property
+    def springs(self) -> csr_matrix:
+        """Graph Laplacian (n, n) of springs along the elements' edges."""
+        edges = np.unique(np.sort(self.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
+        lengths = np.linalg.norm(self.points[edges[:, 0]] - self.points[edges[:, 1]], axis=1)
+        stiffness = (lengths.mean() / lengths) ** _STIFFENING
+        size = len(self.points)
+        upper = coo_matrix((stiffness, (edges[:, 0], edges[:, 1])), shape=(size, size)).tocsr()
+        both = upper + upper.T
+        return csr_matrix(diags(np.asarray(both.sum(axis=1)).ravel()) - both)
 
     def volume_mm3(self) -> float:
         """Volume by the divergence theorem over cells split into tetrahedra about their centres."""
@@ -234,10 +251,10 @@ def lowered(mesh: HexMesh, nodes: IntArray, depth_mm: Array) -> HexMesh:
     """
     drop = np.zeros(len(mesh.points))
     drop[nodes] = depth_mm
-    held = np.unique(np.concatenate([mesh.boundary_facets().ravel(), nodes]))
+    held = np.union1d(mesh.boundary_nodes, nodes)
     inner = np.setdiff1d(np.arange(len(mesh.points)), held)
     if inner.size:
-        springs = _springs(mesh)[inner]
+        springs = mesh.springs[inner]
         surface = drop.copy()
         drop[inner] = _solved(springs[:, inner].tocsr(), -(springs[:, held] @ drop[held]))
         drop = _as_symmetric(mesh, surface, drop)
@@ -267,14 +284,3 @@ def _solved(matrix: csr_matrix, force: Array) -> Array:
             "the inside of the body could not be moved after its worn surface; please report this study"
         )
     return np.asarray(solution)
-
-
-def _springs(mesh: HexMesh) -> csr_matrix:
-    """Graph Laplacian of the elements' edges, (n, n)."""
-    edges = np.unique(np.sort(mesh.cells[:, _EDGES].reshape(-1, 2), axis=1), axis=0)
-    lengths = np.linalg.norm(mesh.points[edges[:, 0]] - mesh.points[edges[:, 1]], axis=1)
-    stiffness = (lengths.mean() / lengths) ** _STIFFENING
-    size = len(mesh.points)
-    upper = coo_matrix((stiffness, (edges[:, 0], edges[:, 1])), shape=(size, size)).tocsr()
-    both = upper + upper.T
-    return csr_matrix(diags(np.asarray(both.sum(axis=1)).ravel()) - both)

@@ -15,6 +15,7 @@ block (`make bench` prints the ratio).
 """
 
 from dataclasses import dataclass, replace
+from hashlib import sha256
 from itertools import product
 
 import numpy as np
@@ -109,8 +110,24 @@ def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
     return graph
 
 
+_TREES: dict[bytes, Substructure] = {}  #: Of the graphs that were divided last.
+_MOST_TREES = 4
+
+
 def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
-    """Recursive bisection: the separator of a set of nodes is eliminated after its two sides."""
+    """Recursive bisection: the separator of a set of nodes is eliminated after its two sides.
+
+    A body that wears, and bodies that are meshed alike, have one graph: it is divided once.
+    """
+    key = sha256(b"".join(np.ascontiguousarray(one).data for one in (graph.indptr, graph.indices, nodes))).digest()
+    if key not in _TREES:
+        while len(_TREES) >= _MOST_TREES:
+            del _TREES[next(iter(_TREES))]
+        _TREES[key] = _bisected(graph, nodes)
+    return _TREES[key]
+
+
+def _bisected(graph: csr_matrix, nodes: IntArray) -> Substructure:
     if len(nodes) <= _LEAF_NODES:
         return Substructure(nodes, ())
     import pymetis
@@ -120,7 +137,7 @@ def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:
     second = np.asarray(side, dtype=bool)
     separator = _separator(local, second)
     sides = [nodes[~second & ~separator], nodes[second & ~separator]]
-    parts = tuple(divided(graph, side_nodes) for side_nodes in sides if len(side_nodes))
+    parts = tuple(_bisected(graph, side_nodes) for side_nodes in sides if len(side_nodes))
     return Substructure(nodes[separator], parts)
 
 

@@ -10,6 +10,7 @@ Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over th
 problem is linear.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import product
@@ -25,7 +26,7 @@ from solvers import condensation
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState
 from solvers.errors import SolverError
-from solvers.strain import stiffness_matrix
+from solvers.strain import IntegrationPoints, stiffness_matrix
 
 
 @dataclass(frozen=True)
@@ -68,6 +69,16 @@ def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held
     return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
 
 
+def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
+    """The fields (s, n, k) that `points.at_nodes` makes of s values (m, q, k) each, by one factor for all."""
+    mass, used = points.mass
+    loads = np.stack([points.loads(one) for one in values], axis=1)
+    (factor,) = factorised(mass, np.arange(len(used)), 1, np.zeros((1, len(used)), dtype=bool))
+    result = np.zeros((loads.shape[1], len(points.mesh.points), loads.shape[2]))
+    result[:, used] = np.moveaxis(factor.solved(loads.reshape(len(used), -1)).reshape(loads.shape), 0, 1)
+    return result
+
+
 _ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
 
 
@@ -100,14 +111,19 @@ class Interior:
 
     def displacements(self, nodes: IntArray, forces: Array) -> Array:
         """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
-        everywhere = np.zeros((len(forces), len(self.mesh.points), 3))
-        everywhere[:, nodes] = forces
-        result = np.zeros_like(everywhere)
+        loaded = np.unique(nodes)
+        for image in self._images.values():
+            loaded = np.union1d(loaded, image[loaded])
+        near = np.zeros((len(forces), len(loaded), 3))
+        near[:, np.searchsorted(loaded, nodes)] = forces
+        own = self._number[loaded]
+        result = np.zeros((len(forces), len(self.mesh.points), 3))
         parts = {}
         for odd in product((False, True), repeat=len(self.planes)):
-            part = self._of_parity(everywhere, odd)[:, self._nodes]
+            part = self._of_parity(near, loaded, odd)[:, own >= 0]
             if np.abs(part).max() > _ROUND_OFF * np.abs(forces).max():
-                parts[odd] = part
+                parts[odd] = np.zeros((len(forces), len(self._nodes), 3))
+                parts[odd][:, own[own >= 0]] = part
         with threadpool_limits(limits=1, user_api="blas"):
             self._factorise([odd for odd in parts if odd not in self._factors])
             for odd, part in parts.items():
@@ -140,10 +156,10 @@ class Interior:
             matrix = condensation.bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
         return matrix
 
-    def _of_parity(self, fields: Array, odd: tuple[bool, ...]) -> Array:
-        """The part of vector fields (s, n, 3) that is even or odd about each plane."""
+    def _of_parity(self, fields: Array, nodes: IntArray, odd: tuple[bool, ...]) -> Array:
+        """The part of vector fields (s, k, 3) that is even or odd about each plane; nodes: (k,), with their images."""
         for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
-            mirrored = fields[:, image] * _signs(axis)
+            mirrored = fields[:, np.searchsorted(nodes, image[nodes])] * _signs(axis)
             fields = 0.5 * (fields - mirrored if is_odd else fields + mirrored)
         return fields
 

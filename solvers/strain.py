@@ -17,7 +17,7 @@ from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import bmat, coo_matrix, csr_matrix, dia_matrix, diags
+from scipy.sparse import bmat, coo_matrix, csr_matrix, diags
 
 from geometry import Elastic, HexMesh, QuadMesh
 from geometry.arrays import Array, IntArray
@@ -155,30 +155,34 @@ class IntegrationPoints:
         """The field on nodes (n, k) that lies closest, in the mean square, to values (m, q, k) at integration points.
 
         Of all fields that the elements can represent it is the best one, without the smoothing of a plain average. It
-        is zero at nodes without cells.
+        is zero at nodes without cells. `solvers.interior.all_at_nodes` makes many such fields at once.
         """
         from scipy.sparse.linalg import cg
 
-        mass, scale, used = self._mass
-        loads = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
-        loads = scattered(self.mesh.cells, loads, len(self.mesh.points))
-        result = np.zeros_like(loads)
-        for k, load in enumerate(loads[used].T):
+        mass, used = self.mass
+        scale = diags(1.0 / mass.diagonal())
+        result = np.zeros((len(self.mesh.points), values.shape[-1]))
+        for k, load in enumerate(self.loads(values).T):
             result[used, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
             if failed:
                 raise SolverError("stresses could not be projected to the nodes; please report this study")
         return result
 
+    def loads(self, values: Array) -> Array:
+        """Integrals (u, k) of shape functions times values (m, q, k), of the nodes that have cells."""
+        of_cells = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
+        _, used = self.mass
+        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))[used]
+
     @cached_property
-    def _mass(self) -> tuple[csr_matrix, dia_matrix, IntArray]:
-        """Integrals of products of shape functions, the inverse of their diagonal, and the nodes that have cells."""
+    def mass(self) -> tuple[csr_matrix, IntArray]:
+        """Integrals (u, u) of products of shape functions of the nodes (u,) that have cells, and these nodes."""
         used, cells = np.unique(self.mesh.cells, return_inverse=True)
         corners, size = self.mesh.cells.shape[1], len(used)
         cells = cells.reshape(-1, corners)
         masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
         rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
-        mass = coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr()
-        return mass, diags(1.0 / mass.diagonal()), used
+        return coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr(), used
 
 
 def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
@@ -190,7 +194,7 @@ def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
     slopes = np.stack([_slope(at, corners, k) for k in range(d)], axis=-1)
     jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
     volumes = np.linalg.det(jacobian)
-    local = np.swapaxes(np.linalg.solve(np.swapaxes(jacobian, -1, -2), np.swapaxes(slopes, -1, -2)[None]), -1, -2)
+    local = slopes @ np.linalg.inv(jacobian)
     gradients = np.zeros((*volumes.shape, len(corners), 3))
     gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
     return IntegrationPoints(mesh, gradients, np.abs(volumes), shapes)

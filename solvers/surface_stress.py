@@ -9,18 +9,18 @@ elements around a point only: farther away elements resolve them.
 """
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.fft import next_fast_len
 from scipy.linalg import solve_banded
 from scipy.ndimage import distance_transform_edt
-from scipy.signal import fftconvolve
 
 from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
 from solvers.strain import components, tensors
-from solvers.subgrid_traction import SubgridTraction, bicubic_coefficients, lattice_error, polynomial
+from solvers.subgrid_traction import ComplexArray, SubgridTraction, bicubic_coefficients, lattice_error, polynomial
 
 _ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
 #: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
@@ -35,6 +35,10 @@ _ENDING = 0.1
 _LOADED = 1e-6
 #: Places along each side of a cell at which its square is tried, and the share of its range by which it may be higher.
 _SAMPLED, _ROOM = 4, 0.1
+#: What differs from its mirror image by no more than this share is its own: its stresses are computed on one side.
+_MIRRORED = 1e-9
+_ACROSS = np.array([1.0, -1.0])  #: The mirror image about y = 0 of a point of the plane,
+_IMAGE = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  #: and of a stress.
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,12 +67,6 @@ class SurfaceStress:
         lines = (self.patch.axial_mm[self.window[0]], self.patch.transverse_mm[self.window[1]])
         return float(np.diff(lines[0]).mean()), float(np.diff(lines[1]).mean())
 
-    @property
-    def proportions(self) -> Array:
-        """The same, (2,), over their geometric mean."""
-        spacing = np.array(self.spacing_mm)
-        return np.asarray(spacing / np.sqrt(spacing.prod()))
-
     @cached_property
     def normals(self) -> Array:
         """Outward normals (n_a, n_t, 3) of the surface at the patch's nodes."""
@@ -80,19 +78,25 @@ class SurfaceStress:
         found = total[self.patch.nodes]
         return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
 
-    @cached_property
+    @property
     def stencil(self) -> Array:
         """What elements make of a unit traction at one node, (2 w + 1, 2 w + 1, 6, 3), nothing of it out of reach."""
-        nu = self.material.poissons_ratio
-        result = lattice_error(*self.spacing_mm, *self.layers, nu).copy()
-        size, middle = result.shape[0], result.shape[0] // 2
-        places = np.argwhere(np.ones((size, size))).astype(float)
-        for component in range(3):
-            unit = np.zeros((size, size, 3))
-            unit[middle, middle, component] = 1.0
-            exact = half_space_stress(places, self.proportions, np.ones((size, size)), unit, False, nu)
-            result[..., component] += exact.reshape(size, size, 6)
-        return result
+        return _stencil(*self.spacing_mm, *self.layers, self.material.poissons_ratio)
+
+    @cached_property
+    def waves(self) -> tuple[tuple[int, int], ComplexArray]:
+        """A size (rows, columns) in which the stencil reaches the whole window, and its Fourier transform of that size,
+        (rows, columns / 2 + 1, 6, 3).
+        """
+        rows, columns = (next_fast_len(len(self.stencil) + w.stop - w.start - 1, real=True) for w in self.window)
+        return (rows, columns), np.fft.rfft2(self.stencil, (rows, columns), axes=(0, 1))
+
+    @cached_property
+    def is_symmetric(self) -> bool:
+        """Whether the window is its own mirror image about y = 0."""
+        across, normals = self.patch.transverse_mm[self.window[1]], self.normals[self.window]
+        alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
+        return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
 
     def under(self, force_N: Array) -> "LoadedSurface":
         """The surface under forces (n, 3) at the patch's nodes, in the order of its flattened grid."""
@@ -126,6 +130,20 @@ class LoadedSurface:
 
         Zero at points outside the window, and farther from the contact than its tractions are summed.
         """
+        if not self._is_symmetric:
+            return self._correction(points_mm)
+        points, places = np.unique(points_mm * np.where(points_mm < 0.0, _ACROSS, 1.0), axis=0, return_inverse=True)
+        found = self._correction(points)[places.ravel()]
+        found[points_mm[:, 1] < 0.0] *= _IMAGE
+        return found
+
+    @cached_property
+    def _is_symmetric(self) -> bool:
+        """Whether surface and tractions are their own mirror image about y = 0."""
+        unlike = np.abs(self.traction - self.traction[:, ::-1] * [1.0, -1.0, 1.0]).max(initial=0.0)
+        return self.surface.is_symmetric and bool(unlike <= _MIRRORED * np.abs(self.traction).max(initial=0.0))
+
+    def _correction(self, points_mm: Array) -> Array:
         places = self._numbers(points_mm)
         cell = np.floor(places + 1e-9).astype(int)
         shape = np.array(self.traction.shape[:2])
@@ -146,11 +164,8 @@ class LoadedSurface:
         u, v = (places - cell).T
         weights = np.stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
         corners = [(cell[:, 0] + i, cell[:, 1] + j) for i in (0, 1) for j in (0, 1)]
-        spacing = np.array(self.surface.spacing_mm)
-        nu = self.surface.material.poissons_ratio
-        local = half_space_stress(
-            places, spacing / np.sqrt(spacing.prod()), self.between.square, self.between.ratio, True, nu
-        )
+        size, nu = _proportions(*self.surface.spacing_mm), self.surface.material.poissons_ratio
+        local = half_space_stress(places, size, self.between.square, self.between.ratio, True, nu)
         normal = np.zeros((len(places), 3))
         for weight, corner in zip(weights, corners, strict=True):
             local -= weight[:, None] * self._of_elements[corner]
@@ -166,13 +181,11 @@ class LoadedSurface:
     @cached_property
     def _of_elements(self) -> Array:
         """What elements make of the tractions in reach on a half-space, at the nodes of the window (n_a, n_t, 6)."""
-        return np.stack(
-            [
-                np.sum([_convolved(self.traction[..., c], self.surface.stencil[..., row, c]) for c in range(3)], axis=0)
-                for row in range(6)
-            ],
-            axis=-1,
-        )
+        size, waves = self.surface.waves
+        field = np.fft.rfft2(self.traction, size, axes=(0, 1))
+        whole = np.fft.irfft2(np.einsum("ijsc,ijc->ijs", waves, field), size, axes=(0, 1))
+        reach, (rows, columns) = len(self.surface.stencil) // 2, self.traction.shape[:2]
+        return np.asarray(whole[reach : reach + rows, reach : reach + columns])
 
     def _numbers(self, points_mm: Array) -> Array:
         """Places in elements from the window's first node."""
@@ -207,10 +220,24 @@ def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
     return np.asarray(near)
 
 
-def _convolved(field: Array, stencil: Array) -> Array:
-    half = stencil.shape[0] // 2
-    whole = fftconvolve(field, stencil)
-    return np.asarray(whole[half : half + field.shape[0], half : half + field.shape[1]])
+@lru_cache(maxsize=8)
+def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float) -> Array:
+    """As a `SurfaceStress` has it, of elements of that size under layers that grow from the first by a factor."""
+    result: Array = lattice_error(along_mm, across_mm, first_layer_mm, growth, nu).copy()
+    size, middle = result.shape[0], result.shape[0] // 2
+    places = np.argwhere(np.ones((size, size))).astype(float)
+    proportions = _proportions(along_mm, across_mm)
+    for component in range(3):
+        unit = np.zeros((size, size, 3))
+        unit[middle, middle, component] = 1.0
+        exact = half_space_stress(places, proportions, np.ones((size, size)), unit, False, nu)
+        result[..., component] += exact.reshape(size, size, 6)
+    return result
+
+
+def _proportions(along_mm: float, across_mm: float) -> Array:
+    """Sizes (2,) of an element over their geometric mean."""
+    return np.asarray(np.array([along_mm, across_mm]) / np.sqrt(along_mm * across_mm))
 
 
 def alike(lines: Array) -> slice:

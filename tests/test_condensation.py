@@ -17,7 +17,7 @@ from skfem.models.elasticity import lame_parameters, linear_elasticity
 from geometry import Elastic, HexMesh, QuadMesh, mirror_images
 from geometry.arrays import Array, IntArray
 from solvers import CondensedBody, SolverError, condense, place
-from solvers.condensation import _separator, node_graph, schur_complements
+from solvers.condensation import _separator, divided, node_graph, schur_complements
 from solvers.strain import stiffness_matrix
 from tests.bodies import STEEL, brick, condensed_wire, patch_on, wire, wire_geometry
 from wirewear.simulation import problem as wires
@@ -101,6 +101,14 @@ def test_a_wire_worn_alike_on_both_sides_stays_symmetric() -> None:
     assert condense(worn.mesh, worn.patch, STEEL).folded.planes == (0, 1)
     lopsided = fresh.worn(depth * (1.0 + 0.1 * (a[:, None] > 0.0)))
     assert condense(lopsided.mesh, lopsided.patch, STEEL).folded.planes == (1,)
+
+
+def test_a_body_is_divided_once_however_it_wears() -> None:
+    fresh = brick((8, 6, 6), (1.0, 0.8, 0.7))
+    worn = replace(fresh, points=fresh.points * [1.0, 1.0, 0.9])
+    trees = [divided(node_graph(stiffness_matrix(one, STEEL), 3), np.arange(250)) for one in (fresh, worn)]
+    assert trees[0] is trees[1]
+    assert divided(node_graph(stiffness_matrix(worn, STEEL), 3), np.arange(249)) is not trees[0]
 
 
 @pytest.mark.seconds

@@ -10,7 +10,7 @@ import pyvista
 from geometry import BodyMesh, Elastic, HexMesh, build_body
 from geometry.arrays import Array
 from solvers import condense
-from solvers.interior import Interior
+from solvers.interior import Interior, all_at_nodes
 from solvers.strain import hydrostatic, integration_points, principal, turned, von_mises
 from tests import bodies
 from tests.commands import wirewear
@@ -79,6 +79,13 @@ def test_stresses_near_a_place_are_projected_as_those_of_the_whole_body(wire: Bo
     moved = np.random.default_rng(5).normal(size=(len(wire.mesh.points), 3))
     whole, part = (own.at_nodes(own.stresses(bodies.STEEL, moved))[nodes] for own in (points, beside))
     np.testing.assert_allclose(part, whole, atol=1e-4 * np.abs(whole).max())
+
+
+def test_many_fields_are_projected_at_once_as_one_by_one(wire: BodyMesh) -> None:
+    points = integration_points(wire.mesh).around(wire.patch.nodes.ravel()[:4])
+    values = np.random.default_rng(6).normal(size=(3, *points.volumes.shape, 2))
+    each = [points.at_nodes(one) for one in values]
+    np.testing.assert_allclose(all_at_nodes(points, values), each, atol=1e-5 * np.abs(each).max())
 
 
 def test_equivalent_stresses_of_plain_states() -> None:

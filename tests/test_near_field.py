@@ -1,5 +1,7 @@
 """What elements lack near a loaded node: checked against closed forms of the half-space and by symmetry."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -199,6 +201,22 @@ def test_a_contact_that_leaves_the_elements_alike_is_not_corrected_there_and_its
     assert np.abs(there[grid[:, 1] < 1.2]).max() > 0.05
     # What changes little from node to node the elements have.
     assert np.abs(LoadedSurface(surface, hertz(4.0, (0.0, 0.0))).correction(np.zeros((1, 2)))).max() < 0.2
+
+
+@pytest.mark.seconds
+def test_a_symmetric_contact_is_corrected_on_one_side_of_its_middle_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    surface, counts = flat(5.0, 20), []
+    loaded = LoadedSurface(surface, hertz(4.0, (0.0, 0.0)))
+    assert surface.stencil.any()
+
+    def counted(places: Array, *others: Any) -> Array:
+        counts.append(len(places))
+        return half_space_stress(places, *others)
+
+    monkeypatch.setattr("solvers.surface_stress.half_space_stress", counted)
+    grid = surface.patch.grid()
+    np.testing.assert_allclose(loaded.correction(grid), loaded._correction(grid), atol=1e-9)
+    assert counts[0] < 0.6 * counts[1]
 
 
 def hertz_of_stress(per_half_width: float, centre: float = 0.0) -> tuple[Array, Array]:

@@ -86,9 +86,13 @@ def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> W
 
 
 def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
-    wire = build_body(geometry)
+    wire = _fresh(geometry)
     worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
     return wire.worn(worn) if worn.any() else wire
+
+
+#: What wears is the same mesh in all states of a body.
+_fresh = lru_cache(maxsize=2)(build_body)
 
 
 if TYPE_CHECKING:

@@ -11,6 +11,7 @@ from scipy.spatial import cKDTree
 
 from geometry import Elastic
 from geometry.arrays import Array, IntArray
+from solvers.interior import all_at_nodes
 from solvers.strain import von_mises
 from wirewear.base.errors import ResultError, counted
 from wirewear.interior.bodies import INSIDE_POINTS
@@ -63,7 +64,7 @@ def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
     """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
     body = states[0].body
     points = body.points.around(nodes)
-    return np.array([points.at_nodes(state.stress_at(points)) for state in states])
+    return all_at_nodes(points, (state.stress_at(points) for state in states))
 
 
 @dataclass(frozen=True)
