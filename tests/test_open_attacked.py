@@ -10,7 +10,7 @@ import sys
 import webbrowser
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
@@ -21,7 +21,7 @@ from tests.commands import wirewear
 from tests.test_open import asked, desk, ended, server, step
 from wirewear.faces import desk as desk_module
 from wirewear.faces import serving
-from wirewear.faces.desk import Desk
+from wirewear.faces.desk import _AS_STEP, Desk
 from wirewear.faces.serving import LOOPBACK, DeskServer
 
 __all__ = ["desk", "server"]
@@ -113,19 +113,10 @@ def test_an_address_that_is_none_is_told_so(
 @pytest.mark.parametrize(
     "options",
     [
-        b"null",
-        b"[1]",
-        b"{",
-        b"[" * 100_000,
-        b'{"--diameter": 1}',
-        b'{"--diameter": "0.45 mm"}',
-        b'{"--diameter": {}}',
-        b'{"--material": "a\\u0000b"}',
-        b'{"--material": "\\ud800"}',
-        b'{"--cycles": "-3"}',
-        b"\xff",
+        b"null", b"[1]", b"{", b"[" * 100_000, b'{"--diameter": 1}', b'{"--diameter": "0.45 mm"}', b'{"--diameter": {}}',
+        b'{"--material": "a\\u0000b"}', b'{"--material": "\\ud800"}', b'{"--cycles": "-3"}', b"\xff",
     ],
-)
+)  # fmt: skip
 def test_options_are_looked_at_before_anything_is_put_aside(
     server: DeskServer, capfd: pytest.CaptureFixture[str], options: bytes
 ) -> None:
@@ -167,16 +158,36 @@ def test_who_sends_slowly_is_cut_off(server: DeskServer, monkeypatch: pytest.Mon
 
 
 def test_who_knows_the_address_is_answered_however_many_wait_without_a_word(server: DeskServer) -> None:
-    idle = [socket.create_connection((LOOPBACK, server.server_address[1]), timeout=5.0) for _ in range(210)]
-    try:
+    with ExitStack() as all_open:
+        place = LOOPBACK, server.server_address[1]
+        idle = [all_open.enter_context(socket.create_connection(place, timeout=5.0)) for _ in range(210)]
         assert asked(f"{server.url}state")[0] == 200
         assert idle[0].recv(1) == b""
-    finally:
-        for one in idle:
-            one.close()
 
 
-def test_a_mapping_that_is_no_text_in_utf_8_leaves_the_page_as_it_is(server: DeskServer) -> None:
+def test_a_port_that_is_taken_is_told_in_one_sentence(server: DeskServer, tmp_path: Path) -> None:
+    words = ("open", "--no-browser", "--port", server.server_address[1], "--output", tmp_path / "other")
+    said = wirewear(*words, code=2).stderr
+    assert "cannot be used: address already in use; without --port any that is free is taken." in said
+    assert said.count("\n") == 1
+
+
+def test_a_step_that_is_stopped_while_it_starts_says_so(desk: Desk, monkeypatch: pytest.MonkeyPatch) -> None:
+    loading = "import time; print('loading'); time.sleep(20)"
+    monkeypatch.setattr(desk_module, "_AS_STEP", _AS_STEP.replace("from wirewear.faces import desk, main", loading))
+    desk.add("a.csv", b"1;2\n")
+    desk.start("guess", {})
+    while not step(desk, "guess")["lines"]:
+        sleep(0.02)
+    desk.stop()
+    told = ended(desk, "guess", 10.0)
+    assert told["lines"] == ["loading", "wirewear: interrupted; nothing was written."]
+    assert told["state"] == "failed"
+
+
+def test_names_that_are_no_text_and_such_a_mapping_leave_the_page_as_it_is(server: DeskServer) -> None:
+    (server.desk.folder / "files").mkdir()
+    (server.desk.folder / "files" / os.fsdecode(b"bad\xff.csv")).touch()
     (server.desk.folder / "mapping.toml").write_bytes("# Messgröße\n".encode("latin-1"))
     assert "Messgr\ufffd" in json.loads(asked(f"{server.url}state")[1])["mapping"]
     assert asked(server.url)[0] == 200

@@ -305,7 +305,15 @@ def _require_taken(option: click.Option, value: str) -> None:
         raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
 
 
-_AS_STEP = "from wirewear.faces import desk, main; desk.end_with_input(); main()"
+_AS_STEP = """
+try:
+    from wirewear.faces import desk, main
+    desk.end_with_input()
+except KeyboardInterrupt:
+    print("wirewear: interrupted; nothing was written.")
+    raise SystemExit(130)
+main()
+"""
 
 
 def end_with_input() -> None:

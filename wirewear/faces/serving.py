@@ -22,8 +22,9 @@ from threading import BoundedSemaphore, Timer
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from wirewear.base.errors import WirewearError
+from wirewear.base.errors import RunError, WirewearError
 from wirewear.base.frame import embedded, rendered, script
+from wirewear.base.writing import writing
 from wirewear.faces.desk import CHUNK, Desk
 
 LOOPBACK = "127.0.0.1"
@@ -43,9 +44,12 @@ class DeskServer(ThreadingHTTPServer):
     request_queue_size = 128
 
     def __init__(self, desk: Desk, port: int = 0) -> None:
-        """On a port, any free one by default."""
-        super().__init__((LOOPBACK, port), _Handler)
+        """On a port, any free one by default. Raises RunError if it cannot be had."""
         self.desk = desk
+        with writing(
+            RunError, f"port {port} of this machine cannot be used", "without --port any that is free is taken"
+        ):
+            super().__init__((LOOPBACK, port), _Handler)
         self.secret = secrets.token_urlsafe(16)
         self._free = BoundedSemaphore(_MOST_CONNECTIONS)
         #: Whoever has not yet said the address, the first to come first.
@@ -161,7 +165,7 @@ class _Handler(BaseHTTPRequestHandler):
         match asked:
             case [""]:
                 values = {"script": script(_HERE / "open.js"), "data": embedded(self.server.desk.state())}
-                self._send(rendered(_HERE / "open.html", values).encode(), "text/html; charset=utf-8")
+                self._send(rendered(_HERE / "open.html", values).encode("utf-8", "replace"), "text/html; charset=utf-8")
             case ["state"]:
                 self._send_state()
             case ["out", *places] if (found := self.server.desk.served("/".join(places))) is not None:
