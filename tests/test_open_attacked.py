@@ -113,8 +113,9 @@ def test_an_address_that_is_none_is_told_so(
 @pytest.mark.parametrize(
     "options",
     [
-        b"null", b"[1]", b"{", b"[" * 100_000, b'{"--diameter": 1}', b'{"--diameter": "0.45 mm"}', b'{"--diameter": {}}',
-        b'{"--material": "a\\u0000b"}', b'{"--material": "\\ud800"}', b'{"--cycles": "-3"}', b"\xff",
+        b"null", b"[1]", b"{", b"[" * 100_000, b'{"--diameter": 1}', b'{"--diameter": "0.45 mm"}',
+        b'{"--diameter": {}}', b'{"--material": "a\\u0000b"}', b'{"--material": "\\ud800"}', b'{"--cycles": "-3"}',
+        b"\xff",
     ],
 )  # fmt: skip
 def test_options_are_looked_at_before_anything_is_put_aside(
