@@ -219,16 +219,19 @@ def test_both_bodies_maps_show_one_pressure(problem: ContactProblem) -> None:
 
 
 @pytest.mark.parametrize("elements", [3.0, 8.0])
-def test_the_depth_that_is_spread_over_elements_is_estimated_as_of_a_paraboloid(
-    problem: ContactProblem, elements: float
+@pytest.mark.parametrize("worn_body", ["primary", "secondary"])
+def test_the_error_of_depth_that_either_body_wears_to_is_estimated_as_of_a_paraboloid(
+    problem: ContactProblem, elements: float, worn_body: str
 ) -> None:
     lines = 1e-3 * np.arange(-30.0, 31.0)
     patch = ContactPatch(lines, lines, np.arange(61 * 61).reshape(61, 61), Flat())
-    body, state = replace(problem.secondary, patch=patch), pressed(problem)[0]
+    body, state = replace(getattr(problem, worn_body), patch=patch), pressed(problem)[0]
     radius = 1e-3 * elements
     x, y = np.meshgrid(lines, lines, indexing="ij")
-    worn = replace(state.wear, secondary_depth=np.maximum(1.0 - (x**2 + y**2) / radius**2, 0.0))
-    shown = replace(problem, lower=body) if problem.primary_is_upper else replace(problem, upper=body)
+    depth, wear = np.maximum(1.0 - (x**2 + y**2) / radius**2, 0.0), state.wear
+    worn = replace(wear, primary_depth=depth) if worn_body == "primary" else replace(wear, secondary_depth=depth)
+    is_upper = problem.primary_is_upper == (worn_body == "primary")
+    shown = replace(problem, upper=body) if is_upper else replace(problem, lower=body)
     # The mean over a hat of a parabola 1 - (x/b)² is less at its middle by h²/(3 b²), here in both directions.
     assert depth_spread(shown, replace(state, wear=worn)) == pytest.approx(2.0 / (3.0 * elements**2), rel=0.01)
     assert np.isnan(depth_spread(problem, state))

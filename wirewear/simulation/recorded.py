@@ -100,13 +100,17 @@ def _faced_force(problem: ContactProblem, state: ContactState) -> Array:
 
 
 def depth_spread(problem: ContactProblem, state: ContactState) -> float:
-    """Estimate of what share of its largest depth the body loses that does not carry the tractions, as the wear handed
-    on to it is spread over its elements: what it would lose were it spread once more. NaN where it has not worn.
+    """Estimate of by what share the largest depths are off, the larger of both bodies': what a worn one would lose were
+    its depth spread over its elements. NaN where neither has worn.
+
+    Wear handed on to the body that does not carry the tractions is spread so. The gap opens by so much less, and the
+    other body wears for it.
     """
-    depth = state.wear.secondary_depth
-    if not depth.any():
-        return nan
-    return 1.0 - float(spread_once(depth, problem.secondary.patch).max() / depth.max())
+    depths = zip(state.wear.depths, (problem.primary.patch, problem.secondary.patch), strict=True)
+    return max(
+        (1.0 - float(spread_once(depth, patch).max() / depth.max()) for depth, patch in depths if depth.any()),
+        default=nan,
+    )
 
 
 def _scar(
