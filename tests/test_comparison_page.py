@@ -15,7 +15,7 @@ from wirewear import record_of_result
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures import style
 from wirewear.records import AnyRecord
-from wirewear.records.importing.importing import _mark_motion
+from wirewear.records.importing.preview import _mark_motion
 from wirewear.results import RunResult
 from wirewear.study import load_study
 from wirewear.views.comparison import ONE_REPEAT, RecordComparison, compare, differences_table, page, write_comparison

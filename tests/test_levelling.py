@@ -178,3 +178,48 @@ def test_heights_that_a_study_begins_with_are_levelled_likewise_or_refused(tmp_p
     Worn("ball-on-flat", "ball", 900.0, 1.3, steep=20.0).written(tmp_path)
     with pytest.raises(StudyError, match=r"surface of ball in s\.toml cannot be taken: map\.csv: .* reaches farther"):
         any_study(tables, "s.toml")
+
+
+def heights_of(tmp_path: Path, height: Array, step_um: float) -> Path:
+    """A mapping of heights (n, n) of a ball of 6 mm or, where they are flat, of its counterpart."""
+    x = np.asarray(step_um * (np.arange(len(height)) - 0.5 * (len(height) - 1)), dtype=np.float64)
+    points(tmp_path / "map.csv", (x, x), height)
+    body = "ball" if np.ptp(height) > 50.0 else "flat"
+    return mapping(tmp_path, "ball-on-flat", body, SCAR_HEIGHTS, diameter_mm=2e-3 * RADIUS_um)
+
+
+def scar_with_rim(lines: int) -> Array:
+    """Depths (n, n) of a deep scar over half of a map, with a smooth rim piled up around it."""
+    place = np.linspace(-1.0, 1.0, lines)
+    out = np.hypot(place[:, None], place) / 0.8
+    return np.asarray(15.0 * np.maximum(1.0 - out**2, 0.0) - 1.8 * np.exp(-(((out - 1.06) / 0.06) ** 2)))
+
+
+def test_a_rim_piled_up_around_a_scar_does_not_raise_what_is_taken_to_be_unworn(tmp_path: Path) -> None:
+    depth, random = scar_with_rim(71), np.random.default_rng(5)
+    height = np.round(0.05 * random.standard_normal(depth.shape) - depth, 1)
+    record, found, _ = imported(heights_of(tmp_path, height, 10.0))
+    assert found == pytest.approx(1e-7 * float(depth.sum()), rel=0.03)
+    assert abs(record.scars[0].ground_um) < 0.01
+
+
+def test_outermost_lines_that_are_off_are_named_by_import_and_check(tmp_path: Path) -> None:
+    height = -np.maximum(scar_with_rim(81), 0.0) + 0.02 * np.random.default_rng(5).standard_normal((81, 81))
+    for step, what in ((0.0, ""), (-8.0, "% of what is worn lies"), (6.0, "% of what is worn is piled up")):
+        record, _, _ = imported(heights_of(tmp_path, np.where(np.arange(81) > 78, height + step, height), 10.0))
+        checked = [remark.text for remark in check_record(record).remarks]
+        for told in (record.notes, checked):
+            assert any("along the border" in one and what in one for one in told) == bool(what)
+
+
+def test_a_ball_whose_map_is_a_paraboloid_is_offered_the_radius_that_comes_nearest(tmp_path: Path) -> None:
+    place = 15.0 * (np.arange(61) - 30.0)
+    squared = place[:, None] ** 2 + place**2
+    worn = 8.0 * np.maximum(1.0 - squared / 200.0**2, 0.0)
+    noise = NOISE_um * np.random.default_rng(3).standard_normal(worn.shape)
+    _, found, (note,) = imported(heights_of(tmp_path, noise - squared / (2.0 * RADIUS_um) - worn, 15.0))
+    assert found == pytest.approx(225e-9 * float(worn.sum()), rel=0.03)
+    offered = 500.0 * float(note.partition("diameter_mm = ")[2].partition(")")[0])
+    sphere = np.sqrt(offered**2 - squared) - offered + squared / (2.0 * RADIUS_um)
+    stated = np.sqrt(RADIUS_um**2 - squared) - RADIUS_um + squared / (2.0 * RADIUS_um)
+    assert np.ptp(sphere) < 0.5 * np.ptp(stated)

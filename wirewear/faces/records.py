@@ -238,7 +238,8 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, ove
     """
     from wirewear.records import check_record, require_place, write_record
     from wirewear.records.importing import import_record
-    from wirewear.records.importing.importing import draw_import, import_text, inputs_of
+    from wirewear.records.importing.importing import inputs_of
+    from wirewear.records.importing.preview import draw_import, import_text
 
     place: dict[str, Any] = {"made_of": inputs_of(mapping_path), "overwrite": overwrite}
     if not dry_run:

@@ -2,9 +2,10 @@
 
 from wirewear.records.checking import check_record
 from wirewear.records.exporting import record_of_result
+from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.reading import read_record
 from wirewear.records.remarks import RecordReport, Remark
-from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
+from wirewear.records.scars import MeasuredScar
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, LineRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.writing import require_place, write_record

@@ -12,7 +12,7 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from wirewear.records.course_checks import figure_at
 from wirewear.records.remarks import CheckedRecord, Remark, plural
-from wirewear.records.surfaces import MeasuredScar
+from wirewear.records.scars import MeasuredScar
 from wirewear.records.values import MeasuredEvolution
 from wirewear.results.scar import called
 

@@ -17,7 +17,7 @@ from wirewear.base.reading import TABLE_FILE_NAME
 from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.contact_tables import TABLES, AnyTables
-from wirewear.records.surfaces import SCAR_STEP_um
+from wirewear.records.scars import SCAR_STEP_um
 from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame

@@ -13,7 +13,7 @@ import numpy as np
 from scipy.ndimage import binary_dilation, uniform_filter
 
 from geometry.arrays import Array, BoolArray
-from wirewear.loops.robust import median_deviation
+from wirewear.loops.robust import biweight, median_deviation
 from wirewear.records.spikes import FINEST_um, noise_um
 from wirewear.records.unworn_bodies import Surface, jacobian
 
@@ -38,6 +38,8 @@ LEAST_ON, LEAST_BORDER, MOST_ABOVE, MOST_AT_BORDER, LITTLE = 0.08, 0.25, 0.15, 0
 WELL_KNOWN, CERTAIN = 0.03, 2.0
 
 SETTLED = 5  #: Rounds in which a fit settles on what is not worn.
+
+REWEIGHED = 4  #: Times that a fit weighs its points by what they leave.
 
 LEFT = 0.4  #: Of the points that lie within the noise so many are left beside what is close to a scar.
 
@@ -290,13 +292,18 @@ def _form_um(surface: Surface, places: Array, found: Array) -> float:
 
 
 def _fitted(surface: Surface, places: Array, height: Array, found: Array, unworn: BoolArray) -> tuple[Array, Array]:
-    """Parameters fitted to some of the points, by least squares about those that were found; and what is left (m,)."""
+    """Parameters fitted to some of the points, robustly, about those that were found; and what is left (m,)."""
     chosen = np.flatnonzero(unworn)
     chosen = chosen[:: max(chosen.size // MOST_POINTS, 1)]
     middle, slopes = jacobian(surface, found, places.reshape(2, -1)[:, chosen], found.size)
     rest = height.ravel()[chosen] - middle
-    change = np.linalg.lstsq(slopes, rest, rcond=None)[0]
-    return np.asarray(found + change), np.asarray(rest - slopes @ change)
+    # Shoulders of a scar and of what is piled up lie all to one side: a mean would follow them.
+    left = rest - np.median(rest)
+    for _ in range(REWEIGHED):
+        weight = np.sqrt(biweight(left, max(median_deviation(left), FINEST_um)))
+        change = np.linalg.lstsq(weight[:, None] * slopes, weight * rest, rcond=None)[0]
+        left = rest - slopes @ change
+    return np.asarray(found + change), np.asarray(left)
 
 
 def bare(rest: Array, scale: float, least: float) -> BoolArray:
@@ -317,7 +324,7 @@ def bare(rest: Array, scale: float, least: float) -> BoolArray:
         above = mean[known & (mean > 0.0) & (mean < scale)]
         # Of what lies on it half stands above by noise alone.
         noise = float(np.median(above)) / 0.6745 if above.size else scale
-        limit = max(FARTHER * max(noise, white / float(np.sqrt(np.prod(wide)))), least)
+        limit = max(min(FARTHER * max(noise, white / float(np.sqrt(np.prod(wide)))), scale), least)
         off = known & (np.abs(mean) > limit)
         found = known & ~binary_dilation(
             off, np.ones([min(max(n, 3), m) for n, m in zip(wide, rest.shape, strict=True)], dtype=bool)

@@ -13,6 +13,9 @@ NEAR, NEAR_ON_LINE, FAR = 3, 8, 8.0
 
 MOST_TOGETHER = 4  #: More points beside one another are no single ones.
 
+#: The border of a map, of so large a share of it, holds no more of what is worn than another share.
+BORDER, MOST_AT_BORDER = 0.04, 0.02
+
 FINEST_um = 1e-3  #: Nothing is known better than this of a height.
 
 
@@ -59,6 +62,34 @@ def without_spikes(levels: Array) -> tuple[Array, BoolArray]:
         spikes[at] = abs(levels[at] - between) > max(spread, least)
         found[at] = between if spikes[at] else levels[at]
     return found, spikes
+
+
+def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
+    """Depths with those that single points which stand out were measured with."""
+    return depth_um if spikes_um is None else np.where(np.isfinite(spikes_um), spikes_um, depth_um)
+
+
+def border_text(share: float, where: str) -> str:
+    """That a share of what a surface has lost, negative of what is raised, lies along its border; empty of little."""
+    if abs(share) < MOST_AT_BORDER:
+        return ""
+    what = f"{share:.1%} of what is worn lies" if share > 0.0 else f"{-share:.1%} of what is worn is piled up"
+    return (
+        f"{what} along the border of {where}, which cuts the scar off, or whose outermost points are off; a map that "
+        "reaches farther beyond the scar would help, or one without those points"
+    )
+
+
+def spikes_text(spikes_um: Array | None, depth_um: Array, where: str) -> str:
+    """How many single points stand out of a surface, and by how much; empty of none."""
+    if spikes_um is None:
+        return ""
+    count = int(np.isfinite(spikes_um).sum())
+    far = float(np.nanmax(np.abs(spikes_um - np.nan_to_num(depth_um))))
+    return (
+        f"{count} single point{'s' * (count > 1)} of {where} stand{'s' * (count == 1)} out by up to {far:.3g} µm, as "
+        f"at steep walls and dirt: {'they are' if count > 1 else 'it is'} left out"
+    )
 
 
 def _beyond_lines(levels: Array, least: float) -> BoolArray:

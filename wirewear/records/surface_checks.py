@@ -25,8 +25,9 @@ from geometry.arrays import Array
 from wirewear.loops import LoopFigures
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exchanges import copied_scars
+from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.remarks import CheckedRecord, Remark, listed
-from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
+from wirewear.records.scars import MeasuredScar
 from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
@@ -205,6 +206,8 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
     if edge > CUT_OFF * deepest:
         text = f"The map seems to cut off {name}: at its edge the depth is still {edge:.3g} µm of {deepest:.3g} µm."
         yield Remark("problem", "scars", text)
+    elif scar.border_told:
+        yield Remark("note", "scars", f"{scar.border_told}.")
 
 
 _AREA = 30.0  # A worn area may differ from what is stated by this factor before units are suspected.
@@ -257,6 +260,8 @@ def _profile_remarks(record: LineRecord, profile: MeasuredProfile) -> list[Remar
     ends = max(profile.smooth_um[0], profile.smooth_um[-1])
     if ends > _AT_END * deepest:
         found.append(Remark("problem", "profiles", f"{who} ends inside the scar, {ends:.3g} µm deep."))
+    elif profile.border_told:
+        found.append(Remark("note", "profiles", f"{profile.border_told}."))
     expected = _expected_area(record, profile.body)
     if expected is not None and not 1.0 / _AREA < profile.area_um2 / expected < _AREA:
         text = f"{who} has lost {profile.area_um2:.3g} µm², expected {expected:.3g}: check its units."

@@ -9,7 +9,8 @@ from pydantic import Field, PlainValidator
 from solvers import Waveform
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.of_test import Metadata, OfRecord, OfTest
-from wirewear.records.surfaces import SCARS, MeasuredScar
+from wirewear.records.scars import MeasuredScar
+from wirewear.records.surfaces import SCARS
 from wirewear.results.scar import WIRES, called
 from wirewear.study import keys
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um

@@ -12,7 +12,8 @@ from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import RecordError
 from wirewear.loops import LoopFigures, LoopSignals, analyse_loop
 from wirewear.records.contact_tables import AnyTables, LineRecordTables
-from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
+from wirewear.records.profiles import MeasuredProfile
+from wirewear.records.scars import MeasuredScar
 from wirewear.records.tables import RecordTables, StatedRig
 from wirewear.study import study_from_tables
 from wirewear.study.messages import validated

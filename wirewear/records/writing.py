@@ -25,8 +25,9 @@ from wirewear.base.writing import (
     writing,
 )
 from wirewear.records.contact_tables import TABLES
+from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.reading import EVOLUTION_COLUMNS, require_unchanged
-from wirewear.records.surfaces import MeasuredProfile, MeasuredScar
+from wirewear.records.scars import MeasuredScar
 from wirewear.records.values import AnyRecord, MeasuredLoop
 
 if TYPE_CHECKING:
