@@ -7,14 +7,13 @@ import numpy as np
 
 from geometry.arrays import Array
 from studies.blind.generators.cases import TrueEffect
-from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from studies.blind.generators.finite_element.changes import instruments_of
+from studies.blind.generators.finite_element.changes import instruments_of, outside_of
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.sensing import Reading, read
 from studies.blind.generators.independent.wear_test import Snapshot, snapshots
 from studies.blind.generators.independent.worlds import believed_world
-from studies.blind.generators.instruments import Signals, read_by
 from studies.blind.generators.nominal import Nominal
+from studies.blind.generators.signals import Signals, read_by
 from studies.blind.generators.sizes import drawn_parameters
 
 Named = dict[str, float]
@@ -87,7 +86,7 @@ NOTHING: dict[str, Named] = {
 
 #: Those that are read of a loop and leave it as it is, and those of the two later sets at the seams of a run.
 READ = [effect for effect, nothing in NOTHING.items() if instruments_of([TrueEffect(effect, nothing)], Nominal())]
-AT_SEAMS = [effect for name in ("withheld", "reserved") for effect in OF_RUNS[name] if effect not in READ]
+AT_SEAMS = [effect for name in ("withheld", "reserved") for effect in outside_of(name) if effect not in READ]
 #: What tells the ends of a stroke or the directions apart, in the force or in the displacement, or keeps no time.
 ONE_WAY_IN_FORCE = {
     "sticking_lever", "overloaded_cell", "loose_plug", "hard_spot", "debris_ridge", "halting_logger", "spreading_glaze",

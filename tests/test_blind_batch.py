@@ -232,7 +232,10 @@ def reaches(names: set[str], *packages: str) -> list[str]:
 
 def blind_files() -> list[Path]:
     scoring = GENERATORS.with_name("scoring")
-    return sorted((*GENERATORS.rglob("*.py"), *scoring.glob("*.py"), GENERATORS.with_name("make.py")))
+    causes = GENERATORS.with_name("causes")
+    return sorted(
+        (*GENERATORS.rglob("*.py"), *causes.glob("*.py"), *scoring.glob("*.py"), GENERATORS.with_name("make.py"))
+    )
 
 
 def test_the_independent_model_and_the_seam_have_files_to_check() -> None:
@@ -255,11 +258,15 @@ def test_only_the_seam_to_the_finite_elements_knows_solvers_and_effects(file: Pa
     assert reaches(imports_of(file), *forbidden) == []
 
 
-@pytest.mark.parametrize("file", sorted(INDEPENDENT.glob("*.py")), ids=lambda file: file.name)
+@pytest.mark.parametrize(
+    "file",
+    sorted((*INDEPENDENT.glob("*.py"), *GENERATORS.with_name("causes").glob("*.py"))),
+    ids=lambda file: file.name,
+)
 def test_the_independent_model_takes_nothing_but_records_and_the_case_from_the_program(file: Path) -> None:
     allowed = (
-        "studies.blind.generators", "studies.blind.errors", "wirewear.records", "wirewear.base.course",
-        "wirewear.base.errors",
+        "studies.blind.causes", "studies.blind.generators", "studies.blind.errors", "wirewear.records",
+        "wirewear.base.course", "wirewear.base.errors",
     )  # fmt: skip
     own = reaches(imports_of(file), "wirewear", "studies")
     assert [name for name in own if not reaches({name}, *allowed)] == []

@@ -1,55 +1,57 @@
 """Causes of no library, all sets alike: at all seams, without a trace, of one size in both tiers, and how large."""
 
-from dataclasses import replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from solvers import Holder, WearRates
+from studies.blind.causes import SETS, all_causes, causes_of, seam_of
 from studies.blind.generators.cases import Case, TrueEffect, planned_cases
 from studies.blind.generators.files import write_traceless
-from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
-from studies.blind.generators.finite_element.changes import changes_of
+from studies.blind.generators.finite_element.changes import changes_of, outside_of
 from studies.blind.generators.finite_element.model import NUMERICS, believed_study
 from studies.blind.generators.finite_element.readings import read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.loop import TrueLoop
 from studies.blind.generators.independent.model import IndependentModel
-from studies.blind.generators.independent.reserved import RESERVED
 from studies.blind.generators.independent.sensing import read
-from studies.blind.generators.independent.unknown_causes import (
-    DEVELOPMENT,
-    FIRST,
-    OUTSIDE,
-    OUTSIDE_SETS,
-    SEALED,
-    UNSEEN,
-)
-from studies.blind.generators.independent.withheld import WITHHELD
 from studies.blind.generators.nominal import Nominal, drawn_nominals
 from studies.blind.generators.nuisances import SpecimenDraw
-from studies.blind.generators.sizes import DRAWS, drawn_parameters
-from studies.blind.scoring.seams import OUTSIDE_SEAMS
+from studies.blind.generators.sizes import drawn_parameters
 from tests import blind_causes
 from tests.test_blind_finite_element import a_loop, plain_nuisances
 from wirewear.effects import Age, ContactLaw, Loading, Seam, applied
 
 QUIET = SpecimenDraw()
+WITHHELD, RESERVED = causes_of("withheld"), causes_of("reserved")
 
 
 def test_there_are_sixteen_kinds_and_more_in_two_halves() -> None:
-    assert len(set(DEVELOPMENT) | set(SEALED)) >= 16
-    assert not set(DEVELOPMENT) & set(SEALED)
-    assert not set(UNSEEN) & (set(DEVELOPMENT) | set(SEALED))
-    assert set(FIRST) <= set(DEVELOPMENT) | set(SEALED)
-    assert set(OUTSIDE) == set(FIRST) | set(DEVELOPMENT) | set(SEALED) | set(UNSEEN) | set(WITHHELD) | set(RESERVED)
-    assert set(OUTSIDE_SEAMS) >= set(OUTSIDE)
-    assert not set(OUTSIDE) & set(LIBRARY_EFFECTS)
-    assert set(blind_causes.NOTHING) == set(UNSEEN) | set(WITHHELD) | set(RESERVED)
-    assert set(RESERVED) <= set(DRAWS)
-    assert len(OF_RUNS["unseen"]) >= 6
+    first, development, sealed, unseen, withheld, reserved = (set(causes_of(name)) for name in SETS)
+    assert len(development | sealed) >= 16
+    assert not development & sealed
+    assert not unseen & (development | sealed)
+    assert first <= development | sealed
+    assert set(all_causes()) == first | development | sealed | unseen | withheld | reserved
+    assert not set(all_causes()) & set(LIBRARY_EFFECTS)
+    assert set(blind_causes.NOTHING) == unseen | withheld | reserved
+    assert len(outside_of("unseen")) >= 6
+
+
+@pytest.mark.parametrize("name", SETS)
+def test_a_set_says_in_which_order_its_causes_are_drawn(name: str) -> None:
+    """A batch's seed gives its cases again only while it does."""
+    assert sorted(dict(all_causes()[cause].sets)[name] for cause in causes_of(name)) == [*range(len(causes_of(name)))]
+
+
+@pytest.mark.parametrize("name", all_causes())
+def test_a_cause_is_named_as_its_file_and_drawn_with_the_parameters_that_its_law_has(name: str) -> None:
+    cause = all_causes()[name]
+    assert cause.__name__ == name.title().replace("_", "")
+    assert set(blind_causes.drawn(name)) == {field.name for field in fields(cause)}
 
 
 @pytest.mark.parametrize(
@@ -61,13 +63,13 @@ def test_there_are_sixteen_kinds_and_more_in_two_halves() -> None:
     ],
 )
 def test_a_set_has_kinds_of_its_own_at_all_seams(name: str, kinds: int, twice: tuple[str, ...]) -> None:
-    own = OUTSIDE_SETS[name]
-    seams = [OUTSIDE_SEAMS[effect] for effect in own]
+    own = causes_of(name)
+    seams = [seam_of(effect) for effect in own]
     assert len(own) >= kinds
     # What a test holds is stated by few records, and wrong in one way alone.
     assert set(seams) == set(Seam) - {Seam.DRIVE}
     assert all(seams.count(seam) >= 2 for seam in twice)
-    assert not set(own) & {effect for other, effects in OUTSIDE_SETS.items() if other != name for effect in effects}
+    assert not set(own) & {effect for other in SETS if other != name for effect in causes_of(other)}
 
 
 @pytest.mark.parametrize("effect", blind_causes.NOTHING)
@@ -104,7 +106,7 @@ def test_a_loop_stays_odd_over_half_a_cycle_but_where_one_end_or_direction_diffe
 @pytest.mark.seconds
 @pytest.mark.parametrize("effect", [*RESERVED, "crossover_distortion", "loose_plug", "opening_joint", "used_wire"])
 def test_records_are_the_same_again_and_their_files_of_one_size_without_the_cause(effect: str, tmp_path: Path) -> None:
-    model = IndependentModel(points=6, outside=tuple(RESERVED if effect in RESERVED else WITHHELD))
+    model = IndependentModel(points=6, outside=RESERVED if effect in RESERVED else WITHHELD)
     case = planned_cases(20, 2, LIBRARY_EFFECTS, model.outside)[0]
     true = TrueEffect(effect, drawn_parameters(effect, "easy", case.nominal, np.random.default_rng(1)))
     case = replace(case, effects=(true,))
@@ -117,7 +119,7 @@ def test_records_are_the_same_again_and_their_files_of_one_size_without_the_caus
     assert made["first"][1] == made["without"][1]
 
 
-@pytest.mark.parametrize("effect", [*blind_causes.READ, *list(SEALED)[:3]])
+@pytest.mark.parametrize("effect", [*blind_causes.READ, *causes_of("sealed")[:3]])
 def test_both_tiers_read_the_same_of_the_same_loop(effect: str) -> None:
     parameters = blind_causes.drawn(effect)
     loops = [a_loop(n, increments=400) for n in (1, 100, 100000)]

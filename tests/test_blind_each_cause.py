@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from studies.blind.generators.independent.reserved import RESERVED
-from studies.blind.generators.independent.withheld import WITHHELD
-from studies.blind.generators.instruments import Signals
+from studies.blind.causes import causes_of
+from studies.blind.generators.signals import Signals
 from studies.blind.generators.strokes import since_reversal
 from tests.blind_causes import BACK, BLOCK, FORTH, LOOP, READ, TURN, area_mJ, drawn, seen
 
@@ -73,7 +72,7 @@ def test_hooks_rise_towards_the_end_of_either_stroke_and_take_nearly_no_work() -
     assert area_mJ(hooked) == pytest.approx(area_mJ(BLOCK), rel=2e-3)
 
 
-@pytest.mark.parametrize("effect", sorted({*READ} & {*WITHHELD} - {"rattling_weight", "averaging_logger"}))
+@pytest.mark.parametrize("effect", sorted({*READ} & {*causes_of("withheld")} - {"rattling_weight", "averaging_logger"}))
 def test_what_is_no_load_leaves_the_normal_force_and_the_displacement(effect: str) -> None:
     found = seen(effect, **drawn(effect))
     assert (found.normal_force_N == LOOP.normal_force_N).all()
@@ -163,7 +162,7 @@ def factor_on_force(found: Signals, of: Signals = BLOCK) -> Array:
     return np.asarray(found.tangential_force_N / of.tangential_force_N)
 
 
-@pytest.mark.parametrize("effect", sorted({*READ} & {*RESERVED}))
+@pytest.mark.parametrize("effect", sorted({*READ} & {*causes_of("reserved")}))
 def test_the_normal_force_is_another_under_other_loads_alone(effect: str) -> None:
     found = seen(effect, **drawn(effect))
     assert (np.abs(found.normal_force_N - LOOP.normal_force_N).max() > 1e-3) == (effect in LOADS)

@@ -4,7 +4,11 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from studies.blind.generators.ageing import Film, Growth, Hanging, Shedding, Steps, Swing
+from studies.blind.causes.changing_air import ChangingAir
+from studies.blind.causes.shedding_film import SheddingFilm
+from studies.blind.causes.sticking_slide import StickingSlide
+from studies.blind.causes.swinging_load import SwingingLoad
+from studies.blind.generators.ageing import Film, Growth
 from studies.blind.generators.independent.effects import changed
 from studies.blind.generators.independent.wear_test import grid_of, snapshots
 from tests.blind_causes import STEEL, worn
@@ -34,14 +38,16 @@ def test_a_one_sided_holder_shortens_one_side_of_the_loop_alone_and_thicker_wire
 def test_values_over_the_cycles_follow_their_laws() -> None:
     # Half gone at its cycle and gone in the end; let go at square multiples of the first cycle.
     assert [Film(0.3, 1e3, 5.0).at(n) for n in (0.0, 1e3, 1e6)] == pytest.approx([0.7, 0.85, 1.0])
-    hung = [Hanging(0.2, 100.0).at(n) for n in (0.0, 25.0, 99.99, 100.0, 225.0, 399.9, 400.0)]
+    hung = [StickingSlide(0.2, 100.0).at(n) for n in (0.0, 25.0, 99.99, 100.0, 225.0, 399.9, 400.0)]
     assert hung == pytest.approx([1.0, 0.9, 0.8, 1.0, 0.9, 0.8, 1.0], abs=2e-4)
     assert [Growth(3.0, 1e3, 2.0).at(n) for n in (0.0, 500.0, 1e3, 1e4)] == pytest.approx([0.0, 0.75, 3.0, 3.0])
-    assert [Shedding(0.2, 100.0).at(n) for n in (0.0, 50.0, 99.0, 100.0, 250.0)] == pytest.approx(
+    assert [SheddingFilm(0.2, 100.0).at(n) for n in (0.0, 50.0, 99.0, 100.0, 250.0)] == pytest.approx(
         [1.0, 1.1, 1.198, 1.0, 1.1]
     )
-    assert [Swing(0.1, 400.0, 0.0).at(n) for n in (0.0, 100.0, 200.0, 300.0)] == pytest.approx([1.0, 1.1, 1.0, 0.9])
-    steps = Steps(((10.0, 1.2), (100.0, 0.9), (1e3, 1.1)))
+    assert [SwingingLoad(0.1, 400.0, 0.0).at(n) for n in (0.0, 100.0, 200.0, 300.0)] == pytest.approx(
+        [1.0, 1.1, 1.0, 0.9]
+    )
+    steps = ChangingAir(1.2, 0.9, 1.1, 10.0, 100.0, 1e3)
     assert [steps.at(n) for n in (9.0, 10.0, 99.0, 100.0, 1e3)] == [1.0, 1.2, 1.2, 0.9, 1.1]
 
 

@@ -2,13 +2,12 @@
 
 import click
 
-#: Sets of causes of no library, in the order in which they came (`generators.tiers`).
-SETS_OF_CAUSES = ("first", "development", "sealed", "unseen", "withheld", "reserved")
+from studies.blind.causes import SETS
 
 outside_option = click.option(
     "--outside",
-    type=click.Choice(SETS_OF_CAUSES),
-    default=SETS_OF_CAUSES[0],
+    type=click.Choice(SETS),
+    default=SETS[0],
     show_default=True,
     help="Causes of no library that are drawn.",
 )

@@ -1,7 +1,7 @@
 """What changes over the cycles of a test by laws other than an exponential, the same for all forward models."""
 
 from dataclasses import dataclass
-from math import exp, pi, sin, sqrt
+from math import exp
 from typing import Protocol
 
 
@@ -47,6 +47,17 @@ class Factor(Protocol):
 
 
 @dataclass(frozen=True)
+class Constant:
+    """The same factor at every cycle."""
+
+    factor: float
+
+    def at(self, _cycle: float) -> float:
+        """The factor."""
+        return self.factor
+
+
+@dataclass(frozen=True)
 class Growth:
     """A value that grows from nothing, v (n/n_e)^p: evenly as wear does (p = 1), or ever faster as a crack does.
 
@@ -60,54 +71,3 @@ class Growth:
     def at(self, cycle: float) -> float:
         """The value at a cycle."""
         return self.final * float(min(max(cycle, 0.0) / self.cycles, 1.0) ** self.power)
-
-
-@dataclass(frozen=True)
-class Shedding:
-    """A factor that rises evenly from 1 to 1 + share over so many cycles and falls back at once, again and again."""
-
-    share: float
-    cycles: float
-
-    def at(self, cycle: float) -> float:
-        """The factor at a cycle."""
-        return 1.0 + self.share * ((cycle / self.cycles) % 1.0)
-
-
-@dataclass(frozen=True)
-class Hanging:
-    """A factor of 1 that falls as the wires sink, and is whole again at once each time they have sunk enough.
-
-    1 − loss (√(n/n_1) mod 1): worn depths of crossed wires grow as √n, h²/D with V = πDh⁴/2D.
-    """
-
-    loss: float
-    cycles: float
-
-    def at(self, cycle: float) -> float:
-        """The factor at a cycle."""
-        return 1.0 - self.loss * (sqrt(max(cycle, 0.0) / self.cycles) % 1.0)
-
-
-@dataclass(frozen=True)
-class Swing:
-    """A factor that swings evenly in time, 1 + share sin(2π n/n_T + φ), as temperatures of rooms do."""
-
-    share: float
-    cycles: float
-    phase_rad: float
-
-    def at(self, cycle: float) -> float:
-        """The factor at a cycle."""
-        return 1.0 + self.share * sin(2.0 * pi * cycle / self.cycles + self.phase_rad)
-
-
-@dataclass(frozen=True)
-class Steps:
-    """A factor that is 1 at first and takes another value at each of some moments: (cycle, factor), increasing."""
-
-    taken: tuple[tuple[float, float], ...]
-
-    def at(self, cycle: float) -> float:
-        """The factor at a cycle."""
-        return next((factor for begun, factor in reversed(self.taken) if cycle >= begun), 1.0)

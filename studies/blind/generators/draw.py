@@ -1,6 +1,7 @@
 """What sizes of effects are drawn from: how severe a case is, its nominal test, and random numbers."""
 
 from dataclasses import dataclass
+from math import acos
 
 import numpy as np
 
@@ -40,6 +41,21 @@ class Draw:
     def plateau_N(self) -> float:
         """Tangential force of the sliding contact."""
         return self.nominal.friction * self.nominal.load_N
+
+    @property
+    def scar_depth_um(self) -> float:
+        """Depth of both expected scars together, h²/2R of crossed wires."""
+        return 1e3 * self.nominal.expected_scar_mm**2 / self.nominal.diameter_mm
+
+    def turning_phase(self, low: float, high: float) -> float:
+        """Phase after a reversal within which half of the way passes that the rig's spring takes, and so many µm more.
+
+        A cosine moves by d within the phase arccos(1 − d/A) after its reversal. Only half of the spring's way counts:
+        the force turns faster than on average towards the end of it.
+        """
+        stiffness = self.nominal.stiffness_N_per_mm
+        spring_um = 0.0 if stiffness is None else 2e3 * self.plateau_N / stiffness
+        return acos(1.0 - (0.5 * spring_um + self.length_um(low, high)) / self.nominal.amplitude_um)
 
     def length_um(self, low: float, high: float) -> float:
         """A length of that severity, limited by the stroke."""

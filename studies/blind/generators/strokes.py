@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from studies.blind.generators.instruments import FINER, Array, Signals
+from studies.blind.generators.signals import FINER, Array, Signals
 
 #: What a holder gives way by [µm] at displacements [µm] and tangential forces (n,) of a stroke in a direction, ±1.
 Give = Callable[[Array, Array, int], Array]

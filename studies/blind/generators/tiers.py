@@ -26,16 +26,16 @@ def generator_of(
             raise BlindError(f"records of the tier {tier} state no scatter at will: leave it out, or take T2.")
         return OwnersWhoKnow(generator_of(tier, law=law, outside=outside), stated_scatter)
     if tier == "T2":
+        from studies.blind.causes import SETS, causes_of
         from studies.blind.generators.independent.friction import LAWS
         from studies.blind.generators.independent.model import IndependentModel
-        from studies.blind.generators.independent.unknown_causes import OUTSIDE_SETS
 
         law = law or DEFAULT_LAW
         if law not in LAWS:
             raise BlindError(f"there is no friction law {law!r}: choose one of {', '.join(LAWS)}.")
-        if outside not in OUTSIDE_SETS:
-            raise BlindError(f"there is no set {outside!r} of causes: choose one of {', '.join(OUTSIDE_SETS)}.")
-        return IndependentModel(law, outside=tuple(OUTSIDE_SETS[outside]))
+        if outside not in SETS:
+            raise BlindError(f"there is no set {outside!r} of causes: choose one of {', '.join(SETS)}.")
+        return IndependentModel(law, outside=causes_of(outside))
     if tier == OTHERS:
         _require_set(tier, outside, ("first",))
         return _others(law or "development")
@@ -47,11 +47,11 @@ def generator_of(
 
         return LineModel()
     if tier in (*TIERS, *POINT_TIERS):
-        from studies.blind.generators.finite_element.changes import OUTSIDE_SETS as OF_RUNS
+        from studies.blind.generators.finite_element.changes import DRAWN_SETS, outside_of
         from studies.blind.generators.finite_element.model import FiniteElementModel
 
-        _require_set(tier, outside, tuple(OF_RUNS))
-        return FiniteElementModel(tier, outside=OF_RUNS[outside])
+        _require_set(tier, outside, DRAWN_SETS)
+        return FiniteElementModel(tier, outside=outside_of(outside))
     raise BlindError(f"there is no generator for the tier {tier!r}: choose one of {', '.join(TIERS)}.")
 
 

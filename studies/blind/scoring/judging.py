@@ -4,9 +4,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
+from studies.blind.causes import seam_of
 from studies.blind.generators.cases import EXACT_CLASSES, exact_class
 from studies.blind.scoring.answers import NONE, OUTSIDE, Answer, NamedCause
-from studies.blind.scoring.seams import OUTSIDE_SEAMS
 
 SET_LEVEL = 0.9  #: Level of the class sets whose coverage is reported, of answers that state none.
 OPEN_KINDS = ("outside", "left_out")  #: Kinds of cases whose effect no library holds, as the diagnosis sees it.
@@ -93,7 +93,7 @@ class Judgement:
         """Whether a cause of no library was told to enter where it does; None if it was not left unexplained."""
         if self.answer is None or not self.rejected or self.truth.kind != "outside":
             return None
-        seam = OUTSIDE_SEAMS.get(self.truth.effects[0])
+        seam = seam_of(self.truth.effects[0])
         return None if seam is None else self.answer.seam == seam
 
     @property

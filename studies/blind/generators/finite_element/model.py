@@ -14,7 +14,7 @@ import numpy as np
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import conditions_table, scar_lines_um
-from studies.blind.generators.finite_element.changes import ANGLE, OUTSIDE_SETS, changes_of
+from studies.blind.generators.finite_element.changes import ANGLE, changes_of, outside_of
 from studies.blind.generators.finite_element.readings import moments, read_test
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
 from studies.blind.generators.independent.model import IndependentModel
@@ -74,13 +74,13 @@ class FiniteElementModel:
 
     tier: str
     several: float = SEVERAL
-    outside: Sequence[str] = OUTSIDE_SETS["first"]
+    outside: Sequence[str] = outside_of("first")
 
     @property
     def description(self) -> str:
         """What the manifest says of it."""
         own = self.numerics
-        drawn = "" if tuple(self.outside) == OUTSIDE_SETS["first"] else ", causes of no library drawn from another set"
+        drawn = "" if tuple(self.outside) == outside_of("first") else ", causes of no library drawn from another set"
         return (
             f"finite elements of {self.contact.kind}, {own.increments_per_cycle} increments a cycle, mesh refined by "
             f"{own.mesh_refinement:g}, {own.formulation}, tractions on the {own.primary_wire} wire, up to three "

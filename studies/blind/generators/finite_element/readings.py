@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from studies.blind.generators.cases import TrueEffect
-from studies.blind.generators.finite_element.changes import SATURATION, instruments_of
-from studies.blind.generators.instruments import Signals, read_by
+from studies.blind.generators.finite_element.changes import instruments_of
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.nuisances import Nuisances, SpecimenDraw
 from studies.blind.generators.sampling import Channels
+from studies.blind.generators.signals import Signals, read_by
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.results import Loop
@@ -70,7 +70,6 @@ def read_test(
     """Noise-free readings at every cycle of which anything is recorded, at the times of the loops' increments (n,)."""
     true = [(loop.cycle, channels_of(loop)) for loop in loops]
     period = 1.0 / nominal.frequency_Hz
-    cubic = _saturation_per_N2(effects, nominal)
     instruments = instruments_of(effects, nominal)
     for cycle in nuisances.all_cycles:
         displacement, force, normal = between(true, cycle)
@@ -82,15 +81,5 @@ def read_test(
         load = normal if read.normal_force_N is None else read.normal_force_N
         yield (
             cycle,
-            (
-                read.displacement_um + draw.displacement_zero_um,
-                read.tangential_force_N - cubic * force**3 + draw.force_zero_N,
-                load,
-            ),
+            (read.displacement_um + draw.displacement_zero_um, read.tangential_force_N + draw.force_zero_N, load),
         )
-
-
-def _saturation_per_N2(effects: Sequence[TrueEffect], nominal: Nominal) -> float:
-    """Of a force cell that reads ever less than it bears: Q' = Q − s Q³."""
-    lost = sum(true.parameters["loss_at_plateau"] for true in effects if true.effect == SATURATION)
-    return lost / (nominal.friction * nominal.load_N) ** 2

@@ -3,17 +3,23 @@
 They carry the names, parameters and units of the diagnosis' contract.
 """
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import radians
 
-from studies.blind.generators.independent.unknown_causes import OUTSIDE, Change, Parameters
+from studies.blind.causes import all_causes
 from studies.blind.generators.independent.world import World
 from wirewear.base.course import Course
+
+Parameters = Mapping[str, float]
+Change = Callable[[World, Parameters], World]
 
 
 def changed(world: World, effect: str, parameters: Parameters) -> World:
     """The world with an effect of the library or from outside it. Raises KeyError if there is no such effect."""
-    return (LIBRARY | OUTSIDE)[effect](world, parameters)
+    if effect in LIBRARY:
+        return LIBRARY[effect](world, parameters)
+    return all_causes()[effect](**parameters).in_world(world)
 
 
 def _tangential_compliance(world: World, p: Parameters) -> World:

@@ -228,16 +228,8 @@ def _holder(world: World, table: ForceTable, force: Array, held_from: float, dir
     if rig.hardening_mm_per_N3:
         moved = moved + rig.hardening_mm_per_N3 * (table.friction * float(table.load_N.mean())) ** 2 * force
         moved = moved - rig.hardening_mm_per_N3 / 3.0 * force**3
-    if rig.one_sided_mm_per_N:
-        side = np.sign(rig.one_sided_mm_per_N)
-        moved = moved + rig.one_sided_mm_per_N * np.maximum(side * force, 0.0)
     if rig.play_mm:
         moved = moved + 0.5 * rig.play_mm * np.clip(force / PLAY_FORCE_N, -1.0, 1.0)
-    if rig.clamp_slip_mm_per_N:
-        # A clamp that holds until the force has swung by twice what it holds: the play operator on the force.
-        rest = held_from + direction * rig.clamp_holds_N
-        swing = np.maximum.accumulate(direction * (force - direction * rig.clamp_holds_N))
-        moved = moved + rig.clamp_slip_mm_per_N * direction * np.maximum(swing, direction * rest)
     for joint in rig.joints:
         moved = moved + joint.moved_mm(force, held_from, direction)
     return np.asarray(moved)

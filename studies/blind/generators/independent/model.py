@@ -8,13 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import RegularGridInterpolator
 
+from studies.blind.causes import causes_of
 from studies.blind.generators import sampling
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import scar_lines_um
 from studies.blind.generators.generator import LIBRARY_EFFECTS, MadeRecord
 from studies.blind.generators.independent.foundation import Grid
 from studies.blind.generators.independent.sensing import Reading, read
-from studies.blind.generators.independent.unknown_causes import FIRST
 from studies.blind.generators.independent.wear_test import POINTS, Snapshot, grid_of, snapshots
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.independent.worlds import believed_world, with_drive, with_effects, with_specimens
@@ -42,12 +42,12 @@ class IndependentModel:
     points: int = POINTS
     tier: str = "T2"
     library: Sequence[str] = LIBRARY_EFFECTS
-    outside: Sequence[str] = tuple(FIRST)
+    outside: Sequence[str] = causes_of("first")
 
     @property
     def description(self) -> str:
         """What the manifest says of it."""
-        drawn = "" if tuple(self.outside) == tuple(FIRST) else ", causes of no library drawn from another set"
+        drawn = "" if tuple(self.outside) == causes_of("first") else ", causes of no library drawn from another set"
         return f"wires on an elastic foundation, friction law {self.law}{drawn}"
 
     def nominals(self, number: int, random: np.random.Generator) -> tuple[Nominal, ...]:

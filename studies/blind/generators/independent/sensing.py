@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from studies.blind.generators.independent.loop import ForceTable, TrueLoop, closed_loop
 from studies.blind.generators.independent.world import World
-from studies.blind.generators.instruments import Signals, after_play, bent, read_by
+from studies.blind.generators.signals import Signals, after_play, bent, read_by
 
 Array = NDArray[np.float64]
 

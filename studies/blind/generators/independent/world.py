@@ -4,12 +4,13 @@ Lengths in mm, forces in N, stresses in MPa, energies in mJ, angles in rad, time
 """
 
 from dataclasses import dataclass, field, replace
-from math import exp, inf, log, pi, prod, sin
+from math import inf, prod
+from typing import Protocol
 
-from studies.blind.generators.ageing import Factor, Film, Growth
+from studies.blind.generators.ageing import Factor
 from studies.blind.generators.independent.friction import Joint
 from studies.blind.generators.independent.marks import Groove, Incident
-from studies.blind.generators.instruments import Instrument
+from studies.blind.generators.signals import Instrument
 from studies.blind.generators.waveform import Waveform
 from wirewear.base.course import Course
 
@@ -37,8 +38,7 @@ class Specimens:
 class Loading:
     """A load on a guide: drifting, softened by its spring, tilted, and raised towards the stroke's ends by `bowl`.
 
-    `slant` raises it towards one end; `relaxing` is a factor over the cycles, of a spring that sets, and `events` are
-    further ones.
+    `slant` raises it towards one end; `events` are factors over the cycles.
     """
 
     load_N: float
@@ -47,12 +47,11 @@ class Loading:
     tilt_rad: float = 0.0
     bowl: float = 0.0
     slant: float = 0.0
-    relaxing: Course = field(default_factory=lambda: Course.constant(1.0))
     events: tuple[Factor, ...] = ()
 
     def load_at(self, cycle: float) -> float:
         """Load in the middle of the stroke, before the spring loses any [N]."""
-        load = self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01) * self.relaxing.at(cycle)
+        load = self.load_N * max(1.0 + self.drift_per_cycle * cycle, 0.01)
         return load * prod(event.at(cycle) for event in self.events)
 
 
@@ -60,8 +59,7 @@ class Loading:
 class Friction:
     """Friction over the cycles, and what departs from dry friction within one.
 
-    `slant` raises it towards one end of the stroke, `ripple` is a wave of a length along it, `breathing` one over so
-    many e-folds of the cycles.
+    `slant` raises it towards one end of the stroke, `ripple` is a wave of a length along it.
     """
 
     course: Course
@@ -73,18 +71,13 @@ class Friction:
     slant: float = 0.0
     ripple: float = 0.0
     ripple_length_mm: float = 1e-2
-    breathing: float = 0.0
-    breathing_folds: float = 1.0
-    film: Film | None = None
 
     def at(self, cycle: float) -> float:
         """Coefficient at a cycle."""
         value = self.course.at(cycle)
         for event in self.events:
             value *= event.at(cycle)
-        if self.film is not None:
-            value *= self.film.at(cycle)
-        return value * (1.0 + self.breathing * sin(2.0 * pi * log(max(cycle, 1.0)) / self.breathing_folds))
+        return value
 
 
 @dataclass(frozen=True)
@@ -129,39 +122,41 @@ class Wear:
         return value
 
 
+class Ageing(Protocol):
+    """A part of the rig that does not stay as it was."""
+
+    def mm_per_N(self, cycle: float, /) -> float:
+        """What it has come to give way by at a cycle, in series with the contact."""
+        ...
+
+    def play_mm(self, cycle: float, /) -> float:
+        """How much play it has come to have."""
+        ...
+
+
 @dataclass(frozen=True)
 class Rig:
-    """What yields between contact and ground, and a clamp that slips under more than its holding force.
+    """What yields between contact and ground.
 
-    `hardening_mm_per_N3` is a holder that stiffens: it gives way by c Q − h Q³; `loosening_mm_per_N` comes on over a
-    test, 63 % of it after `loosening_cycles`. `one_sided_mm_per_N` gives way under forces of its own sign alone.
-    `crack_mm_per_N` and `worn_play_mm` grow over a test; `joints` give way by laws of their own.
+    `hardening_mm_per_N3` is a holder that stiffens: it gives way by c Q − h Q³; what is `ageing` gives way more over a
+    test, and `joints` give way by laws of their own.
     """
 
     compliance_mm_per_N: float = 0.0
     rotational_compliance_rad_per_N_mm: float = 0.0
     arm_mm: float = 0.0
     play_mm: float = 0.0
-    clamp_holds_N: float = 0.0
-    clamp_slip_mm_per_N: float = 0.0
     hardening_mm_per_N3: float = 0.0
-    loosening_mm_per_N: float = 0.0
-    loosening_cycles: float = 1.0
-    one_sided_mm_per_N: float = 0.0
-    crack_mm_per_N: Growth | None = None
-    worn_play_mm: Growth | None = None
+    ageing: tuple[Ageing, ...] = ()
     joints: tuple[Joint, ...] = ()
 
     def loose_mm_per_N(self, cycle: float) -> float:
         """What has come loose by a cycle."""
-        cracked = 0.0 if self.crack_mm_per_N is None else self.crack_mm_per_N.at(cycle)
-        return self.loosening_mm_per_N * (1.0 - exp(-cycle / self.loosening_cycles)) + cracked
+        return sum((part.mm_per_N(cycle) for part in self.ageing), 0.0)
 
     def aged(self, cycle: float) -> "Rig":
         """The rig with the play that it has by a cycle."""
-        if self.worn_play_mm is None:
-            return self
-        return replace(self, play_mm=self.play_mm + self.worn_play_mm.at(cycle), worn_play_mm=None)
+        return replace(self, play_mm=self.play_mm + sum(part.play_mm(cycle) for part in self.ageing))
 
     @property
     def series_mm_per_N(self) -> float:

@@ -12,9 +12,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from studies.blind.generators.cases import Case, TrueEffect
+from studies.blind.generators.cases import Case
 from studies.blind.generators.files import line_record_tables
-from studies.blind.generators.finite_element.changes import OUTSIDE, SATURATION
+from studies.blind.generators.finite_element.changes import at_seams, outside_of
 from studies.blind.generators.generator import MadeRecord
 from studies.blind.generators.line_nominal import LineNominal, drawn_line_nominals
 from studies.blind.generators.lines.differences import PROFILE_NOISE_um, differences
@@ -22,7 +22,7 @@ from studies.blind.generators.lines.readings import dose_of, nominal_of, profile
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.sampling import logged_channels
 from wirewear.base.errors import RunError, WirewearError
-from wirewear.effects import Effect, Seam, effect_named
+from wirewear.effects import Effect, Seam
 from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
 from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
@@ -88,7 +88,7 @@ class LineModel:
 
     tier: str = "L1"
     library: Sequence[str] = LINE_LIBRARY
-    outside: Sequence[str] = (*OUTSIDE, SATURATION)
+    outside: Sequence[str] = outside_of("first")
 
     @property
     def description(self) -> str:
@@ -109,7 +109,7 @@ class LineModel:
         case = replace(case, nuisances=replace(case.nuisances, drive="stroke", amplitude_drift=0.0))
         random = np.random.default_rng(case.seed)
         believed = run_of(nominal_of(case), ())
-        changes = tuple(_effect(true) for true in case.effects if true.effect != SATURATION)
+        changes = at_seams(case.effects)
         inside = tuple(effect for effect in changes if effect.seam is not Seam.SENSOR)
         true = run_of(nominal_of(case), inside) if inside else believed
         repeats = [_repeat(true, changes, case, repeat, random) for repeat in range(1, case.nuisances.repeats + 1)]
@@ -120,11 +120,6 @@ class LineModel:
             tuple(profile for _, _, profiles in repeats for profile in profiles),
         )
         return MadeRecord(record, case.nuisances, differences(believed, true, changes, case))
-
-
-def _effect(true: TrueEffect) -> Effect[Any]:
-    kind = OUTSIDE.get(true.effect) or effect_named(true.effect)
-    return kind(**true.parameters)
 
 
 def _repeat(

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import line_record_tables
-from studies.blind.generators.finite_element.changes import SATURATION
+from studies.blind.generators.finite_element.changes import instruments_of
 from studies.blind.generators.finite_element.readings import channels_of, moments
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nuisances import SpecimenDraw
 from studies.blind.generators.sampling import Channels
+from studies.blind.generators.signals import Signals, read_by
 from wirewear.effects import Age, Effect, Seam, applied
 from wirewear.loops import LoopSignals, Sensor
 from wirewear.records.contact_tables import LineRecordTables
@@ -58,8 +59,7 @@ def read_test(
     known = np.array([cycle for cycle, _ in loops], dtype=float)
     time_s = np.arange(TIMES) / (TIMES * nominal.frequency_Hz)
     strength, load = draw.friction * draw.load, draw.load
-    lost = sum(true.parameters["loss_at_plateau"] for true in case.effects if true.effect == SATURATION)
-    cubic = lost / (nominal.friction * nominal.load_N) ** 2
+    instruments = instruments_of(case.effects, case.nominal)
     for cycle in cycles:
         worn_as = max(cycle * dose_of(draw), known[0])
         after = int(np.clip(np.searchsorted(known, worn_as), 1, len(loops) - 1))
@@ -68,8 +68,11 @@ def read_test(
             (1.0 - share) * one + share * other for one, other in zip(loops[after - 1][1], loops[after][1], strict=True)
         )
         sensor = applied(changes, Seam.SENSOR, Sensor(), Age(float(cycle), 0.0))
-        read = sensor.read(LoopSignals(time_s, x, strength * q, load * p, 1.0 / nominal.frequency_Hz))
-        force = read.tangential_force_N - cubic * (strength * q) ** 3 + draw.force_zero_N
+        true = read_by(instruments, Signals(time_s, 1.0 / nominal.frequency_Hz, x, strength * q, load * p), cycle)
+        read = sensor.read(
+            LoopSignals(time_s, true.displacement_um, true.tangential_force_N, true.normal_force_N, true.period_s)
+        )
+        force = read.tangential_force_N + draw.force_zero_N
         normal = load * p if read.normal_force_N is None else read.normal_force_N
         yield cycle, (read.displacement_um + draw.displacement_zero_um, force, normal)
 
