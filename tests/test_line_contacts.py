@@ -52,7 +52,7 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     rows = {row.figure.name: row for row in converge(study, LINES, fidelity="quick", output=tmp_path)}
     bodies = [Elastic(body.youngs_modulus_MPa, body.poissons_ratio) for body in (study.pad, study.specimen)]
     assert study.pad.radius_mm is not None
-    hertz = hertz_line(study.conditions.normal_load_N_per_mm, study.pad.radius_mm, contact_modulus(*bodies))
+    hertz = hertz_line(study.conditions.normal_load_N, study.pad.radius_mm, contact_modulus(*bodies))
     console = wide_console(150)
     with console.capture() as shown:
         console.print(convergence_table(list(rows.values())))
@@ -63,7 +63,7 @@ def test_the_pressure_of_an_unworn_contact_tends_to_hertzs(tmp_path: Path) -> No
     assert abs(mean.limit / hertz.mean_over_segment_MPa(hertz.half_width_mm) - 1.0) < 0.01
     assert rows["worn area of both bodies"].limit == 0.0
     # In gross slip the force is the friction force, whatever the resolution.
-    force = study.contact.friction * study.conditions.normal_load_N_per_mm
+    force = study.contact.friction * study.conditions.normal_load_N
     assert rows["largest tangential force"].limit == pytest.approx(force, rel=0.005)
 
 
@@ -338,9 +338,10 @@ def test_archards_law_wears_what_the_energy_law_wears_at_the_same_friction() -> 
 
 
 @pytest.mark.seconds
-def test_a_run_that_was_killed_and_resumed_ends_with_the_same_result(tmp_path: Path) -> None:
-    short = line_study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
-    unbroken = simulate(short, fidelity="quick")
+def test_a_run_of_any_length_that_was_killed_and_resumed_ends_as_one_of_a_millimetre(tmp_path: Path) -> None:
+    unit = line_study(conditions={"cycles": 400}, log={"loop_cycles": [1, 40, 400]})
+    short, unbroken = unit.of_length(8.0), simulate(unit, fidelity="quick").of_length(8.0)
+    assert short.conditions.normal_load_N == 240.0
     with pytest.raises(KeyboardInterrupt):
         run_study(short, fidelity="quick", output=tmp_path, observer_of=lambda _: nullcontext(Killer(1)))
     assert read_result(tmp_path / "result.h5").status == "running"

@@ -11,6 +11,7 @@ import pytest
 from geometry import Cylinder, Flat, RoundedFlat
 from tests.commands import wirewear
 from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
+from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.model.forward import simulate
@@ -27,7 +28,6 @@ from wirewear.records.importing.profilometry import levelled
 from wirewear.reference import hertz_line
 from wirewear.simulation import simulate as run_alone
 from wirewear.study import LineStudy, study_from_tables
-from wirewear.study.lines import of_whole_contact, per_mm
 
 CYCLES = 2000
 STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
@@ -91,7 +91,7 @@ def test_friction_rig_and_wear_of_both_bodies_are_found(face: str) -> None:
     coefficient = fit.parameters["specimen_energy_wear_coefficient_mm3_per_J"].value
     assert volume / energy == pytest.approx(coefficient, rel=0.01)
     assert isinstance(fit.study, LineStudy)
-    assert fit.study.holder.tangential_stiffness_N_per_mm2 == pytest.approx(2000.0, rel=0.06)
+    assert fit.study.holder.tangential_stiffness_N_per_mm == pytest.approx(2000.0, rel=0.06)
     assert fit.study.log.loop_cycles == (1, 30, 300, CYCLES)
 
 
@@ -196,8 +196,8 @@ def mapped(folder: Path, text: str = MAPPING) -> Path:
 @pytest.mark.parametrize(
     ("old", "new", "complaint"),
     [
-        ("normal_load_N_per_mm = 20.0", "", "gives neither of normal_load_N"),
-        ("[stated]", "normal_load_N = 160.0\n[stated]", "gives both of normal_load_N"),
+        ("normal_load_N_per_mm = 20.0", "", "missing key 'normal_load_N'"),
+        ("[stated]", "normal_load_N = 160.0\n[stated]", "gives both normal_load_N_per_mm and normal_load_N"),
         ("radius_mm = 6.0", "", "does not say which face the pad has"),
         ('"cylinder-on-flat"', '"ball"', 'must be "line-contact" or "cylinder-on-flat"'),
         ("length_mm = 8.0", "", "missing key 'length_mm'"),
@@ -249,14 +249,23 @@ def test_a_worn_scar_is_a_chord_of_the_cylinder_and_debris_narrows_it_as_a_small
     assert narrower == pytest.approx(0.4 ** (1.0 / 3.0), rel=0.05)
 
 
-def test_effects_of_a_whole_contact_are_those_of_a_millimetre_times_its_length() -> None:
+def test_a_test_on_another_length_of_the_contact_is_as_much_to_the_millimetre() -> None:
     spring = effect("tangential_compliance", stiffness_N_per_mm=5000.0)
     bent = effect("displacement_load_coupling", linear_um_per_N=0.01, quadratic_um_per_N2=1e-4)
-    one_mm = per_mm((spring, bent), 10.0)
-    assert one_mm[0].values == {"stiffness_N_per_mm": 500.0}
-    assert one_mm[1].values == pytest.approx({"linear_um_per_N": 0.1, "quadratic_um_per_N2": 1e-2})
-    again = of_whole_contact(one_mm, 10.0)
-    assert [one.values for one in again] == [pytest.approx(one.values) for one in (spring, bent)]
+    stop = {"stop": {"worn_volume_mm3": 0.02, "depth_um": 5.0}}
+    blocks = {"programme": [{"cycles": 100, "conditions": {"normal_load_N": 100.0, "held_energy_mJ": 3.0}}]}
+    whole = line_study(contact={"length_mm": 10.0}, **stop, **blocks).with_effects(spring, bent)
+    one_mm = whole.of_length(1.0)
+    assert one_mm.effects[0].values == {"stiffness_N_per_mm": 500.0}
+    assert one_mm.effects[1].values == pytest.approx({"linear_um_per_N": 0.1, "quadratic_um_per_N2": 1e-2})
+    assert one_mm.conditions.normal_load_N == pytest.approx(0.1 * whole.conditions.normal_load_N)
+    assert one_mm.conditions.frequency_Hz == whole.conditions.frequency_Hz
+    assert one_mm.tables.stop is not None
+    assert one_mm.tables.stop.worn_volume_mm3 == pytest.approx(0.002)
+    assert one_mm.tables.stop.depth_um == 5.0
+    assert one_mm.tables.programme[0].conditions == pytest.approx({"normal_load_N": 10.0, "held_energy_mJ": 0.3})
+    again = one_mm.of_length(10.0)
+    assert [one.values for one in again.effects] == [pytest.approx(one.values) for one in (spring, bent)]
 
 
 @pytest.fixture(scope="module")

@@ -97,11 +97,11 @@ def test_a_profile_that_lies_aside_is_moved_onto_the_simulated_one(result: RunRe
 
 def test_an_export_states_the_rig_of_the_whole_contact_as_its_model_has_it_per_mm(result: RunResult) -> None:
     study = deepcopy(dict(result.study))
-    study["holder"] |= {"tangential_stiffness_N_per_mm2": 250.0}
+    study["holder"] |= {"tangential_stiffness_N_per_mm": 250.0}
     record = record_of_result(replace(result, study=study), 8.0)
     assert record.tables.stated.tangential_stiffness_N_per_mm == pytest.approx(8.0 * 250.0)
     believed = believed_study(record.tables)
-    assert believed.holder.tangential_stiffness_N_per_mm2 == pytest.approx(250.0)
+    assert believed.of_length(1.0).holder.tangential_stiffness_N_per_mm == pytest.approx(250.0)
     assert believed.wear.model_dump() == line_study().wear.model_dump()
 
 

@@ -342,11 +342,11 @@ def test_the_bodies_stiffness_is_that_of_the_loop_on_a_rigid_rig(low: RunResult,
 def test_a_stiffness_that_includes_the_bodies_leaves_the_rig_what_remains(record: LineRecord) -> None:
     bodies = LENGTH_mm * bodies_stiffness_N_per_mm2(believed_study(record.tables))
     alone = believed_study(stating(record, tangential_stiffness_N_per_mm=0.25 * bodies).tables)
-    assert alone.holder.tangential_stiffness_N_per_mm2 == pytest.approx(0.25 * bodies / LENGTH_mm)
+    assert alone.holder.tangential_stiffness_N_per_mm == pytest.approx(0.25 * bodies)
     both = stating(record, tangential_stiffness_N_per_mm=0.25 * bodies, stiffness_includes="bodies")
     # In series: 1/0.25 = 1/(1/3) + 1.
-    rig = believed_study(both.tables).holder.tangential_stiffness_N_per_mm2
-    assert rig == pytest.approx(bodies / 3.0 / LENGTH_mm, rel=0.01)
+    rig = believed_study(both.tables).holder.tangential_stiffness_N_per_mm
+    assert rig == pytest.approx(bodies / 3.0, rel=0.01)
     with pytest.raises(RecordError, match=r"that includes the bodies, but these alone have"):
         believed_study(stating(both, tangential_stiffness_N_per_mm=1.5 * bodies).tables)
 

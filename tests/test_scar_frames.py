@@ -207,6 +207,6 @@ specimen_energy_wear_coefficient_mm3_per_J = 2e-5""",
     # A stiffness is read of the few samples of a steep branch, whose displacements are noisy.
     near = {row: 0.04 if row.quantity == "measured stiffness" else 0.01 for row in loops}
     assert all(abs(row.difference) < share * row.simulated for row, share in near.items() if row.simulated)
-    setup = nominal_line_setup(study, 8.0, record.tables.conditions.drive)
+    setup = nominal_line_setup(study.of_length(8.0), record.tables.conditions.drive)
     states = LineStates.of_line(run, study.pad.profile, 8.0)
-    assert concluded(record, study, states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"
+    assert concluded(record, study.of_length(8.0), states, reduce(record), setup=setup).diagnosis.verdict == "no_gap"

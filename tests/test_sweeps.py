@@ -235,7 +235,7 @@ def test_a_line_contact_is_swept_as_any_other_contact_is() -> None:
     study = line_study(log={"loop_cycles": [1]})
     figures = run_case(study, {"contact.friction": 0.3, "conditions.cycles": 1}, "quick", 1, None).figures or {}
     assert tuple(figures) == figures_named(study.body_names)
-    assert figures["max_tangential_force_N"] == pytest.approx(0.3 * study.conditions.normal_load_N_per_mm, rel=1e-3)
+    assert figures["max_tangential_force_N"] == pytest.approx(0.3 * study.conditions.normal_load_N, rel=1e-3)
 
 
 @pytest.mark.seconds

@@ -134,10 +134,10 @@ def rig_of(result: RunResult, contact: str) -> Rig:
     Raises ResultError if nothing lies on the micro-slip branches of its loop, or it kept no contact forces.
     """
     holder: dict[str, Any] = result.study["holder"]
-    spring = {"translating": "tangential_stiffness_N_per_mm2", "rotating": "rotational_stiffness_N_per_rad"}
+    spring = {"translating": "tangential_stiffness_N_per_mm", "rotating": "rotational_stiffness_N_mm_per_rad"}
     kind, case = result.variant.split("_")
     loop, pad = result.loops[-1], result.scar(result.loops[-1].cycle, "pad")
-    load = result.study["conditions"]["normal_load_N_per_mm"]
+    load = result.study["conditions"]["normal_load_N"]
     figures = analyse_loop(loop.displacement_um, loop.tangential_force_N, load)
     if figures.measured_stiffness_N_per_um is None:
         raise ResultError(f"{result.label}: no increment lies on the micro-slip branches, so K_t,m cannot be measured.")
@@ -173,11 +173,11 @@ def equally_stiff(one: Rig, study: LineStudy, fidelity: str) -> Rig:
     Raises RunError if no spring was found.
     """
     pivot, wanted = study.holder.pivot_height_mm or 0.0, one.measured_stiffness_N_per_mm2
-    least = 1.01 * study.conditions.normal_load_N_per_mm * pivot
+    least = 1.01 * study.conditions.normal_load_N * pivot
     stiffness = max(one.stiffness * pivot**2, least)
     tried: list[tuple[float, float]] = []
     for _ in range(_MOST_TRIALS):
-        trial = study.changed({"holder": {"rotational_stiffness_N_per_rad": stiffness}})
+        trial = study.changed({"holder": {"rotational_stiffness_N_mm_per_rad": stiffness}})
         result = simulate(replace(trial, variant_name=f"rotating_{one.case}"), fidelity=fidelity)
         two = rig_of(result, one.contact)
         found = two.measured_stiffness_N_per_mm2

@@ -68,21 +68,18 @@ def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[A
     """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
     from wirewear.simulation import Observer, run_study
 
-    kind, nominal, length_mm = kind_of(diagnosed.study), diagnosed.study, diagnosed.setup.length_mm
+    kind, nominal = kind_of(diagnosed.study), diagnosed.study
     last = nominal.conditions.cycles
     logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
     amplitude_um = _true_amplitude_um(diagnosed, np.array(logged or [last], dtype=float))
     leading = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
-    study = kind.with_effects(nominal, leading, length_mm, amplitude_um, _INCREMENTS).logging(
-        tuple(sorted({*logged, last}))
-    )
+    study = kind.with_effects(nominal, leading, amplitude_um, _INCREMENTS).logging(tuple(sorted({*logged, last})))
     quiet = observer_of or (lambda _: nullcontext(Observer()))
     with temporary_folder("wirewear-confirm-") as folder:
         (result,) = run_study(study, fidelity="quick", output=folder, observer_of=quiet)
     ends = [result.scar(last, body) for body in result.bodies] if kind.foresees_scars else []
     profiles = {own.body: (own.axial_um, own.depth_um[:, 0]) for own in ends}
-    whole = result.of_length(length_mm) if length_mm else result
-    return lambda cycles: course_of_loops(read_loops(whole), cycles, profiles)
+    return lambda cycles: course_of_loops(read_loops(result), cycles, profiles)
 
 
 def _true_amplitude_um(diagnosed: Diagnosed, cycles: Array) -> float:

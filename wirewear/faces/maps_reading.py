@@ -155,12 +155,13 @@ def _of_record(record: AnyRecord, path: Path) -> tuple[MappedTest, list[tuple[in
 
 
 def _of_result(result: RunResult, path: Path) -> MappedTest:
+    result = result.computed
     evolution, per_mm = result.evolution, bool(result.length_mm)
     worn: tuple[WornTest, ...] = ()
     if evolution["cycle"].size and (volume := float(result.worn_volume_mm3[-1])) > 0.0:
         worn = (WornTest(float(evolution["accumulated_energy_J"][-1]), volume),)
     conditions = result.study.get("conditions", {})
-    load = float(conditions.get("normal_load_N_per_mm" if per_mm else "normal_load_N", np.nan))
+    load = float(conditions.get("normal_load_N", np.nan))
     return completed(
         MappedTest(
             name=result.label,

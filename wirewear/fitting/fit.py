@@ -63,10 +63,8 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     """
     tests = loops_of_tests(fitted.record)
     quiet = observer_of or (lambda _: nullcontext(Observer()))
-    length_mm = fitted.record.tables.length_mm
     (result,) = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
-    whole = result if length_mm is None else result.of_length(length_mm)
-    loops = {loop.cycle: true_loop(loop) for loop in read_loops(whole)}
+    loops = {loop.cycle: true_loop(loop) for loop in read_loops(result)}
     simulated = np.full((tests.cycles.size, len(FITTED)), np.nan)
     for row, cycle in enumerate(tests.cycles):
         if (loop := loops.get(int(cycle))) is None:

@@ -185,6 +185,7 @@ class Inside(Generic[S]):
         Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the
         mesh too much.
         """
+        result = result.computed
         forces = result.forces(cycle, body)
         chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
         of_body = self.body(result, forces, worn)

@@ -67,9 +67,8 @@ class Kind:
     #: slides as a whole.
     states: Callable[[Any, Any, ObserverOf | None], tuple[WearStates, tuple[str, ...]]]
     setup: Callable[[Any, Any], Setup]  #: The circumstances that a study states of a record's test, for the fast model.
-    #: A study with further effects of the whole contact of a length in mm, and another amplitude in µm, of loops of so
-    #: many increments.
-    with_effects: Callable[[Any, Sequence[Any], float, float, int], Any]
+    #: A study with further effects, and another amplitude in µm, of loops of so many increments.
+    with_effects: Callable[[Any, Sequence[Any], float, int], Any]
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

@@ -65,13 +65,11 @@ class LineContacts(Kind):
         """Of the whole contact."""
         from wirewear.diagnosis.model.candidates import nominal_line_setup
 
-        return nominal_line_setup(study, tables.length_mm, tables.conditions.drive)
+        return nominal_line_setup(study, tables.conditions.drive)
 
     def with_effects(
-        self, study: LineStudy, effects: Sequence[Any], length_mm: float, amplitude_um: float, _increments: int
+        self, study: LineStudy, effects: Sequence[Any], amplitude_um: float, _increments: int
     ) -> LineStudy:
-        """Effects of one millimetre; loops have the increments of the plan."""
-        from wirewear.study.lines import per_mm
-
-        every = (*study.effects, *per_mm(effects, length_mm))
+        """Loops have the increments of the plan."""
+        every = (*study.effects, *effects)
         return study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})

@@ -57,9 +57,7 @@ class AtAPoint(Kind):
 
         return nominal_setup(study, tables.conditions.drive)
 
-    def with_effects(
-        self, study: Study, effects: Sequence[Any], _length_mm: float, amplitude_um: float, increments: int
-    ) -> Study:
+    def with_effects(self, study: Study, effects: Sequence[Any], amplitude_um: float, increments: int) -> Study:
         """Loops have the increments that quick runs state, if any."""
         stated = study.fidelity("quick").increments_per_cycle or increments
         return study.with_effects(*study.effects, *effects).changed(

@@ -22,10 +22,11 @@ from wirewear.study import LineStudy
 
 def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:
     """Both bodies with what holds and moves them, per mm of thickness."""
-    conditions, holder = study.conditions, study.holder
-    tangential, rotational = holder.tangential_stiffness_N_per_mm2, holder.rotational_stiffness_N_per_rad
+    unit = study.of_length(1.0)
+    conditions, holder = unit.conditions, unit.holder
+    tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
     supports = Supports(
-        load=f"{conditions.normal_load_N_per_mm:g} N/mm",
+        load=f"{conditions.normal_load_N:g} N/mm",
         stroke=f"±{conditions.displacement_amplitude_um:g} µm",
         tangential="" if tangential == "rigid" else f"{tangential:g} N/mm²",
         rotational="" if rotational == "rigid" else f"{rotational:g} N/rad",
@@ -43,7 +44,7 @@ def _held(body: PlanarMesh, *, upper: bool) -> HeldBody:
 
 def line_drawings(results: Sequence[RunResult]) -> dict[str, Callable[[], Figure]]:
     """What can be drawn of these results, by file name: each run by itself, and several side by side."""
-    logged = [result for result in results if result.loops]
+    logged = [result.computed for result in results if result.loops]
     found: dict[str, Callable[[], Figure]] = {}
     for result in logged:
         suffix = f"_{result.variant}" if len(results) > 1 else ""
@@ -58,6 +59,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
     """Depth of both bodies, pressure at mid-stroke and loop at the last logged cycle, run beside run."""
     figure = style.new_figure(5.2)
     panels = figure.subplots(2, 2)
+    results = [result.computed for result in results]
     for colour, dashes, result in zip(endless(style.VARIANT_COLOURS), endless(style.VARIANT_DASHES), results):
         last = max(loop.cycle for loop in result.loops)
         look = {"color": colour, "linestyle": dashes}

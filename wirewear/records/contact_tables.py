@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import Annotated, Any, Generic, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
@@ -17,24 +17,9 @@ from wirewear.study.bodies import Body
 from wirewear.study.drive import BULK, BulkTable
 from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
 from wirewear.study.keys import Inconsistency, Table, one_of
-from wirewear.study.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen
+from wirewear.study.lengths import PLANAR_KINDS, stated_length_mm, whole_test
+from wirewear.study.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen, WearOfBodies
 from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
-from wirewear.study.tables import PLANAR_KINDS
-
-#: Keys of a study of one millimetre by those of a record, and whether the record's are of the whole length.
-OF_WHOLE = {
-    "normal_load_N_per_mm": ("normal_load_N", True),
-    "tangential_stiffness_N_per_mm2": ("tangential_stiffness_N_per_mm", True),
-    "rotational_stiffness_N_per_rad": ("rotational_stiffness_N_mm_per_rad", True),
-    "normal_spring_stiffness_N_per_mm2": ("normal_spring_stiffness_N_per_mm", True),
-    "held_tangential_force_N_per_mm": ("held_tangential_force_N", True),
-    "held_energy_mJ_per_mm": ("held_energy_mJ", True),
-    **{
-        f"{body}_{law}_{unit}": (f"{body}_{law}_wear_coefficient_{unit}", False)
-        for body in BODIES
-        for law, unit in (("energy", "mm3_per_J"), ("archard", "mm3_per_N_m"))
-    },
-}
 
 
 class RecordContact(keys.Table):
@@ -64,26 +49,7 @@ class RecordPad(PadFace, RecordBody):
     """The pad: its face and its elastic constants."""
 
 
-class LineStatedWear(keys.Table):
-    """The wear that the rig's owner states, of either body."""
-
-    WEAR: ClassVar[tuple[str, ...]] = tuple(key for key, _ in OF_WHOLE.values() if "_wear_" in key)
-
-    pad_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
-        None, description="worn volume of the pad per dissipated energy"
-    )
-    specimen_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
-        None, description="worn volume of the specimen per dissipated energy"
-    )
-    pad_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
-        None, description="worn volume of the pad per load and sliding distance"
-    )
-    specimen_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
-        None, description="worn volume of the specimen per load and sliding distance"
-    )
-
-
-class LineStated(tables.StatedRig, LineStatedWear, tables.StatedFriction):
+class LineStated(tables.StatedRig, WearOfBodies, tables.StatedFriction):
     """What the rig's owner states; what is not stated is taken as ideal."""
 
     stiffness_includes: Annotated[Literal["rig only", "bodies"], PlainValidator(keys.one_of("rig only", "bodies"))] = (
@@ -158,16 +124,22 @@ class LineTest(OfRecord):
         return self.noise.depth_um or 0.0
 
     @classmethod
-    def require_length(cls, length_mm: float | None, label: str) -> None:
-        """See that it is given; RecordError otherwise."""
-        if not length_mm:
+    def length_of(cls, study: Mapping[str, Any], length_mm: float | None, label: str) -> float:
+        """The one that is given, or the study's unless that is the millimetre of a study without a length."""
+        if not length_mm and (own := stated_length_mm(study)) == 1.0:
             raise RecordError(f"the forces of {label} are per millimetre: give its --length for a record.")
+        return length_mm or own
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+        """What is per length, as of the whole contact."""
+        return whole_test(data, where, RecordError)
+
+    @classmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
         """What touches, the pad and the specimen."""
         del label
-        round_pad = study["pad"].get("radius_mm") is not None
+        round_pad, length_mm = study["pad"].get("radius_mm") is not None, study["contact"]["length_mm"]
         return {
             "contact": {"kind": CYLINDER_ON_FLAT if round_pad else PLANAR_KINDS[0], "length_mm": length_mm},
             "pad": tables.known_of(RecordPad, {**study["pad"], "material": None}),
@@ -175,42 +147,29 @@ class LineTest(OfRecord):
         }
 
     @classmethod
-    def stated_by(cls, study: Mapping[str, Any], length_mm: float | None) -> dict[str, Any]:
-        """The same with what is per length times the length; a body without a coefficient does not wear."""
-        found = super().stated_by(study, length_mm)
-        for own, (key, per_length) in OF_WHOLE.items():
-            value = found.pop(own, None)
-            if value is not None and (value != 0.0 or per_length):
-                found[key] = value * (length_mm or 1.0) if per_length and not isinstance(value, str) else value
-        return found
+    def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
+        """The same; a body without a coefficient does not wear."""
+        return {key: value for key, value in super().stated_by(study).items() if value or key not in LineStated.WEAR}
 
     @property
     def of_study(self) -> dict[str, float | None]:
         return {
-            "normal_load_N_per_mm": self.conditions.normal_load_N / self.length_mm,
+            "normal_load_N": self.conditions.normal_load_N,
             "displacement_amplitude_um": self.conditions.displacement_amplitude_um,
             **{key: getattr(self.pad, key) for key in FACE_KEYS},
-        }
-
-    def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """The same of one millimetre."""
-        own = {key: (name, per_length) for name, (key, per_length) in OF_WHOLE.items()}
-        renamed = {own.get(key, (key, False)): value for key, value in values.items()}
-        return {
-            name: value / self.length_mm if per_length and not isinstance(value, str) else value
-            for (name, per_length), value in renamed.items()
         }
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
         """Pad and specimen, of heights that are taken where they are not stated.
         Raises RecordError if the bodies alone are no stiffer than what is stated of all.
         """
+        data["contact"] = data["contact"] | {"length_mm": self.length_mm}
         heights = self.assumed_heights_mm
         for body in BODIES:
             own = getattr(self, body).model_dump(mode="json", exclude_none=True, exclude={"material"})
             data[body] = own | ({"height_mm": heights[body]} if body in heights else {})
         holder = data["holder"]
-        key = "tangential_stiffness_N_per_mm2"
+        key = "tangential_stiffness_N_per_mm"
         if self.stated.stiffness_includes == "bodies" and holder.get(key, "rigid") != "rigid":
             without_rig = {name: table for name, table in data.items() if name not in ("holder", "wear", "effects")}
             data["holder"] = holder | {key: self._without_bodies(without_rig)}
@@ -235,7 +194,7 @@ class LineTest(OfRecord):
         return bool(self.assumed_heights_mm) and not whole
 
     def _without_bodies(self, data: Mapping[str, Any]) -> float:
-        """Stiffness of the rig alone, per mm: what is left of the stated one in series with pad and specimen."""
+        """Stiffness of the rig alone, N/mm: what is left of the stated one in series with pad and specimen."""
         from wirewear.simulation import bodies_stiffness_N_per_mm2
 
         whole = float(self.stated.tangential_stiffness_N_per_mm)
@@ -247,7 +206,7 @@ class LineTest(OfRecord):
                 f"but these alone have {of_bodies:.4g} N/mm: correct it, height_mm or half_width_mm of [pad] and "
                 '[specimen], or say stiffness_includes = "rig only".'
             )
-        return 1.0 / (1.0 / whole - 1.0 / of_bodies) / self.length_mm
+        return 1.0 / (1.0 / whole - 1.0 / of_bodies)
 
     def require_whole(self, where: str) -> None:
         """See that the pad has one face. Raises RecordError if it has none, or several."""
@@ -256,7 +215,7 @@ class LineTest(OfRecord):
 
     @property
     def missing(self) -> tuple[str, ...]:
-        worn = any(getattr(self.stated, key) is not None for key in LineStatedWear.model_fields)
+        worn = any(getattr(self.stated, key) is not None for key in WearOfBodies.model_fields)
         needs = {"friction": self.stated.final_friction is not None, "a wear coefficient of pad or specimen": worn}
         return tuple(key for key, given in needs.items() if not given)
 
@@ -321,9 +280,9 @@ class BodiesRecord(PointRecordTables):
     """How records and studies of two bodies say the same."""
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
         """As they are, without what is empty."""
-        del label, length_mm
+        del label
         stated = {name: {key: own for key, own in body.items() if own != []} for name, body in study["bodies"].items()}
         return {"contact": {"kind": cls.contact_kind}, "bodies": stated}
 

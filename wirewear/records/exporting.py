@@ -24,6 +24,7 @@ from wirewear.records.writing import frame_of, loops_frame
 from wirewear.results import BODIES, Loop, RunResult, Scar, age_at, sensor_of
 from wirewear.study.faces import FACE_KEYS, PadFace
 from wirewear.study.keys import Table
+from wirewear.study.lengths import lengthened
 from wirewear.study.messages import validated
 from wirewear.study.surfaces import surfaces_in
 
@@ -127,21 +128,20 @@ def record_of_result(
     Each repeat is the same test read anew. `samples` re-samples each loop evenly; without it, the simulation's own
     increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
     figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle. Of a line
-    contact, the record is that of `length_mm`, as is the noise of forces.
+    contact, the record is that of `length_mm`, or of the study's length, as is the noise of forces.
     Raises RecordError if the result began with a measured surface or has logged no loops, its study says too little or
     has unequal wires, or the length of a line contact is missing, or that of another one is given.
     """
-    TABLES[result.contact_kind].require_length(length_mm, result.label)
+    length_mm = TABLES[result.contact_kind].length_of(result.study, length_mm, result.label)
     if any(surfaces_in(result.study)):
         raise RecordError(
             f"the result {result.label!r} is of a test that began with a measured surface, which records do not state."
         )
     if not result.loops:
         raise RecordError(f"the result {result.label!r} has logged no loops, so there is nothing to export.")
-    # Studies of line contacts state effects, as of sensors, as they are of one millimetre.
-    one = result if length_mm is None else result.of_length(1.0)
-    sensors = [_of_length(sensor_of(one.study, sensor, age_at(one, loop.cycle)), length_mm) for loop in one.loops]
-    whole = one if length_mm is None else one.of_length(length_mm)
+    whole = result if length_mm is None else result.of_length(length_mm)
+    sensor = replace(sensor, **lengthened(vars(sensor), result.times(length_mm)))
+    sensors = [sensor_of(whole.study, sensor, age_at(whole, loop.cycle)) for loop in whole.loops]
     tables = _tables(whole, sensors[0])
     random = np.random.default_rng(seed)
     period = 1.0 / tables.conditions.frequency_Hz
@@ -164,17 +164,6 @@ def record_of_result(
     return ExperimentRecord(tables, tuple(loops), tuple(evolution), tuple(scars))
 
 
-def _of_length(sensor: Sensor, length_mm: float | None) -> Sensor:
-    """A sensor that reads of a contact of that length what this one reads of a millimetre."""
-    share = 1.0 / (length_mm or 1.0)
-    return replace(
-        sensor,
-        remote_compliance_um_per_N=sensor.remote_compliance_um_per_N * share,
-        linear_um_per_N=sensor.linear_um_per_N * share,
-        quadratic_um_per_N2=sensor.quadratic_um_per_N2 * share**2,
-    )
-
-
 def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
     """See that the record can be held. Raises RecordError if it takes more memory than there is."""
     count = repeats * sum(samples or loop.time_s.size for loop in result.loops)
@@ -189,13 +178,13 @@ def _require_room(result: RunResult, repeats: int, samples: int | None) -> None:
 
 def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
     study, model = result.study, TABLES[result.contact_kind]
-    stated = model.stated_by(study, result.length_mm)
+    stated = model.stated_by(study)
     conditions, believed = (cast("type[Table]", model.model_fields[key].annotation) for key in ("conditions", "stated"))
     data = {
         "format": 1,
         "name": result.full_name,
-        **model.bodies_of(study, result.label, result.length_mm),
-        **_programme(study, model, result.length_mm),
+        **model.bodies_of(study, result.label),
+        **_programme(study, model),
         # The simulation imposes the true motion, whatever its sensors read.
         "conditions": {**known_of(conditions, stated), "drive": "stroke"},
         # What is ideal is not stated.
@@ -213,13 +202,13 @@ def _tables(result: RunResult, sensor: Sensor) -> AnyTables:
     return tables
 
 
-def _programme(study: Mapping[str, Any], model: Any, length_mm: float | None) -> dict[str, Any]:
-    """The programme of a study as a record of the whole contact states it."""
+def _programme(study: Mapping[str, Any], model: Any) -> dict[str, Any]:
+    """The programme of a study as a record states it."""
     blocks = study.get("programme") or ()
     tables = ("conditions", "contact", "wear")
     whole = [
         {key: value for key, value in block.items() if key not in tables}
-        | {name: model.stated_by({name: block[name]}, length_mm) for name in tables if block.get(name)}
+        | {name: model.stated_by({name: block[name]}) for name in tables if block.get(name)}
         for block in blocks
     ]
     return {"programme": whole} if whole else {}

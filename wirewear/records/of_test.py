@@ -28,6 +28,12 @@ class OfTest(Table):
         description="title of the experiment", examples=["steel on steel, test 3"]
     )
 
+    @classmethod
+    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+        """What a file of it holds, by the keys that its tables have; RecordError if it says a thing twice."""
+        del where
+        return data
+
     @property
     def length_mm(self) -> float | None:
         return None
@@ -38,10 +44,14 @@ class OfTest(Table):
         return 0.0
 
     @classmethod
-    def require_length(cls, length_mm: float | None, label: str) -> None:
-        """See that a length is given of a contact that has one alone; RecordError otherwise."""
+    def length_of(cls, study: Mapping[str, Any], length_mm: float | None, label: str) -> float | None:
+        """Length of the contact that a record of a study's result is of, None of a contact at a point.
+        Raises RecordError if one is given of such a contact, or none of another.
+        """
+        del study
         if length_mm:
             raise RecordError(f"--length does not apply to {label}, which is a run of {cls.contact_kind}.")
+        return None
 
     def require_whole(self, where: str) -> None:
         """See that the tables of a file say all that they must; RecordError where they do not."""
@@ -68,15 +78,14 @@ class OfRecord(OfTest, ABC):
 
     @classmethod
     @abstractmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
         """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
         Raises RecordError if a record cannot describe them.
         """
 
     @classmethod
-    def stated_by(cls, study: Mapping[str, Any], length_mm: float | None) -> dict[str, Any]:
-        """What such a study says of conditions, friction, wear and rig, of the whole contact, by keys of a record."""
-        del length_mm  # of a line contact alone
+    def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
+        """What such a study says of conditions, friction, wear and rig."""
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
 
@@ -84,10 +93,6 @@ class OfRecord(OfTest, ABC):
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:
         """What tells this test from others, by the keys of a study's tables."""
-
-    def for_study(self, values: Mapping[str, Any]) -> dict[str, Any]:
-        """Values by keys of a record as studies of the kind have them."""
-        return dict(values)
 
     @abstractmethod
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:

@@ -21,6 +21,7 @@ from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
 from wirewear.records.normal_force import pressing
+from wirewear.records.of_test import OfTest
 from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
@@ -220,7 +221,7 @@ def _frozen(values: Array) -> Array:
 _LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
 _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)
 
-Model = TypeVar("Model", bound=BaseModel)
+Model = TypeVar("Model", bound=OfTest)
 
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:
@@ -254,7 +255,7 @@ def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]
     """
     text = reading.read_text(path, RecordError, "TOML file")
     data = reading.parsed_toml(text, str(path), RecordError)
-    return _checked(data, text, path, model)
+    return _checked(model.known(data, str(path)), text, path, model)
 
 
 def _checked(data: dict[str, Any], text: str, path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]:

@@ -6,7 +6,6 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import Field, PlainValidator
 
-from solvers import Waveform
 from wirewear.base.errors import Quantity, RecordError, shown
 from wirewear.records.of_test import Metadata, OfRecord, OfTest
 from wirewear.records.scars import MeasuredScar
@@ -14,9 +13,8 @@ from wirewear.records.surfaces import SCARS
 from wirewear.results.scar import WIRES, called
 from wirewear.study import keys
 from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
-from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey
 from wirewear.study.keys import Inconsistency
-from wirewear.study.tables import CROSSED_WIRES, HeldOfWhole, HolderTable
+from wirewear.study.tables import CROSSED_WIRES, Asked, HolderTable
 from wirewear.study.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
@@ -49,17 +47,9 @@ WearFactor = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
 RunningIn = Annotated[float, PlainValidator(Quantity("cycles", 1.0, 1e9))]
 
 
-class RecordConditions(HeldOfWhole):
+class RecordConditions(Asked):
     """What was asked of the rig."""
 
-    normal_load_N: keys.NormalLoad = Field(description="normal load between the wires", examples=[2.0])
-    displacement_amplitude_um: keys.Amplitude = Field(
-        description="displacement amplitude asked for, half the stroke", examples=[60.0]
-    )
-    frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
-    cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
-    motion: MotionKey = Field(Waveform(), description=MOTION)
-    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
     drive: Annotated[Literal["sensor", "stroke"], PlainValidator(keys.one_of(*DRIVES))] = Field(
         "sensor", description="where the amplitude is held: on the sensor's reading, or on the true motion"
     )
@@ -314,9 +304,9 @@ class RecordTables(PointRecordTables, WiresTest):
     """The whole of the experiment.toml of crossed wires."""
 
     @classmethod
-    def bodies_of(cls, study: Mapping[str, Any], label: str, length_mm: float | None) -> dict[str, Any]:
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
         """The wires."""
-        del label, length_mm
+        del label
         angle = (study.get("conditions") or {}).get("motion_angle_deg") or 0.0
         own = {"motion_angle_deg": angle, **(study.get("wires") or {})}
         left = {key: Wires.model_fields[key].default for key in GRIPS} | {wire: {} for wire in WIRES}

@@ -67,21 +67,20 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
         "format": 1,
         "name": tables.name,
         "kind": tables.contact_kind,
-        "conditions": tables.for_study(tables.conditions.model_dump(mode="json", exclude={"drive"}, exclude_none=True)),
+        "conditions": tables.conditions.model_dump(mode="json", exclude={"drive"}, exclude_none=True),
         "contact": {"friction": friction},
-        "holder": tables.for_study(rig or {"tangential_stiffness_N_per_mm": "rigid"}),
-        **({"wear": tables.for_study(wear)} if wears else {}),
+        "holder": rig or {"tangential_stiffness_N_per_mm": "rigid"},
+        **({"wear": wear} if wears else {}),
         **({"effects": effects} if effects else {}),
-        **({"programme": [_believed_block(tables, block) for block in tables.programme]} if tables.programme else {}),
+        **({"programme": [_believed_block(block) for block in tables.programme]} if tables.programme else {}),
     }
     whole: dict[str, Any] = tables.with_bodies(data)
     return whole
 
 
-def _believed_block(tables: Any, block: CycleBlock) -> dict[str, Any]:
+def _believed_block(block: CycleBlock) -> dict[str, Any]:
     """A block of a record's programme as that of a study."""
-    values = {name: tables.for_study(table) for name, table in block.values.items()}
-    return {"cycles": block.cycles, **values, **({"name": block.name} if block.name else {})}
+    return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
 
 
 # Shares of a loop's force and stroke: within the first a test stands at rest, and beyond the last, which is what even

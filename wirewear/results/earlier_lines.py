@@ -19,10 +19,12 @@ import h5py
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.base.errors import ResultError
 from wirewear.results.contact_forces import ContactForces
 from wirewear.results.flat import whole
 from wirewear.results.scar import Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
+from wirewear.study.lengths import whole_test
 
 KIND = "wirewear planar result"
 
@@ -42,6 +44,7 @@ def line_result(file: h5py.File, path: Path) -> RunResult:
         "jump_cycles",
     )
     tables: dict[str, Any] = {name: json.loads(file[name][()]) for name in ("study", "settings", "quality")}
+    tables["study"] = whole_test(tables["study"], str(path), ResultError)
     return RunResult(
         name=str(attributes["name"]),
         variant=str(attributes.get("variant", "")),

@@ -44,6 +44,7 @@ from wirewear.results import earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
+from wirewear.study.lengths import whole_test
 
 T = TypeVar("T")
 
@@ -184,6 +185,8 @@ def _run_result(file: h5py.File, path: Path) -> RunResult:
         driven, other = header["bodies"]
         stated |= {"contact_kind": str(header["contact_kind"]), "bodies": (driven, other)}
         stated["length_mm"] = header["length_mm"]
+    if stated.get("length_mm"):
+        tables["study"] = whole_test(tables["study"], str(path), ResultError)
     return RunResult(
         **stated,
         study=tables["study"],

@@ -25,6 +25,7 @@ from wirewear.results.scar import (
     require_finite,
     require_increasing,
 )
+from wirewear.study.lengths import study_of_length
 
 _IDEAL = Sensor()
 _NEW = Age.new()
@@ -67,12 +68,7 @@ def read_loop(loop: Loop, sensor: Sensor, period_s: float) -> Loop:
 
 
 def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
-    """The result's loops as a sensor with the effects of its study reads them, without noise.
-
-    Studies of line contacts state effects as they are of one millimetre.
-    """
-    if result.length_mm not in (None, 1.0):
-        return tuple(longer(loop, result.length_mm) for loop in read_loops(result.of_length(1.0), sensor))
+    """The result's loops as a sensor with the effects of its study reads them, without noise."""
     if not result.study.get("effects") and sensor == _IDEAL:
         return result.loops
     sensors = [sensor_of(result.study, sensor, age_at(result, loop.cycle)) for loop in result.loops]
@@ -305,17 +301,27 @@ class RunResult:
         """Whether it is the body that stands above and is held."""
         return body_named(body, self.label, self.bodies) == self.bodies[1]
 
+    def times(self, length_mm: float | None) -> float:
+        """How many times as long a line contact of another length is; 1 of a contact at a point, which has none."""
+        return 1.0 if length_mm is None else length_mm / (self.length_mm or length_mm)
+
     def of_length(self, length_mm: float) -> RunResult:
-        """The result of so much of a line contact, whose conditions are stated per mm."""
-        factor = length_mm / (self.length_mm or length_mm)
+        """The result of so much of a line contact."""
+        factor = self.times(length_mm)
         return replace(
             self,
             length_mm=length_mm,
+            study=study_of_length(self.study, length_mm),
             loops=tuple(longer(loop, factor) for loop in self.loops),
             evolution=Evolution(scaled(self.evolution, factor)),
             scars=tuple(replace(scar, length_mm=length_mm) for scar in self.scars),
             contact_forces=tuple(longer(one, factor) for one in self.contact_forces),
         )
+
+    @property
+    def computed(self) -> RunResult:
+        """The result as it is computed: of a line contact, one millimetre of it."""
+        return self if self.length_mm in (None, 1.0) else self.of_length(1.0)
 
     @property
     def worn_volume_mm3(self) -> Array:

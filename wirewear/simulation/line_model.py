@@ -26,9 +26,9 @@ from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
 from wirewear.study.faces import Face, WIDEST_mm, half_width_of
 from wirewear.study.fidelity import LINE_LEVELS, level_of
-from wirewear.study.lines import LineHolder
 from wirewear.study.study import LineStudy
 from wirewear.study.surfaces import StatedSurface
+from wirewear.study.tables import HolderTable
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0
@@ -127,10 +127,10 @@ def line_plan(study: LineStudy, fidelity: str) -> LinePlan:
     the stroke can tilt it, with a margin; on the specimen the stroke as well.
     Raises StudyError if the patch does not fit on a body.
     """
-    study = study.driven.envelope
+    study = study.of_length(1.0).driven.envelope
     level, mesh, conditions, stated = level_of(LINE_LEVELS, fidelity), study.mesh, study.conditions, study.pad.profile
     face = stated.even if isinstance(stated, TabledProfile) else stated
-    load = conditions.drive.load.largest * conditions.normal_load_N_per_mm
+    load = conditions.drive.load.largest * conditions.normal_load_N
     stroke = 1e-3 * conditions.displacement_amplitude_um
     modulus = reference.contact_modulus(study.pad.elastic, study.specimen.elastic)
     pad_half = study.pad.half_width_mm or half_width_of(face)
@@ -215,9 +215,9 @@ def line_problem(study: LineStudy, pad: PlacedBody, specimen: PlacedBody) -> Con
     return ContactProblem(upper=pad, lower=specimen, **laws_of(study))
 
 
-def _largest_tilt(rig: LineHolder, stroke_mm: float) -> float:
+def _largest_tilt(rig: HolderTable, stroke_mm: float) -> float:
     """Tilt of a pad that rotates with the whole stroke."""
-    if rig.rotational_stiffness_N_per_rad == "rigid" or rig.pivot_height_mm is None:
+    if rig.rotational_stiffness_N_mm_per_rad == "rigid" or rig.pivot_height_mm is None:
         return 0.0
     return stroke_mm / rig.pivot_height_mm
 
@@ -229,13 +229,11 @@ def _predicted(study: LineStudy, face: Face, contact_mm: float, pad_half_mm: flo
         4e-3
         * study.contact.friction
         * conditions.drive.mean_load
-        * conditions.normal_load_N_per_mm
+        * conditions.normal_load_N
         * conditions.displacement_amplitude_um
         * conditions.cycles
     )
-    factors = wear_factors(
-        study.effects, study.contact.friction, conditions.normal_load_N_per_mm, float(conditions.cycles)
-    )
+    factors = wear_factors(study.effects, study.contact.friction, conditions.normal_load_N, float(conditions.cycles))
     area = 1e-3 * sum(study.energy_coefficients()) * energy_mJ * factors.beyond_margin + _lacking(study)
     scar = scar_half_width(face, area, pad_half_mm)
     # A flat that loses more than the pad is worn beyond the pad's scar by the stroke.

@@ -9,7 +9,7 @@ import numpy as np
 from solvers import ContactProblem, CycleTrace, unloaded_state
 from wirewear.base.cache import Identity
 from wirewear.effects import problem_with
-from wirewear.results import ContactForces, Loop, Scar
+from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.cycler import FrettingTest
 from wirewear.simulation.folder import MeshHistory, OneMesh
@@ -35,6 +35,14 @@ class LineRunRecord(Recorded):
         """Empty, before the run."""
         super().__init__(plan.study, plan.fidelity, plan.planned.pressure_length_mm)
         self.study, self._asked = plan.study, plan.planned.settings() | {"identity": str(plan.identity)}
+
+    def restore(self, before: RunResult, done: float) -> None:
+        """Take over what the interrupted run had recorded, of a millimetre."""
+        super().restore(before.of_length(self.length_mm), done)
+
+    def result(self, status: str, message: str, history: MeshHistory) -> RunResult:
+        """The result so far, of the study's length."""
+        return super().result(status, message, history).of_length(self.study.contact.length_mm)
 
     def further_columns(self, loop: Loop, scars: tuple[Scar, Scar]) -> dict[str, float]:
         """How far the pad tilts, and where scars end."""
@@ -95,13 +103,18 @@ class LineRun(PlannedRun):
         return cls(study, fidelity, line_plan(study, fidelity))
 
     @property
+    def computed(self) -> LineStudy:
+        return self.study.of_length(1.0)
+
+    @property
     def identity(self) -> Identity:
         return self.identified(self.planned.settings())
 
     @property
     def test(self) -> FrettingTest:
         """The test as the run goes through it."""
-        study, driven, increments = self.study, self.study.driven, self.planned.increments_per_cycle
+        study, increments = self.study, self.planned.increments_per_cycle
+        driven = self.computed.driven
 
         def motion(own: LineStudy) -> dict[str, Any]:
             return {

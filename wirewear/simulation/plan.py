@@ -193,6 +193,11 @@ class PlannedRun:
     fidelity: str
 
     @property
+    def computed(self) -> Any:
+        """The study as it is computed: of a line contact, one millimetre of it."""
+        return self.study
+
+    @property
     def label(self) -> str:
         """What the run is called beside others of its study."""
         return str(self.study.variant_name or self.study.name)
@@ -219,10 +224,10 @@ class PlannedRun:
 
             return Motion(drive=own.drive, under=under, held=held_of(own), **motion(own))
 
-        stretches = self.study.driven.schedule.stretches
+        stretches = self.computed.driven.schedule.stretches
         motions = {own.block: moved(own.study) for own in stretches}
         ends = tuple((float(own.end), motions[own.block]) for own in stretches)
-        return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, self.study.tables.stop)
+        return FrettingTest(ends, meshes, milestones, tolerance, explicit_jump_cycles, self.computed.tables.stop)
 
 
 @dataclass(frozen=True)

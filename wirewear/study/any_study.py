@@ -8,7 +8,7 @@ from functools import cached_property, partial
 from typing import Any, Generic, Self, TypeVar
 
 from solvers import Drive, FrictionLaw, WearLaw
-from wirewear.base.errors import UNIT_SYMBOLS, StudyError, as_sentence, counted, shown
+from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.base.frame import notebook_table
 from wirewear.effects import Effect, effects_of_tables
 from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
@@ -31,6 +31,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
     Raises StudyError, in one sentence, if there is no such key, or its value cannot be.
     """
     data = tables.model_dump(mode="json", exclude_none=True)
+    values = dict(tables.known_as(key, value) for key, value in values.items())
     for key, value in values.items():
         _put(data, key, value, where)
     if "conditions.cycles" in values and LOGGED not in values:
@@ -41,7 +42,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
 def value_at(tables: CommonTables, key: str) -> Any:
     """What stands at a key with dots in it; None where there is none."""
     here: Any = tables.model_dump(mode="json")
-    for part in key.split("."):
+    for part in tables.known_as(key, None)[0].split("."):
         here = here.get(part) if isinstance(here, Mapping) else None
     return here
 
@@ -142,7 +143,7 @@ class AnyStudy(Generic[Tables]):
         worst = max((own.study for own in stretches), key=lambda study: study.worn_per_cycle)
         conditions = {
             key: max(getattr(own.study.conditions, key) for own in stretches)
-            for key in (self.tables.load_key, "displacement_amplitude_um")
+            for key in ("normal_load_N", "displacement_amplitude_um")
         }
         friction = max(own.study.contact.friction for own in stretches)
         largest = worst.changed({"conditions": conditions, "contact": {"friction": friction}})
@@ -235,10 +236,9 @@ class AnyStudy(Generic[Tables]):
     def __repr__(self) -> str:
         own = f", variant {self.variant_name!r}" if self.variant_name else ""
         variants = f", variants {', '.join(self.variant_names)}" if self.variants else ""
-        c, key = self.conditions, self.tables.load_key
-        load, unit = getattr(c, key), UNIT_SYMBOLS[key.removeprefix("normal_load_")]
+        c = self.conditions
         return (
-            f"<{type(self).__name__} {self.name!r}{own}: {load:g}{unit}, ±{c.displacement_amplitude_um:g} µm, "
+            f"<{type(self).__name__} {self.name!r}{own}: {c.normal_load_N:g} N, ±{c.displacement_amplitude_um:g} µm, "
             f"{counted(c.cycles)} cycles{variants}>"
         )
 

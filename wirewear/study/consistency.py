@@ -8,13 +8,14 @@ from wirewear.study.bodies import Wire
 from wirewear.study.drive import BulkTable
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.study.keys import NO_PIVOT, Inconsistency, Table
+from wirewear.study.lengths import PLANAR_KINDS
 from wirewear.study.life import LifeTable
 from wirewear.study.lines import LineTables
 from wirewear.study.messages import Keys, place, table_above, validated
 from wirewear.study.points import BallOnFlatTables, PointTables, ShapedBody
 from wirewear.study.programme import held_keys, logged_ends, placed, too_many
 from wirewear.study.surfaces import StatedSurface, unfit_layers
-from wirewear.study.tables import CROSSED_WIRES, PLANAR_KINDS, CommonTables, ContactTables, StudyTables
+from wirewear.study.tables import CROSSED_WIRES, CommonTables, ContactTables, StudyTables
 
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
@@ -44,7 +45,7 @@ def checked_tables(
         table = ".".join(str(key) for key in keys[:-1])
         return f"{prefix}.{table}".rstrip(".") if prefix and _holds(overrides or {}, keys) else table
 
-    tables = validated(_of_kind(data.get("kind"))[0], data, where, StudyError, spelled)
+    tables = validated(of_kind(data.get("kind"))[0], data, where, StudyError, spelled)
     contradiction = inconsistency(tables)
     if contradiction is not None:
         keys, problem = contradiction
@@ -71,7 +72,7 @@ def _holds(overrides: Mapping[str, Any], keys: Keys) -> bool:
 
 def inconsistency(tables: CommonTables) -> Inconsistency | None:
     """The first contradiction within a study, if there is one."""
-    checks = (type(tables).contradiction, *_of_kind(tables.kind)[1], *_OF_ALL)
+    checks = (type(tables).contradiction, *of_kind(tables.kind)[1], *_OF_ALL)
     return next((found for check in checks if (found := check(tables)) is not None), None)
 
 
@@ -206,7 +207,8 @@ _KINDS: dict[str, tuple[type[CommonTables], tuple[Check, ...]]] = {
 }
 
 
-def _of_kind(asked: object) -> tuple[type[CommonTables], tuple[Check, ...]]:
+def of_kind(asked: object) -> tuple[type[CommonTables], tuple[Check, ...]]:
+    """The tables of a kind of contact and the checks between them; of crossed wires where there is no such kind."""
     return next((own for kind, own in _KINDS.items() if asked == kind), _KINDS[CROSSED_WIRES])
 
 

@@ -1,40 +1,32 @@
-"""Tables of a line contact's study: a pad on a flat in plane strain, all per mm of thickness."""
+"""Tables of a line contact's study: a pad on a flat in plane strain, of a length across the motion."""
 
-from collections.abc import Iterable
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
 
 from pydantic import Field, PlainValidator
 
 from geometry import Elastic, PlanarGeometry
-from solvers import Coulomb, Drive, EnergyLaw, Holder, Waveform, WearLaw, WearRates
-from wirewear.base.errors import Quantity
-from wirewear.effects import Effect, Seam
+from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
+from wirewear.base.errors import Quantity, StudyError
+from wirewear.effects import Seam
 from wirewear.study import keys
-from wirewear.study.drive import BULK, LOAD_CYCLE, MOTION, BulkTable, LoadCycleKey, MotionKey, bulk_of, drive_of
+from wirewear.study.drive import BULK, BulkTable, bulk_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
+from wirewear.study.lengths import PLANAR_KINDS, key_of_whole, lengthened, whole_test
 from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
-from wirewear.study.tables import PLANAR_KINDS, CommonTables, HeldByDrive, StatesItsKind, compliance
+from wirewear.study.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
 from wirewear.study.template import Template
 
 CYLINDER_ON_FLAT = PLANAR_KINDS[1]  #: A line contact whose pad is a cylinder.
 
 Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
-LineLoad = Annotated[float, PlainValidator(Quantity("N_per_mm", 1e-3, 1e5))]
-LineStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm2", 1.0, 1e8, words=("rigid",)))]
-
-
-RotationalLineStiffness = Annotated[
-    float | Literal["rigid"], PlainValidator(Quantity("N_per_rad", 1.0, 1e12, words=("rigid",)))
-]
-LineSpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm2", 0.0, 1e5))]
-
-#: By which power of the contact's length a whole contact's number is larger than that of one millimetre, by its unit;
-#: of all other units the numbers are the same.
-_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "um_per_N": -1, "um_per_N2": -2}
 
 TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
+
+
+AnyTable = TypeVar("AnyTable", bound=keys.Table)
 
 
 class MaterialTable(keys.OfMaterial):
@@ -101,76 +93,57 @@ class Specimen(HeldTable):
     )
 
 
-class LineConditions(HeldByDrive):
+class LineConditions(DrivenConditions):
     """What is asked of the rig."""
 
-    normal_load_N_per_mm: LineLoad = Field(description="normal load per length of the contact", examples=[390.0])
-    displacement_amplitude_um: keys.Amplitude = Field(
-        description="imposed displacement amplitude, half the stroke", examples=[35.0]
-    )
-    held_tangential_force_N_per_mm: LineLoad | None = Field(
-        None, description="the drive holds this largest tangential force of a cycle, per length of the contact"
-    )
-    held_energy_mJ_per_mm: keys.HeldEnergy | None = Field(
-        None, description="the drive holds this energy of a cycle, per length of the contact"
-    )
-    cycles: keys.Cycles = Field(description="length of the test", examples=[10000])
-    motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
-    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
     frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
 
-    @property
-    def drive(self) -> Drive:
-        return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
+
+class LineContactTable(FrictionTable):
+    """The friction law, and how long the contact is."""
+
+    length_mm: Extent = Field(1.0, description="length of the contact across the motion", examples=[10.0])
 
 
-class LineFriction(keys.Table):
-    """The friction law."""
+class WearOfBodies(keys.Table):
+    """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
 
-    friction: keys.Friction = Field(description="coefficient of friction", examples=[0.9])
-    friction_law: keys.FrictionLawKey = Field(
-        Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
+    WEAR: ClassVar[tuple[str, ...]] = tuple(
+        f"{body}_{law}"
+        for law in ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
+        for body in ("pad", "specimen")
     )
 
+    pad_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
+        None, description="worn volume of the pad per dissipated energy"
+    )
+    specimen_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
+        None, description="worn volume of the specimen per dissipated energy"
+    )
+    pad_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
+        None, description="worn volume of the pad per load and sliding distance"
+    )
+    specimen_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
+        None, description="worn volume of the specimen per load and sliding distance"
+    )
 
-class LineWear(keys.Table):
-    """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """All four by their keys, 0 of a body that does not wear by that law."""
+        return {key: getattr(self, key) or 0.0 for key in self.WEAR}
+
+
+class LineWear(WearOfBodies):
+    """Wear of each body, and its law."""
 
     law: keys.WearLawKey | None = Field(
         None, description='"energy", or a table of another law\'s name and parameters, for energy coefficients'
     )
 
-    pad_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the pad")
-    specimen_energy_mm3_per_J: keys.WearCoefficient = Field(0.0, description="energy wear coefficient of the specimen")
-    pad_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(0.0, description="Archard wear coefficient of the pad")
-    specimen_archard_mm3_per_N_m: keys.ArchardCoefficient = Field(
-        0.0, description="Archard wear coefficient of the specimen"
-    )
-
-    @property
-    def coefficients(self) -> dict[str, float]:
-        """All four by their keys."""
-        return {name: value for name, value in self if isinstance(value, float)}
-
     @property
     def of_law(self) -> WearLaw:
         """The law of the energy coefficients."""
         return self.law or EnergyLaw()
-
-
-class LineHolder(keys.Table):
-    """The rig: springs between the pad's holder and ground, and that of the loading train."""
-
-    tangential_stiffness_N_per_mm2: LineStiffness = Field(
-        "rigid", description='stiffness of the rig along the motion per length of the contact, a number or "rigid"'
-    )
-    rotational_stiffness_N_per_rad: RotationalLineStiffness = Field(
-        "rigid", description='stiffness against rotation about a pivot above the contact, a number or "rigid"'
-    )
-    pivot_height_mm: keys.PivotHeight | None = Field(None, description="height of that pivot above the contact")
-    normal_spring_stiffness_N_per_mm2: LineSpringStiffness = Field(
-        0.0, description="stiffness of the loading spring per length of the contact; 0 is a dead weight"
-    )
 
 
 class LineMeshing(ResolutionTable):
@@ -196,22 +169,27 @@ class _OfPadAndSpecimen(StatesItsKind):
 class LineTables(CommonTables, _OfPadAndSpecimen):
     """A whole study of a line contact without its variants."""
 
-    load_key: ClassVar[str] = "normal_load_N_per_mm"
-
     kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
         description="kind of contact", examples=[PLANAR_KINDS[0]]
     )
     conditions: LineConditions = Field(description="load, stroke, motion and length of the test")
-    contact: LineFriction = Field(description="friction")
+    contact: LineContactTable = Field(description="friction and length")
     wear: LineWear = Field(LineWear(), description="wear of both bodies; without this table nothing wears")
-    holder: LineHolder = Field(LineHolder(), description="stiffness of the rig")
-    effects: keys.Effects = Field((), description="effects that the nominal model lacks, per mm of thickness")
     mesh: LineMeshing = Field(LineMeshing(), description="resolution")
 
     @property
     def contact_kind(self) -> str:
         """A cylinder on a flat is one of them."""
         return PLANAR_KINDS[0]
+
+    @classmethod
+    def known(cls, data: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+        """What is per length, as of the whole contact."""
+        return whole_test(data, where, StudyError)
+
+    def known_as(self, key: str, value: Any) -> tuple[str, Any]:
+        """Of the whole contact."""
+        return key_of_whole(key, value, self.contact.length_mm)
 
     @property
     def layers(self) -> dict[str, tuple[LayerTable, ...]]:
@@ -228,17 +206,6 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         """With the stresses that both bodies carry."""
         bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]
         return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
-
-    @property
-    def rig(self) -> Holder:
-        rig = self.holder
-        return Holder(
-            self.conditions.normal_load_N_per_mm,
-            tangential_compliance_mm_per_N=compliance(rig.tangential_stiffness_N_per_mm2),
-            normal_stiffness_N_per_mm=rig.normal_spring_stiffness_N_per_mm2,
-            rotational_compliance_rad_per_N_mm=compliance(rig.rotational_stiffness_N_per_rad),
-            pivot_height_mm=rig.pivot_height_mm or 0.0,
-        )
 
     @property
     def wear_rates(self) -> WearRates:
@@ -266,10 +233,35 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         def combined(energy: float, archard: float) -> float:
             return energy + (archard / friction if archard > 0.0 else 0.0)
 
-        return (
-            combined(wear.pad_energy_mm3_per_J, wear.pad_archard_mm3_per_N_m),
-            combined(wear.specimen_energy_mm3_per_J, wear.specimen_archard_mm3_per_N_m),
-        )
+        pad_energy, specimen_energy, pad_archard, specimen_archard = wear.coefficients.values()
+        return combined(pad_energy, pad_archard), combined(specimen_energy, specimen_archard)
+
+    def of_length(self, length_mm: float) -> Self:
+        """The same test on another length of the contact: as much load, force and energy to the millimetre."""
+        if length_mm == (own := self.contact.length_mm):
+            return self
+        factor = length_mm / own
+
+        def of(table: AnyTable) -> AnyTable:
+            return table.model_copy(update=lengthened(dict(table), factor))
+
+        changed = {
+            "conditions": of(self.conditions),
+            "programme": tuple(
+                block.model_copy(update={"conditions": lengthened(block.conditions, factor)})
+                for block in self.programme
+            ),
+            "contact": self.contact.model_copy(update={"length_mm": length_mm}),
+            "holder": of(self.holder),
+            "stop": None if self.stop is None else of(self.stop),
+            "effects": tuple(
+                replace(
+                    effect, **lengthened({name: getattr(effect, name) for name in effect.parameters()}, length_mm / own)
+                )
+                for effect in self.effects
+            ),
+        }
+        return self.model_copy(update=changed)
 
     def contradiction(self) -> Inconsistency | None:
         """A pad without a face, a holder that tips over, or two laws of wear."""
@@ -288,29 +280,30 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         return None
 
     def _of_holder(self) -> Inconsistency | None:
-        holder, key = self.holder, ("holder", "rotational_stiffness_N_per_rad")
-        if holder.rotational_stiffness_N_per_rad == "rigid":
+        holder, key = self.holder, ("holder", "rotational_stiffness_N_mm_per_rad")
+        stiffness = holder.rotational_stiffness_N_mm_per_rad
+        if stiffness == "rigid":
             return None
         if holder.pivot_height_mm is None:
             return Inconsistency(key, keys.NO_PIVOT)
-        leaning = self.conditions.normal_load_N_per_mm * holder.pivot_height_mm
-        if holder.rotational_stiffness_N_per_rad > leaning:
+        leaning = self.conditions.normal_load_N * holder.pivot_height_mm
+        if stiffness > leaning:
             return None
         return Inconsistency(
             key,
-            f"is {holder.rotational_stiffness_N_per_rad:g}, but below {leaning:g}, load times pivot height, the pad "
-            "tips over: give a stiffer spring or a lower pivot",
+            f"is {stiffness:g}, but below {leaning:g}, load times pivot height, the pad tips over: give a stiffer "
+            "spring or a lower pivot",
         )
 
     def _of_wear(self) -> Inconsistency | None:
         wear, law, friction = self.wear, self.wear.of_law, self.contact
         for body in ("pad", "specimen"):
-            energy, archard = (f"{body}_energy_mm3_per_J", f"{body}_archard_mm3_per_N_m")
-            if getattr(wear, energy) > 0.0 and getattr(wear, archard) > 0.0:
+            energy, archard = (key for key in wear.WEAR if key.startswith(body))
+            if wear.coefficients[energy] > 0.0 and wear.coefficients[archard] > 0.0:
                 return Inconsistency(
                     ("wear", energy), f"and {archard} are both given, but a body wears by one law: give one of the two"
                 )
-        by_archard = max(wear.pad_archard_mm3_per_N_m, wear.specimen_archard_mm3_per_N_m) > 0.0
+        by_archard = any(value > 0.0 for key, value in wear.coefficients.items() if "archard" in key)
         if by_archard and not isinstance(friction.friction_law, Coulomb):
             return Inconsistency(
                 ("contact", "friction_law"),
@@ -320,8 +313,8 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         if law.coefficient == "archard" or (by_archard and not isinstance(law, EnergyLaw)):
             return Inconsistency(
                 ("wear", "law"),
-                f"is {law.name!r}, but line contacts take Archard's law by pad_archard_mm3_per_N_m and "
-                "specimen_archard_mm3_per_N_m, and all others by energy wear coefficients",
+                f"is {law.name!r}, but line contacts take Archard's law by {' and '.join(wear.WEAR[2:])}, and all "
+                "others by energy wear coefficients",
             )
         if by_archard and friction.friction == 0.0:
             return Inconsistency(
@@ -340,32 +333,14 @@ LINE_CONTACT = Template(
         "pad": {"radius_mm": 40.0, **TITANIUM},
         "specimen": TITANIUM,
         "conditions": {
-            "normal_load_N_per_mm": 390.0,
+            "normal_load_N": 3900.0,
             "displacement_amplitude_um": 35.0,
             "cycles": 10000,
             "frequency_Hz": 5.0,
         },
-        "contact": {"friction": 0.9},
-        "wear": {"pad_energy_mm3_per_J": 2.0e-5, "specimen_energy_mm3_per_J": 4.0e-5},
-        "holder": {"tangential_stiffness_N_per_mm2": "rigid"},
+        "contact": {"friction": 0.9, "length_mm": 10.0},
+        "wear": {"pad_energy_wear_coefficient_mm3_per_J": 2.0e-5, "specimen_energy_wear_coefficient_mm3_per_J": 4.0e-5},
+        "holder": {"tangential_stiffness_N_per_mm": "rigid"},
     },
-    "A cylinder on a flat, to be changed into your line contact; everything is per mm of its length.",
+    "A cylinder on a flat, to be changed into your line contact; loads and stiffnesses are of its whole length.",
 )
-
-
-def per_mm(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
-    """Effects of a whole contact as a study of one millimetre of it takes them."""
-    return tuple(_scaled(effect, length_mm, -1) for effect in effects)
-
-
-def of_whole_contact(effects: Iterable[Effect[Any]], length_mm: float) -> tuple[Effect[Any], ...]:
-    """Effects of a study per mm as those of the whole contact."""
-    return tuple(_scaled(effect, length_mm, 1) for effect in effects)
-
-
-def _scaled(effect: Effect[Any], length_mm: float, sign: int) -> Effect[Any]:
-    known = effect.parameters().items()
-    powers = {name: sign * _POWERS.get(described.quantity.unit, 0) for name, described in known}
-    return replace(
-        effect, **{name: getattr(effect, name) * length_mm**power for name, power in powers.items() if power}
-    )

@@ -6,27 +6,18 @@ import re
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, Self, cast
 
 from wirewear.base.errors import StudyError, shown
 from wirewear.base.reading import Held, parsed_toml, read_toml, require_no_other
 from wirewear.study.any_study import AnyStudy
 from wirewear.study.bodies import Body
-from wirewear.study.consistency import checked_tables, merged
+from wirewear.study.consistency import checked_tables, merged, of_kind
 from wirewear.study.fidelity import FIDELITIES, level_of
-from wirewear.study.lines import (
-    LineConditions,
-    LineFriction,
-    LineHolder,
-    LineMeshing,
-    LineTables,
-    LineWear,
-    Pad,
-    Specimen,
-)
+from wirewear.study.lengths import PLANAR_KINDS
+from wirewear.study.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
 from wirewear.study.tables import (
     CROSSED_WIRES,
-    PLANAR_KINDS,
     Conditions,
     Contact,
     ContactTables,
@@ -77,12 +68,12 @@ class Study(AnyStudy[ContactTables]):
 
 
 class LineStudy(AnyStudy[LineTables]):
-    """A study of a line contact, of one millimetre of its length; its tables are of the types named here."""
+    """A study of a line contact; its tables are of the types named here."""
 
     conditions: LineConditions
-    contact: LineFriction
+    contact: LineContactTable
     wear: LineWear
-    holder: LineHolder
+    holder: HolderTable
     mesh: LineMeshing
 
     @property
@@ -98,6 +89,11 @@ class LineStudy(AnyStudy[LineTables]):
     def energy_coefficients(self) -> tuple[float, float]:
         """Wear of pad and specimen per dissipated energy, in mm³/J."""
         return self.tables.energy_coefficients()
+
+    def of_length(self, length_mm: float) -> Self:
+        """The same test, and its variants, on another length of the contact."""
+        variants = tuple((name, tables.of_length(length_mm)) for name, tables in self.variants)
+        return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
 
 
 FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
@@ -153,6 +149,7 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
     """Build a study of any kind from nested tables such as `Study.resolved()` returns.
     Raises StudyError, in one sentence, if the tables are no valid study.
     """
+    data = of_kind(data.get("kind"))[0].known(data, where)
     base = {key: value for key, value in data.items() if key != "variants"}
     tables: Any = checked_tables(base, where)
     variants: tuple[tuple[str, Any], ...] = tuple(

@@ -1,8 +1,9 @@
 """The tables of a study of a contact at a point: every key with its sensible range, default and meaning."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
 from dataclasses import replace
-from typing import Annotated, Any, ClassVar, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field, PlainValidator, model_validator
@@ -13,6 +14,7 @@ from wirewear.base.errors import shown
 from wirewear.study import keys
 from wirewear.study.bodies import Body, Wire
 from wirewear.study.drive import LOAD_CYCLE, MOTION, LoadCycleKey, MotionKey, bulk_of, drive_of
+from wirewear.study.lengths import PLANAR_KINDS
 from wirewear.study.life import LifeTable
 from wirewear.study.programme import CycleBlock
 from wirewear.study.surfaces import LayerTable, layers_of
@@ -23,7 +25,6 @@ Variation = Literal["none", "cycles", "energy_J"]
 WearUpdate = Literal["implicit", "explicit"]
 
 #: Kinds of study with tables of their own, which `wirewear run` takes beside crossed wires.
-PLANAR_KINDS = ("line-contact", "cylinder-on-flat")
 POINT_KINDS = ("ball-on-flat", "point-contact")
 
 
@@ -39,9 +40,19 @@ def _checked_kind(value: object) -> str:
     return CROSSED_WIRES
 
 
-class HeldByDrive(keys.Table):
-    """What a drive may hold by its amplitude; displacement_amplitude_um is then the largest that it has."""
+class Asked(keys.Table):
+    """What is asked of the rig in a test of any contact; displacement_amplitude_um is the largest where another figure
+    is held.
+    """
 
+    normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
+    displacement_amplitude_um: keys.Amplitude = Field(
+        description="imposed displacement amplitude, half the stroke", examples=[60.0]
+    )
+    frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
+    cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
+    motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
+    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
     held_slip_amplitude_um: keys.Amplitude | None = Field(
         None, description="the drive holds this slip amplitude, by a stroke of displacement_amplitude_um at most"
     )
@@ -51,34 +62,14 @@ class HeldByDrive(keys.Table):
     held_reading_um: keys.Amplitude | None = Field(
         None, description="the drive holds this amplitude of its sensor's reading, which the effects of a sensor change"
     )
-
-
-class HeldOfWhole(HeldByDrive):
-    """And what it may hold of a whole contact."""
-
     held_tangential_force_N: keys.NormalLoad | None = Field(
         None, description="the drive holds this largest tangential force of a cycle"
     )
     held_energy_mJ: keys.HeldEnergy | None = Field(None, description="the drive holds this energy of a cycle")
 
 
-class Conditions(HeldOfWhole):
-    """What is asked of the rig."""
-
-    normal_load_N: keys.NormalLoad = Field(description="normal load between the bodies", examples=[2.0])
-    approach_um: keys.Approach | None = Field(
-        None, description="press the bodies together by this much and hold them; normal_load_N is then only expected"
-    )
-    displacement_amplitude_um: keys.Amplitude = Field(
-        description="imposed displacement amplitude, half the stroke", examples=[60.0]
-    )
-    motion_angle_deg: keys.MotionAngle = Field(
-        0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
-    )
-    frequency_Hz: keys.Frequency = Field(description="cycles per second", examples=[3.0])
-    cycles: keys.Cycles = Field(description="length of the test", examples=[100000])
-    motion: MotionKey = Field(Waveform(), description=MOTION, examples=["sinusoidal"])
-    load_cycle: LoadCycleKey | None = Field(None, description=LOAD_CYCLE)
+class DrivenConditions(Asked):
+    """What is asked of the rig in a simulation, whose drive is known."""
 
     @property
     def drive(self) -> Drive:
@@ -86,13 +77,29 @@ class Conditions(HeldOfWhole):
         return drive_of(self.displacement_amplitude_um, self.motion, self.load_cycle)
 
 
-class Contact(keys.Table):
-    """The friction law, and how the contact conditions are imposed."""
+class Conditions(DrivenConditions):
+    """What is asked of the rig of a contact at a point."""
+
+    approach_um: keys.Approach | None = Field(
+        None, description="press the bodies together by this much and hold them; normal_load_N is then only expected"
+    )
+    motion_angle_deg: keys.MotionAngle = Field(
+        0.0, description="direction of the motion against the moving wire's axis, about the normal that points upwards"
+    )
+
+
+class FrictionTable(keys.Table):
+    """The friction law."""
 
     friction: keys.Friction = Field(description="coefficient of friction", examples=[0.62])
     friction_law: keys.FrictionLawKey = Field(
         Coulomb(), description='"coulomb", or a table of another law\'s name and parameters; friction is its start'
     )
+
+
+class Contact(FrictionTable):
+    """The friction law, and how the contact conditions are imposed."""
+
     formulation: Annotated[Formulation, PlainValidator(keys.one_of("augmented-lagrangian", "penalty"))] = Field(
         "augmented-lagrangian", description='"augmented-lagrangian" (exact) or "penalty" (a thin elastic layer)'
     )
@@ -200,7 +207,7 @@ class Log(keys.Table):
 
 
 class Stop(keys.Table):
-    """What ends a test before its last cycle, whichever comes first; of a line contact per millimetre of its length."""
+    """What ends a test before its last cycle, whichever comes first."""
 
     depth_um: keys.WornDepth | None = Field(None, description="depth of the deepest scar")
     worn_volume_mm3: keys.WornVolume | None = Field(None, description="worn volume of both bodies")
@@ -272,13 +279,11 @@ class StatesItsKind(keys.NamedTable):
 class CommonTables(StatesItsKind, ABC):
     """What studies of all contacts state besides the bodies, without variants; what is `Any` is of their kind."""
 
-    load_key: ClassVar[str] = "normal_load_N"
-
-    conditions: Any = Field(description="load, stroke, frequency and length of the test")
+    conditions: DrivenConditions = Field(description="load, stroke, frequency and length of the test")
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
-    contact: Any = Field(description="friction")
+    contact: FrictionTable = Field(description="friction")
     wear: Any = Field(None, description="wear law; without this table nothing wears")
-    holder: Any = Field(None, description="stiffness of the rig and of the loading train")
+    holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
     stop: Stop | None = Field(None, description="what ends the test before its last cycle")
     effects: keys.Effects = Field((), description="effects that the nominal model lacks")
     log: Log = Field(Log(), description="which cycles are recorded")
@@ -291,6 +296,16 @@ class CommonTables(StatesItsKind, ABC):
     def contact_kind(self) -> str:
         """Kind of contact, as results and records name it."""
         return self.kind
+
+    @classmethod
+    def known(cls, data: Mapping[str, Any], where: str) -> Mapping[str, Any]:
+        """A file's tables by the keys that these have; StudyError, in one sentence, if it says a thing twice."""
+        del where
+        return data
+
+    def known_as(self, key: str, value: Any) -> tuple[str, Any]:
+        """A key with dots in it, and its value, as these tables hold it where a file may spell it otherwise."""
+        return key, value
 
     @property
     @abstractmethod
@@ -321,13 +336,19 @@ class CommonTables(StatesItsKind, ABC):
     @property
     def worn_per_cycle(self) -> float:
         """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³, for either stroke of one amplitude."""
-        load: float = getattr(self.conditions, self.load_key)
-        return self.worn_by_sliding * load * float(self.conditions.displacement_amplitude_um)
+        return self.worn_by_sliding * self.conditions.normal_load_N * float(self.conditions.displacement_amplitude_um)
 
     @property
-    @abstractmethod
     def rig(self) -> Holder:
-        """The held body's holder with its springs, as the solvers take it; per millimetre of a line contact."""
+        """The held body's holder with its springs, as the solvers take it."""
+        holder = self.holder
+        return Holder(
+            normal_load_N=self.conditions.normal_load_N,
+            tangential_compliance_mm_per_N=compliance(holder.tangential_stiffness_N_per_mm),
+            normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
+            rotational_compliance_rad_per_N_mm=compliance(holder.rotational_stiffness_N_mm_per_rad),
+            pivot_height_mm=holder.pivot_height_mm or 0.0,
+        )
 
     @property
     @abstractmethod
@@ -350,7 +371,6 @@ class ContactTables(CommonTables):
     conditions: Conditions = Field(description="load, stroke, frequency and length of the test")
     contact: Contact = Field(description="friction")
     wear: Wear | None = Field(None, description="wear law; without this table nothing wears")
-    holder: HolderTable = Field(HolderTable(), description="stiffness of the rig and of the loading train")
     scatter: Scatter | None = Field(None, description="scatter of the study's values from test to test")
     mesh: Mesh = Field(Mesh(), description="extent of the fine mesh")
     fidelity: Fidelities = Field(Fidelities(), description="resolution of quick, standard and fine runs")
@@ -384,15 +404,9 @@ class ContactTables(CommonTables):
 
     @property
     def rig(self) -> Holder:
-        holder, conditions = self.holder, self.conditions
-        return Holder(
-            normal_load_N=conditions.normal_load_N,
-            tangential_compliance_mm_per_N=compliance(holder.tangential_stiffness_N_per_mm),
-            normal_stiffness_N_per_mm=holder.normal_spring_stiffness_N_per_mm,
-            rotational_compliance_rad_per_N_mm=compliance(holder.rotational_stiffness_N_mm_per_rad),
-            pivot_height_mm=holder.pivot_height_mm or 0.0,
-            approach_mm=None if conditions.approach_um is None else 1e-3 * conditions.approach_um,
-        )
+        """And what the bodies are held at, where that is an approach."""
+        approach_um = self.conditions.approach_um
+        return replace(super().rig, approach_mm=None if approach_um is None else 1e-3 * approach_um)
 
     @property
     def wear_rates(self) -> WearRates:

@@ -96,7 +96,7 @@ def _data_of_run(result: RunResult, index: int) -> dict[str, Any]:
     """What a page shows of a run; of a line contact per mm of its length."""
     conditions = running_conditions(result.study)
     per, worn, worn_unit = ("", 1e3, "10⁻³ mm³") if not result.length_mm else ("/mm", 1e6, "µm²")
-    result = result.of_length(1.0) if per else result
+    result = result.computed
     evolution = result.evolution
     columns = {
         **{name: evolution[column] for name, column in _COURSES.items()},

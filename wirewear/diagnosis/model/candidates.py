@@ -123,30 +123,17 @@ class Candidate:
         return starts
 
 
-def nominal_line_setup(study: LineStudy, length_mm: float, drive: Literal["sensor", "stroke"]) -> Setup:
-    """The circumstances that a study of a line contact states, of the whole contact, its own effects among them."""
-    from wirewear.study.lines import of_whole_contact
-
-    holder = study.holder
-    stiffnesses = (
-        holder.tangential_stiffness_N_per_mm2,
-        holder.rotational_stiffness_N_per_rad,
-        holder.normal_spring_stiffness_N_per_mm2,
-    )
-    setup = Setup.of(study, drive, "normal_load_N_per_mm", stiffnesses, sum(study.energy_coefficients()), length_mm)
-    return replace(setup, effects=of_whole_contact(study.effects, length_mm))
+def nominal_line_setup(study: LineStudy, drive: Literal["sensor", "stroke"]) -> Setup:
+    """The circumstances that a study of a line contact states, its own effects among them."""
+    setup = Setup.of(study, drive, sum(study.energy_coefficients()), study.contact.length_mm)
+    return replace(setup, effects=study.effects)
 
 
 def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
     """The circumstances that a study states, its own effects among them, with the numerical freedoms as expected."""
-    holder, wear, friction = study.holder, study.wear, study.contact.friction
-    stiffnesses = (
-        holder.tangential_stiffness_N_per_mm,
-        holder.rotational_stiffness_N_mm_per_rad,
-        holder.normal_spring_stiffness_N_per_mm,
-    )
+    wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
-    setup = Setup.of(study, drive, "normal_load_N", stiffnesses, worn)
+    setup = Setup.of(study, drive, worn)
     return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).lean), effects=study.effects, **EXPECTED)
 
 

@@ -102,9 +102,10 @@ class LineStates(WearStates):
             raise RunError(
                 f"the pad of {result.name!r} differs from side to side, and a diagnosis takes faces that are even."
             )
-        study, result = result.study, result.of_length(length_mm)
+        result = result.of_length(length_mm)
+        study = result.study
         friction = float(study["contact"]["friction"])
-        load = length_mm * float(study["conditions"]["normal_load_N_per_mm"])
+        load = float(study["conditions"]["normal_load_N"])
         cycles, full, *columns = loop_states.sliding(result, lambda loop: _row(loop, friction))
         evolution, length_um = result.evolution, 1e3 * length_mm
         areas = 1e6 * result.worn_volume_mm3 / length_mm

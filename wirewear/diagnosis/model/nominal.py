@@ -301,15 +301,16 @@ def _identity(nominal: NominalRun) -> Identity:
 
 
 def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
-    """A study that is to be diagnosed against a line contact's record.
+    """A study that is to be diagnosed against a line contact's record, of the record's length.
     Raises RecordError if it has variants, or is of another face, load or amplitude than the record's test.
     """
     if study.variant_names:
         names = ", ".join(study.variant_names)
         raise RecordError(f"the model {study.name!r} has variants ({names}): give a study of one of them.")
-    believed, asked, length = study.conditions, record.tables.conditions, record.tables.contact.length_mm
+    study = study.of_length(record.tables.contact.length_mm)
+    believed, asked = study.conditions, record.tables.conditions
     pairs = {
-        "the normal load per mm": (believed.normal_load_N_per_mm, asked.normal_load_N / length),
+        "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
         "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
         "cycles": (believed.cycles, asked.cycles),
     }

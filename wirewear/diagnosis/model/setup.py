@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from math import inf
 from typing import Any, Literal, Protocol
 
 import numpy as np
@@ -15,6 +14,7 @@ from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study import AnyStudy
 from wirewear.study.programme import Schedule, held_by, worked_course
+from wirewear.study.tables import compliance
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")
@@ -88,37 +88,29 @@ class Setup:
 
     @classmethod
     def of(
-        cls,
-        study: AnyStudy[Any],
-        drive: Literal["sensor", "stroke"],
-        load: str,
-        holder: Sequence[float | str],
-        wear_mm3_per_J: float,
-        length_mm: float = 0.0,
+        cls, study: AnyStudy[Any], drive: Literal["sensor", "stroke"], wear_mm3_per_J: float, length_mm: float = 0.0
     ) -> Setup:
-        """The circumstances that a study states; of a line contact whole ones, from those of a millimetre.
-
-        load: its key.  holder: tangential and rotational stiffness, and that of the spring of the load.
-        """
-        conditions, friction, whole = study.conditions, study.contact.friction, length_mm or 1.0
-        tangential, rotational, spring = map(_stiffness, holder)
-        compliance = 1e3 / tangential + 1e3 * (study.holder.pivot_height_mm or 0.0) ** 2 / rotational
+        """The circumstances that a study states."""
+        conditions, friction, holder = study.conditions, study.contact.friction, study.holder
+        tangential, rotational = holder.tangential_stiffness_N_per_mm, holder.rotational_stiffness_N_mm_per_rad
+        turned = (holder.pivot_height_mm or 0.0) ** 2 * compliance(rotational)
+        carried = 1e3 * (compliance(tangential) + turned)
 
         def force_N(own: Any) -> float:
-            return float(own.contact.friction * getattr(own.conditions, load))
+            return float(own.contact.friction * own.conditions.normal_load_N)
 
         return cls(
-            **_driven(conditions, force_N(study), compliance, whole, drive),
-            load_N=whole * getattr(conditions, load),
+            **_driven(conditions, force_N(study), carried, drive),
+            load_N=conditions.normal_load_N,
             cycles=float(conditions.cycles),
             frequency_Hz=conditions.frequency_Hz,
             friction=friction,
             wear_um3_per_mJ=wear_mm3_per_J * UM3_PER_MJ,
-            compliance_um_per_N=compliance / whole,
-            normal_spring_N_per_um=1e-3 * whole * spring,
+            compliance_um_per_N=carried,
+            normal_spring_N_per_um=1e-3 * holder.normal_spring_stiffness_N_per_mm,
             length_mm=length_mm,
             contact_kind=study.contact_kind,
-            worked=_worked(study, force_N, compliance),
+            worked=_worked(study, force_N, carried),
         )
 
     def wearing_cycles(self, cycles: Array) -> Array:
@@ -197,18 +189,15 @@ class Setup:
         )
 
 
-def _driven(
-    conditions: Any, friction_N: float, compliance_um_per_N: float, length_mm: float, drive: str
-) -> dict[str, Any]:
-    """The amplitude that a study's drive begins with, and what it holds; forces of it are those of a length."""
+def _driven(conditions: Any, friction_N: float, compliance_um_per_N: float, drive: str) -> dict[str, Any]:
+    """The amplitude that a study's drive begins with, and what it holds."""
     largest, held = conditions.displacement_amplitude_um, held_by(conditions)
     if held is None:
         return {"amplitude_um": largest, "drive": drive}
     first = held.first_um(friction_N, compliance_um_per_N * friction_N, largest)
     if held.figure == "reading":
         return {"amplitude_um": first, "drive": "sensor"}
-    whole = held.value * (length_mm if held.figure == "energy" else 1.0)
-    return {"amplitude_um": first, "drive": "stroke", "held": held.figure, "held_share": whole / first}
+    return {"amplitude_um": first, "drive": "stroke", "held": held.figure, "held_share": held.value / first}
 
 
 def _worked(
@@ -224,12 +213,8 @@ def _worked(
 
     def worn(other: Any) -> float:
         force, largest = friction_N(other), other.conditions.displacement_amplitude_um
-        stroke = _driven(other.conditions, force, compliance_um_per_N, 1.0, "")["amplitude_um"]
+        stroke = _driven(other.conditions, force, compliance_um_per_N, "")["amplitude_um"]
         return float(other.worn_per_cycle * max(stroke - compliance_um_per_N * force, 0.0) / largest)
 
     own = worn(study)
     return worked_course(schedule.stretches, lambda other: worn(other.study) / own if own else 1.0)
-
-
-def _stiffness(value: float | str) -> float:
-    return inf if isinstance(value, str) else value

@@ -17,10 +17,10 @@ from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.importing.sources import name_pattern
 from wirewear.results.scar import WIRES
 from wirewear.study.faces import FACE_KEYS, PadFace
+from wirewear.study.lengths import PLANAR_KINDS
 from wirewear.study.lines import CYLINDER_ON_FLAT
 from wirewear.study.messages import validated
 from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
-from wirewear.study.tables import PLANAR_KINDS
 from wirewear.study.wires import Wires
 
 #: What only options tell where no file holds loops.

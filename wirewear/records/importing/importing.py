@@ -50,7 +50,7 @@ def import_record(mapping_path: str | Path) -> AnyRecord:
     path = Path(mapping_path)
     mapping, notes = _mapping_of(path)
     home, length, model = path.parent, mapping.length_mm, TABLES[mapping.contact_kind]
-    conditions = mapping.asked(path)
+    conditions = mapping.conditions
     loops: tuple[MeasuredLoop, ...] = ()
     turned: tuple[str, ...] = ()
     if mapping.loops is not None:

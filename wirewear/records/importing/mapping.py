@@ -6,15 +6,14 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator, Field, PlainValidator
 
-from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, RecordError, shown
+from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
 from wirewear.base.reading import DELIMITERS, is_encoding_of_text
 from wirewear.records.contact_tables import BallTest, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
 from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
-from wirewear.study.keys import CheckedFlag, NormalLoad, Table, checked_text, one_of
-from wirewear.study.lines import LineLoad
+from wirewear.study.keys import CheckedFlag, Table, checked_text, one_of
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 
@@ -236,11 +235,6 @@ class PointMapping(PointTest):
         super().require_whole(where)
         self.require_bodies(f"[scars] of {where}", self.scars)
 
-    def asked(self, path: Path) -> RecordConditions:
-        """The conditions of the record."""
-        del path
-        return self.conditions
-
 
 class Mapping(PointMapping, WiresTest):
     """A whole mapping file of crossed wires."""
@@ -275,15 +269,6 @@ def unit_factor(name: str, mapping: ColumnMapping, length_mm: float | None = Non
     return float(known[mapping.unit]) * mapping.factor
 
 
-class MappedConditions(RecordConditions):
-    """What was asked of the rig; the load of the whole contact, or per millimetre of it."""
-
-    normal_load_N: NormalLoad | None = Field(None, description="normal load of the whole contact")  # type: ignore[assignment]
-    normal_load_N_per_mm: LineLoad | None = Field(
-        None, description="normal load per length of the contact, in its place", examples=[18.5]
-    )
-
-
 class ProfileColumns(Table):
     """Columns of a worn profile along the sliding direction."""
 
@@ -315,7 +300,6 @@ class Profiles(Table):
 class LineMapping(LineTest):
     """A whole mapping file of a line contact."""
 
-    conditions: MappedConditions = Field(description="load, stroke, frequency and length of the test")
     loops: LoopSource | None = Field(None, description="where the loops are; forces may be in N/mm")
     evolution: EvolutionSource | None = Field(None, description="where the evolution is")
     profiles: Profiles = Field(Profiles(), description="where the profiles are")
@@ -323,21 +307,6 @@ class LineMapping(LineTest):
     @property
     def surfaces(self) -> Profiles:
         return self.profiles
-
-    def asked(self, path: Path) -> RecordConditions:
-        """The conditions of the record, with the load of the whole contact.
-        Raises RecordError if the load is given twice, or not at all.
-        """
-        whole, per_mm = self.conditions.normal_load_N, self.conditions.normal_load_N_per_mm
-        if (whole is None) == (per_mm is None):
-            what = "both" if whole is not None else "neither"
-            raise RecordError(
-                f"[conditions] of {path} gives {what} of normal_load_N, of the whole contact, and "
-                "normal_load_N_per_mm: give one of the two."
-            )
-        load = whole if per_mm is None else per_mm * self.length_mm
-        rest = self.conditions.model_dump(exclude={"normal_load_N", "normal_load_N_per_mm"})
-        return RecordConditions(**rest, normal_load_N=load)
 
 
 #: Mappings by the names of kinds of contact.

@@ -27,7 +27,6 @@ from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, Measur
 from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
 from wirewear.study import LineStudy
-from wirewear.study.lines import per_mm
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)
@@ -68,7 +67,7 @@ def _study(nominal: LineNominal, effects: tuple[Effect[Any], ...]) -> LineStudy:
     logged = {cycle for cycle in BETWEEN if cycle < nominal.cycles}
     logged |= {round(share * nominal.cycles) for share in LATE}
     study: LineStudy = believed_study(tables, {"log": {"loop_cycles": sorted(logged)}})
-    study = study.changed({"effects": per_mm(effects, nominal.length_mm)})
+    study = study.changed({"effects": effects})
     quick = line_plan(study, "quick").pad.along
     mesh = {
         "contact_mesh_um": 1e3 * quick.fine_mm / REFINED,

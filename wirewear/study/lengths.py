@@ -1,0 +1,112 @@
+"""Lengths of line contacts: keys of one millimetre read as those of the whole contact, and tables of another length."""
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from wirewear.base.errors import WirewearError
+
+PLANAR_KINDS = ("line-contact", "cylinder-on-flat")  #: Kinds of contact whose tables are per length where they say so.
+
+#: By which power of its length a contact's number grows, by the unit at its key's end; all other numbers stay.
+_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "W": 1, "um_per_N": -1, "um_per_N2": -2}
+_UNIT = re.compile(rf"(?<!_per)_({'|'.join(_POWERS)})$")
+
+#: Keys of one millimetre and those of the whole contact, by their tables.
+_OF_WHOLE = {
+    "conditions": {
+        "normal_load_N_per_mm": "normal_load_N",
+        "held_tangential_force_N_per_mm": "held_tangential_force_N",
+        "held_energy_mJ_per_mm": "held_energy_mJ",
+    },
+    "holder": {
+        "tangential_stiffness_N_per_mm2": "tangential_stiffness_N_per_mm",
+        "rotational_stiffness_N_per_rad": "rotational_stiffness_N_mm_per_rad",
+        "normal_spring_stiffness_N_per_mm2": "normal_spring_stiffness_N_per_mm",
+    },
+}
+#: Earlier names of keys, by their tables.
+_RENAMED = {
+    "wear": {
+        f"{body}_{law}_{unit}": f"{body}_{law}_wear_coefficient_{unit}"
+        for body in ("pad", "specimen")
+        for law, unit in (("energy", "mm3_per_J"), ("archard", "mm3_per_N_m"))
+    }
+}
+
+
+def whole_test(data: Mapping[str, Any], where: str, error: type[WirewearError]) -> dict[str, Any]:
+    """Tables of a line contact's test, its variants and blocks, with keys of the whole contact alone.
+    Raises WirewearError, of the given kind and in one sentence, if a key is given in both ways.
+    """
+    try:
+        return _of_whole(data)
+    except ValueError as problem:
+        raise error(f"{where} {problem}.") from None
+
+
+def _of_whole(data: Mapping[str, Any], length_mm: float | None = None) -> dict[str, Any]:
+    contact = data.get("contact")
+    own = contact.get("length_mm") if isinstance(contact, Mapping) else None
+    length = next((one for one in (own, length_mm) if isinstance(one, int | float)), 1.0)
+    found = dict(data)
+    for table in (*_OF_WHOLE, *_RENAMED):
+        if isinstance(values := data.get(table), Mapping):
+            found[table] = _renamed(table, values, length)
+    if isinstance(blocks := data.get("programme"), list | tuple):
+        found["programme"] = [_of_whole(one, length) if isinstance(one, Mapping) else one for one in blocks]
+    if isinstance(variants := data.get("variants"), Mapping):
+        found["variants"] = {
+            name: _of_whole(one, length) if isinstance(one, Mapping) else one for name, one in variants.items()
+        }
+    return found
+
+
+def key_of_whole(key: str, value: Any, length_mm: float) -> tuple[str, Any]:
+    """A key with dots in it, and its value, as of the whole contact."""
+    table, _, name = key.rpartition(".")
+    ((own, number),) = _renamed(table.rpartition(".")[2], {name: value}, length_mm).items()
+    return f"{table}.{own}" if table else own, number
+
+
+def _renamed(table: str, values: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
+    per_length, renamed, found = _OF_WHOLE.get(table, {}), _RENAMED.get(table, {}), {}
+    for key, value in values.items():
+        own = per_length.get(key, renamed.get(key, key))
+        if own != key and own in values:
+            raise ValueError(f"gives both {key} and {own} in [{table}]: give one of the two")
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        found[own] = value * length_mm if key in per_length and is_number and length_mm != 1.0 else value
+    return found
+
+
+def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
+    """Values by their keys, of a contact of so many times the length; what is no number stays."""
+
+    def own(key: str, value: Any) -> Any:
+        unit = _UNIT.search(key)
+        is_number = isinstance(value, int | float) and not isinstance(value, bool)
+        return value * factor ** _POWERS[unit[1]] if unit is not None and is_number else value
+
+    return {key: own(key, value) for key, value in values.items()}
+
+
+def study_of_length(study: Mapping[str, Any], length_mm: float) -> Mapping[str, Any]:
+    """The resolved study of a line contact, as results keep it, of another length of the contact."""
+    if length_mm == (own := stated_length_mm(study)):
+        return study
+    factor, found = length_mm / own, dict(study)
+    for name in ("conditions", "holder", "stop"):
+        if study.get(name):
+            found[name] = lengthened(study[name], factor)
+    found["effects"] = [lengthened(effect, factor) for effect in study.get("effects") or ()]
+    found["programme"] = [
+        {**block, "conditions": lengthened(block.get("conditions") or {}, factor)}
+        for block in study.get("programme") or ()
+    ]
+    return found | {"contact": {**study["contact"], "length_mm": length_mm}}
+
+
+def stated_length_mm(study: Mapping[str, Any]) -> float:
+    """Length of the contact in the tables of a line contact's study."""
+    return float(study["contact"].get("length_mm", 1.0))
