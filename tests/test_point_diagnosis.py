@@ -39,9 +39,9 @@ def test_the_gap_of_wires_is_sheared_by_their_angle_and_as_wide_at_any(angle_deg
     gap = Gap.of(wire(0.0), wire(angle_deg))
     assert gap.radius_mm == pytest.approx(0.225)
     assert gap.along == pytest.approx(np.sin(np.radians(angle_deg)) ** 2)
-    assert gap.lean == pytest.approx(np.tan(np.radians(angle_deg - 90.0)))
+    assert gap.shear == pytest.approx(np.tan(np.radians(angle_deg - 90.0)))
     x, y = 0.03, 0.02
-    sheared = (gap.along * (x + gap.lean * y) ** 2 + y**2) / (2.0 * gap.radius_mm)
+    sheared = (gap.along * (x + gap.shear * y) ** 2 + y**2) / (2.0 * gap.radius_mm)
     assert np.array([x, y]) @ gap.form @ np.array([x, y]) == pytest.approx(sheared)
 
 

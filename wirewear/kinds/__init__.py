@@ -36,7 +36,7 @@ def kind_of(told: OfAKind) -> Kind:
 
 
 def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
-    """Read a study from a TOML file; its `kind` says what it is, and one without or unknown is told so.
+    """Read a study of any kind from a TOML file.
 
     varied: whether other values will stand in place of its own, beside which any key may act.
     Raises StudyError, in one sentence, if the file cannot be read, is no valid study of its kind, or states a key that

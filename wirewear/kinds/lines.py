@@ -54,7 +54,7 @@ class LineContacts(Kind):
     def states(
         self, study: LineStudy, tables: LineRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
-        """Those of the whole contact, of the nominal run."""
+        """Runs the nominal study; wear states of the whole length, and what limits them."""
         from wirewear.diagnosis.model.line_states import LineStates
         from wirewear.diagnosis.model.nominal import limits_of, line_run, nominal_run
 
@@ -62,7 +62,6 @@ class LineContacts(Kind):
         return LineStates.of_line(result, study.pad.profile, tables.length_mm), limits_of(result, study)
 
     def setup(self, study: LineStudy, tables: LineRecordTables) -> Setup:
-        """Of the whole contact."""
         from wirewear.diagnosis.model.candidates import nominal_line_setup
 
         return nominal_line_setup(study, tables.conditions.drive)

@@ -42,7 +42,7 @@ class AtAPoint(Kind):
     def states(
         self, study: Study, _tables: PointRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
-        """Those of the nominal run, which may end early."""
+        """Runs the nominal study; its wear states, and what limits them. The run may end early."""
         from wirewear.diagnosis.model.nominal import limits_of, nominal_run
         from wirewear.diagnosis.model.wear_states import WearStates
         from wirewear.study.bodies import Gap
@@ -52,7 +52,6 @@ class AtAPoint(Kind):
         return WearStates.of_run(result), limits_of(result, study)
 
     def setup(self, study: Study, tables: PointRecordTables) -> Setup:
-        """With the fast model's numerical freedoms as expected."""
         from wirewear.diagnosis.model.candidates import nominal_setup
 
         return nominal_setup(study, tables.conditions.drive)

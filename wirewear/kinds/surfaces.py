@@ -52,7 +52,7 @@ def with_levelled(tables: Mapping[str, Any], where: str) -> Mapping[str, Any]:
 
 
 def _has_heights(file: Path) -> bool:
-    """Whether a file is a map or a table of heights; of one that cannot be read its reader tells."""
+    """Whether a file is a map or a table of heights; False of one that cannot be read."""
     try:
         return file.is_file() and (is_map(file) or "depth_um" not in known_columns(file, COLUMNS))
     except WirewearError:

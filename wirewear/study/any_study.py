@@ -40,7 +40,7 @@ def with_values(tables: CommonTables, values: Mapping[str, Any], where: str) -> 
 
 
 def value_at(tables: CommonTables, key: str) -> Any:
-    """What stands at a key with dots in it; None where there is none."""
+    """The value at a key with dots in it, None where there is none."""
     here: Any = tables.model_dump(mode="json")
     for part in tables.known_as(key, None)[0].split("."):
         here = here.get(part) if isinstance(here, Mapping) else None
@@ -76,7 +76,7 @@ T_co = TypeVar("T_co", covariant=True)
 
 
 class _OfTables(Generic[T_co]):
-    """What a study's tables hold under the same name."""
+    """An attribute of a study that its tables hold under the same name."""
 
     def __set_name__(self, _study: type, name: str) -> None:
         self.name = name
@@ -158,11 +158,11 @@ class AnyStudy(Generic[Tables]):
         return tuple({id(study): study.tables for study in every}.values())
 
     def given(self) -> dict[str, Any]:
-        """What its file gives, as nested tables."""
+        """The nested tables that its file gives, without defaults."""
         return self.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)
 
     def logging(self, cycles: tuple[int, ...]) -> Self:
-        """The same study and variants, recording the loops of these cycles."""
+        """The study and its variants with the loops of these cycles recorded."""
 
         def logged(tables: Tables) -> Tables:
             return tables.model_copy(update={"log": tables.log.of_cycles(cycles)})
@@ -175,14 +175,14 @@ class AnyStudy(Generic[Tables]):
         return values_in_no_variant(self.tables, [tables for _, tables in self.variants])
 
     def changed(self, changes: Mapping[str, Any]) -> Self:
-        """The same study, without variants, with these values in place of its own; tables nested as in its file.
+        """The study without variants, with values changed; they are nested as in its file.
 
         The values are taken as they are: whether they go with one another is not asked.
         """
         return type(self)(_changed(self.tables, changes), variant_name=self.variant_name)
 
     def with_values(self, values: Mapping[str, Any]) -> Self:
-        """The same study, variants and all, with values named by their keys: `{"conditions.normal_load_N": 4}`.
+        """The study and its variants with values changed by their keys: `{"conditions.normal_load_N": 4}`.
 
         They are checked as a file's are; None takes a key back to its default.
         Raises StudyError if there is no such key, its value cannot be, or variants state it differently from one
@@ -201,7 +201,7 @@ class AnyStudy(Generic[Tables]):
         return type(self)(with_values(self.tables, values, where), variants, self.variant_name)
 
     def with_effects(self, *effects: Effect[Any]) -> Self:
-        """The same study, without variants, with these effects in place of its own.
+        """The study without variants, with these effects in place of its own.
         Raises StudyError if an effect is given twice, or does not go with the study.
         """
         try:
@@ -277,7 +277,7 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
 def life_data(
     study: AnyStudy[Any], bodies: Iterable[str], values: Mapping[str, Any] | None = None
 ) -> dict[str, LifeTable]:
-    """What a study states in [life], with these values of its keys, and of each of some bodies what its material adds.
+    """The [life] tables of bodies by their names: as stated, with `values` of its keys, completed from the body's material.
     Raises StudyError if a value cannot be, or data are lacking that the criterion needs.
     """
     tables = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)

@@ -43,7 +43,6 @@ class Body(ABC):
 
     @property
     def material(self) -> Elastic:
-        """What it is made of."""
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
     @property
@@ -53,12 +52,12 @@ class Body(ABC):
 
     @property
     def face(self) -> Face | None:
-        """That of a pad, which its curvatures do not tell."""
+        """The face of a pad, None of a body that its curvatures describe."""
         return None
 
     @property
     def has_axis(self) -> bool:
-        """Whether its surface tells how it is turned."""
+        """Whether its curvatures along and across its axis differ."""
         along, across = self.curvatures_per_mm
         return along != across
 
@@ -81,7 +80,7 @@ class Body(ABC):
 
     @abstractmethod
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BodyGeometry:
-        """What it is meshed as under such a patch. Raises StudyError if the patch does not fit on it."""
+        """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
 
 
 @dataclass(frozen=True)
@@ -97,7 +96,6 @@ class Wire(Body):
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Round across."""
         return 0.0, 2.0 / self.diameter_mm
 
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> WireGeometry:
@@ -145,12 +143,10 @@ class BlockBody(Body):
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """As stated."""
         return self.curvatures
 
     @property
     def face(self) -> Face | None:
-        """As stated."""
         return self.of_pad
 
     def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BlockGeometry:
@@ -200,15 +196,15 @@ class BlockBody(Body):
 class Gap:
     """Between two unworn bodies: rᵀHr for r along and across the motion, `form` H (2, 2) in 1/mm.
 
-    Sheared by x → x + lean·y, which no motion along x feels, it is (along·x² + y²)/2R: crossed wires of radius R have
-    along = sin²θ and lean = −cot θ, a ball on a flat is as wires at 90°.
+    Sheared by x → x + shear·y, which no motion along x feels, it is (along·x² + y²)/2R: crossed wires of radius R have
+    along = sin²θ and shear = −cot θ, a ball on a flat is as wires at 90°.
     """
 
     form: Array
 
     @classmethod
     def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
-        """Of bodies of which the held one may be turned further.
+        """The gap of two bodies; the held one may be turned further, by degrees.
         Raises StudyError if one has the face of a pad, whose worn shapes are similar to no other's.
         """
         if driven.face or held.face:
@@ -224,7 +220,7 @@ class Gap:
 
     @property
     def radius_mm(self) -> float:
-        """R."""
+        """Effective radius R of the sheared gap, mm."""
         return 0.5 * float(self.spot_mm[1, 1])
 
     @property
@@ -233,8 +229,8 @@ class Gap:
         return 2.0 * float(self.form[0, 0]) * self.radius_mm
 
     @property
-    def lean(self) -> float:
-        """What shears it."""
+    def shear(self) -> float:
+        """λ = H_xy/H_xx: x → x + λ·y takes the cross term away, and no motion along x feels it."""
         return float(self.form[0, 1] / self.form[0, 0])
 
 
@@ -263,7 +259,7 @@ def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) ->
 
 
 def on_pad(found: Callable[[], Found]) -> Found:
-    """What is found of a pad's contact or scar. Raises StudyError if its face does not reach so far."""
+    """A pad's contact or scar, as `found` returns it. Raises StudyError if its face does not reach so far."""
     try:
         return found()
     except ValueError as problem:

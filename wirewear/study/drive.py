@@ -105,7 +105,7 @@ LOAD_CYCLE = (
 
 
 def drive_of(amplitude_um: float, motion: Waveform, load: LoadCycle | None) -> Drive:
-    """What a test's conditions come to."""
+    """The drive of an amplitude (µm), a waveform and a load cycle; without one the load is steady."""
     return Drive(1e-3 * amplitude_um, motion, load or LoadCycle())
 
 
@@ -132,7 +132,6 @@ class BulkTable(keys.Table):
     phase_deg: Phase = Field(0.0, description="by how much the stress comes after the drive")
 
     def of(self, material: Elastic, *, plane_strain: bool = False) -> BulkStress:
-        """As the solvers take it."""
         return BulkStress(
             material,
             (self.axial_stress_MPa, self.bending_stress_MPa, self.torsion_stress_MPa),
@@ -142,7 +141,7 @@ class BulkTable(keys.Table):
         )
 
     def unfit(self, *, is_round: bool) -> str | None:
-        """What is wrong with it in a body that is a round bar or not, as the rest of a sentence, if anything."""
+        """Why a body that is a round bar or not cannot bear it, as the rest of a sentence; None where it can."""
         if (self.torsion_stress_MPa or self.torsion_stress_amplitude_MPa) and not is_round:
             return "gives a torsion stress, which is of round bars, wires and tubes alone"
         return None
@@ -151,7 +150,7 @@ class BulkTable(keys.Table):
 def bulk_of(
     bodies: Sequence[tuple[BulkTable | None, Elastic]], *, plane_strain: bool = False
 ) -> tuple[BulkStress, ...]:
-    """Of the driven and the held body; nothing where none is stated."""
+    """Bulk stresses of the driven and the held body; empty where neither states any."""
     if all(table is None for table, _ in bodies):
         return ()
     return tuple((table or BulkTable()).of(material, plane_strain=plane_strain) for table, material in bodies)

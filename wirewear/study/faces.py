@@ -100,7 +100,7 @@ class PadFace(Table):
         return Cylinder(self.radius_mm or 0.0, curved_along=True)
 
     def missing_face(self, *, round_alone: bool = False) -> str | None:
-        """What is to be given so that a pad has one face, perhaps that of a cylinder; None where it has."""
+        """Which keys would give a pad one face, as the rest of a sentence; None where it has one."""
         given = {key for key in FACE_KEYS if getattr(self, key) is not None}
         if given not in ([{"radius_mm"}] if round_alone else _FACES):
             if round_alone:

@@ -14,7 +14,7 @@ STICKING_INCREMENTS = 16  #: Of a cycle that only wears, around a centre that st
 
 
 def level_of(levels: Mapping[str, Level], name: str) -> Level:
-    """What a level of fidelity means for a kind of study. Raises StudyError if there is no such level."""
+    """The settings of a level of fidelity. Raises StudyError if there is no such level."""
     if name not in levels:
         raise StudyError(f"there is no fidelity {name!r}: choose one of {', '.join(levels)}.")
     return levels[name]
@@ -22,7 +22,7 @@ def level_of(levels: Mapping[str, Level], name: str) -> Level:
 
 @dataclass(frozen=True)
 class WireLevel:
-    """Resolution of crossed wires."""
+    """Resolution of a contact at a point."""
 
     per_contact_radius: float  #: Elements per radius of the fresh contact, in all directions.
     #: The same where its middle sticks for good and the annulus around it wears until it carries nothing: a hundredth
@@ -44,7 +44,7 @@ class WireLevel:
     sticking: bool = False
 
     def for_sticking(self) -> "WireLevel":
-        """The same level where the middle of the contact sticks for good: what does not move needs few positions."""
+        """The level for a contact whose middle sticks for good, which needs few positions."""
         return replace(
             self,
             per_contact_radius=self.per_sticking_radius,
@@ -53,7 +53,7 @@ class WireLevel:
         )
 
     def coarser(self, factor: float) -> "WireLevel":
-        """The same level with elements larger by a factor."""
+        """The level with elements larger by a factor."""
         return replace(
             self,
             per_contact_radius=self.per_contact_radius / factor,

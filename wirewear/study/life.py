@@ -84,7 +84,7 @@ class LifeTable(keys.Table):
     )
 
     def of_material(self, named: str | None) -> Self:
-        """The same with what it leaves out as the material has it, which is stated or `named` by a body."""
+        """The table completed with fatigue data of its material, which is stated or `named` by a body."""
         name = self.material or named
         known = {} if name is None else {"material": name, **dict(material_named(name).fatigue)}
         stated = known | self.model_dump(exclude_none=True, exclude_unset=True)

@@ -40,7 +40,6 @@ class MaterialTable(keys.OfMaterial):
 
     @property
     def elastic(self) -> Elastic:
-        """As the solvers take it."""
         return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
 
 
@@ -66,7 +65,7 @@ class HeldTable(MaterialTable):
     bulk: BulkTable | None = Field(None, description=BULK)
 
     def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
-        """That body, held so."""
+        """A geometry with this body's grip."""
         stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
         return replace(
             geometry,
@@ -184,11 +183,9 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
     @classmethod
     def known(cls, data: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-        """What is per length, as of the whole contact."""
         return whole_test(data, where, StudyError)
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
-        """Of the whole contact."""
         return key_of_whole(key, value, self.contact.length_mm)
 
     @property
@@ -203,7 +200,6 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
     @property
     def drive(self) -> Drive:
-        """With the stresses that both bodies carry."""
         bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]
         return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
 
@@ -220,7 +216,6 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
     @property
     def worn_by_sliding(self) -> float:
-        """Of both bodies together."""
         return sum(self.energy_coefficients()) * self.contact.friction
 
     def energy_coefficients(self) -> tuple[float, float]:
@@ -237,7 +232,7 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         return combined(pad_energy, pad_archard), combined(specimen_energy, specimen_archard)
 
     def of_length(self, length_mm: float) -> Self:
-        """The same test on another length of the contact: as much load, force and energy to the millimetre."""
+        """The test on another length of the contact, with as much load, force and energy to the millimetre."""
         if length_mm == (own := self.contact.length_mm):
             return self
         factor = length_mm / own

@@ -55,7 +55,7 @@ def materials() -> tuple[Material, ...]:
 
 
 def names() -> tuple[str, ...]:
-    """What the materials are called, each by its first name."""
+    """First names of the materials."""
     return tuple(material.name for material in materials())
 
 

@@ -76,7 +76,6 @@ class BallAndFlat(keys.Table):
     flat: GrippedBody = Field(description="the flat, which is driven")
 
     def of_test(self) -> tuple[BlockBody, BlockBody]:
-        """The flat and the ball."""
         radius = 0.5 * self.ball.diameter_mm
         flat = self.flat.block("flat", (0.0, 0.0), radius)
         return flat, self.ball.block("ball", (1.0 / radius, 1.0 / radius), radius)
@@ -115,13 +114,13 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
 
     @property
     def curvatures_per_mm(self) -> tuple[float, float]:
-        """Along its axis and across."""
+        """Curvatures along its axis and across, 1/mm."""
         along, across = _CURVED.get(self.shape, (False, True))
         own = self.diameter_along_mm or self.diameter_mm
         return 2.0 / own if along and own else 0.0, 2.0 / self.diameter_mm if across and self.diameter_mm else 0.0
 
     def missing(self) -> Inconsistency | None:
-        """What is to be given or left out for that shape."""
+        """The key that its shape lacks or does not have; None where all fit."""
         flat = self.shape in ("flat", PAD)
         if (self.diameter_mm is None) != flat:
             return Inconsistency(
@@ -146,7 +145,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
         return None
 
     def _unfit_face(self) -> Inconsistency | None:
-        """What is wrong with a pad's face, or with one that another shape has."""
+        """The key that gives a pad no face, or another shape one; None where all fit."""
         if self.shape != PAD:
             foreign = [key for key in FACE_KEYS if getattr(self, key) is not None]
             return Inconsistency((foreign[0],), f"is of a pad, but a {self.shape} has diameters") if foreign else None
@@ -157,7 +156,7 @@ class ShapedBody(GrippedBody, PadFaceOrFile, _Shape):
         return None
 
     def body(self, name: str, size_mm: float) -> Body:
-        """As simulations take it."""
+        """The body of a name; size_mm sets the extents that its table leaves to the program."""
         if self.shape not in _ROUND:
             block = self.block(name, self.curvatures_per_mm, size_mm, self.axis_angle_deg)
             return replace(block, of_pad=self.profile) if self.shape == PAD else block
@@ -185,7 +184,6 @@ class LowerAndUpper(keys.Table):
     upper: ShapedBody = Field(description="the upper body, whose holder carries the rig's compliance")
 
     def of_test(self) -> tuple[Body, Body]:
-        """The lower and the upper one."""
         bodies = (self.lower, self.upper)
         sharpest = max(max(body.curvatures_per_mm) for body in bodies)
         size = 1.0 / sharpest if sharpest else max(size_of(body.profile) for body in bodies if body.shape == PAD)
@@ -228,7 +226,6 @@ class BallOnFlatTables(ContactTables, _OfBallAndFlat):
     kind: Literal["ball-on-flat"] = Field(description="kind of contact", examples=[BALL_ON_FLAT])
 
     def bodies_of_test(self) -> tuple[BlockBody, BlockBody]:
-        """The flat and the ball."""
         return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:
@@ -242,11 +239,9 @@ class PointTables(ContactTables, _OfBodies):
     kind: Literal["point-contact"] = Field(description="kind of contact", examples=[POINT_CONTACT])
 
     def bodies_of_test(self) -> tuple[Body, Body]:
-        """The lower and the upper one."""
         return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:
-        """What `LowerAndUpper` or `BallOnFlatTables` refuses."""
         return self.bodies.contradiction() or _of_wires(self) or self.too_far()
 
 

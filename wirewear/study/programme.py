@@ -54,7 +54,7 @@ class CycleBlock(keys.Table):
 
     @property
     def values(self) -> dict[str, Values]:
-        """The tables that it states."""
+        """The tables that the block states, by their names."""
         return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
 
 
@@ -89,7 +89,7 @@ class Schedule(Generic[AnyStudy]):
 
     @cached_property
     def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
-        """In the order of the test."""
+        """All stretches in the order of the test."""
         if not self.blocks:
             return (Stretch(0, self.cycles, 1, self.alone),)
         studies = [self.under(block.values) for block in self.blocks]
@@ -109,7 +109,7 @@ class Schedule(Generic[AnyStudy]):
         return any(own.study.drive.bulk for own in every)
 
     def at(self, done: float) -> Stretch[AnyStudy]:
-        """That to which a cycle belongs."""
+        """The stretch that a cycle belongs to."""
         return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
 
 
@@ -136,7 +136,7 @@ class BlockCourse:
 
     @classmethod
     def of(cls, schedule: Schedule[Any], end: float) -> Self:
-        """What a test has done that ended after so many cycles; without a programme, it would go on as it was."""
+        """The stages of a test that ended after so many cycles, and those still to come."""
         turn = sum(block.cycles for block in schedule.blocks) or 1
         alike: list[Any] = []
         names, every = [], []
@@ -151,7 +151,6 @@ class BlockCourse:
 
     @property
     def end(self) -> float:
-        """The test's last cycle."""
         return self.done[-1].end
 
     @property
@@ -188,7 +187,7 @@ def held_keys(conditions: object) -> list[str]:
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """What a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N)."""
+    """The figure that a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N)."""
 
     key: str
     value: float  #: Of the key's contact, a line contact's millimetre.
@@ -215,7 +214,7 @@ class HeldTarget:
 
 
 def held_by(conditions: object) -> HeldTarget | None:
-    """What the drive holds in place of its amplitude, None where it holds that."""
+    """The figure that the drive holds, None where it holds its amplitude."""
     key = next(iter(held_keys(conditions)), None)
     return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
 
@@ -241,7 +240,7 @@ def as_driven(
 
 
 def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
-    """What is wrong with a programme that comes to more blocks than a run can go through, if it does."""
+    """Why a programme has more blocks than a run can go through, as the rest of a sentence; None where it has not."""
     count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
     if count <= MOST_BLOCKS:
         return None

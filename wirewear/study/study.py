@@ -78,12 +78,10 @@ class LineStudy(AnyStudy[LineTables]):
 
     @property
     def pad(self) -> Pad:
-        """The pad, held by the rig."""
         return self.tables.pad
 
     @property
     def specimen(self) -> Specimen:
-        """The flat, which is driven."""
         return self.tables.specimen
 
     def energy_coefficients(self) -> tuple[float, float]:
@@ -91,7 +89,7 @@ class LineStudy(AnyStudy[LineTables]):
         return self.tables.energy_coefficients()
 
     def of_length(self, length_mm: float) -> Self:
-        """The same test, and its variants, on another length of the contact."""
+        """The test and its variants on another length of the contact."""
         variants = tuple((name, tables.of_length(length_mm)) for name, tables in self.variants)
         return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
 

@@ -47,7 +47,7 @@ def layers_of(stated: Sequence[LayerTable], friction: float) -> tuple[SurfaceLay
 
 
 def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
-    """What is wrong with them, as the rest of a sentence, if anything."""
+    """Why layers do not go together, as the rest of a sentence; None where they do."""
     if friction == 0.0 and any(one.friction is not None for one in stated):
         return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
     return None
@@ -146,13 +146,13 @@ class StatedSurface(Table):
 
     @property
     def volume_mm3(self) -> float:
-        """What a body lacks; 0 of one that is the same all across."""
+        """Volume that the body lacks, mm³; 0 of a profile, which has no extent across."""
         x, y, depth = self.map
         return max(1e-9 * float(np.trapezoid(np.trapezoid(depth, y, axis=1), x)), 0.0)
 
     @property
     def area_mm2(self) -> float:
-        """What its section along the motion lacks."""
+        """Area that its section along the motion lacks, mm²."""
         x, y, depth = self.map
         return max(1e-6 * float(np.trapezoid(depth[:, np.abs(y).argmin()], x)), 0.0)
 

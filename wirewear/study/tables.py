@@ -137,7 +137,7 @@ class Wear(keys.Table):
 
     @property
     def coefficients(self) -> dict[str, float]:
-        """Those that are stated, by their keys."""
+        """The stated coefficients by their keys."""
         stated = {
             "energy_wear_coefficient_mm3_per_J": self.energy_wear_coefficient_mm3_per_J,
             "archard_wear_coefficient_mm3_per_N_m": self.archard_wear_coefficient_mm3_per_N_m,
@@ -202,7 +202,7 @@ class Log(keys.Table):
     )
 
     def of_cycles(self, cycles: tuple[int, ...]) -> "Log":
-        """The same with the loops of these cycles recorded."""
+        """The table with the loops of these cycles recorded."""
         return self.model_copy(update={"loop_cycles": cycles})
 
 
@@ -324,18 +324,18 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def laws(self) -> tuple[FrictionLaw | WearLaw, ...]:
-        """Those of friction and of wear, if it wears."""
+        """The friction law and, of a test that wears, the wear law."""
         friction: FrictionLaw = self.contact.friction_law
         return (friction,) if self.wear is None else (friction, self.wear.of_law)
 
     @property
     @abstractmethod
     def worn_by_sliding(self) -> float:
-        """What both bodies lose in gross slip per load and sliding distance, 10⁻⁹ of mm³ per N mm."""
+        """Worn volume of both bodies in gross slip per load and sliding distance, 10⁻⁹ mm³/(N mm)."""
 
     @property
     def worn_per_cycle(self) -> float:
-        """What a cycle wears in gross slip on a rigid rig, 10⁻⁶ mm³, for either stroke of one amplitude."""
+        """Worn volume of a stroke in gross slip on a rigid rig, 10⁻⁶ mm³."""
         return self.worn_by_sliding * self.conditions.normal_load_N * float(self.conditions.displacement_amplitude_um)
 
     @property
@@ -357,11 +357,11 @@ class CommonTables(StatesItsKind, ABC):
 
     @abstractmethod
     def contradiction(self) -> keys.Inconsistency | None:
-        """What does not go together in the tables of the bodies, if anything."""
+        """The key in the tables of the bodies that does not fit the others; None where all fit."""
 
 
 def compliance(stiffness: float | Literal["rigid"]) -> float:
-    """Of a spring; of a rigid one 0."""
+    """1/stiffness of a spring, 0 of a rigid one."""
     return 0.0 if stiffness == "rigid" else 1.0 / stiffness
 
 
@@ -391,20 +391,17 @@ class ContactTables(CommonTables):
 
     @property
     def drive(self) -> Drive:
-        """With the stresses that both bodies carry."""
         return replace(
             self.conditions.drive, bulk=bulk_of([(body.bulk, body.material) for body in self.bodies_of_test()])
         )
 
     @property
     def worn_by_sliding(self) -> float:
-        """By the largest factor of the wear's variation."""
         wear = self.wear
         return 0.0 if wear is None else wear.largest_factor * wear.volume_per_sliding_mm3_per_N_m(self.contact.friction)
 
     @property
     def rig(self) -> Holder:
-        """And what the bodies are held at, where that is an approach."""
         approach_um = self.conditions.approach_um
         return replace(super().rig, approach_mm=None if approach_um is None else 1e-3 * approach_um)
 
@@ -455,7 +452,6 @@ class StudyTables(ContactTables, _OfWires):
         return with_motion_of_wires(tables)
 
     def bodies_of_test(self) -> tuple[Wire, Wire]:
-        """The moving and the fixed wire."""
         return self.wires.of_test(self.conditions.motion_angle_deg)
 
     def contradiction(self) -> keys.Inconsistency | None:

@@ -134,7 +134,7 @@ def nominal_setup(study: Study, drive: Literal["sensor", "stroke"]) -> Setup:
     wear, friction = study.wear, study.contact.friction
     worn = 0.0 if wear is None else wear.volume_per_sliding_mm3_per_N_m(friction) / max(friction, 1e-9)
     setup = Setup.of(study, drive, worn)
-    return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).lean), effects=study.effects, **EXPECTED)
+    return replace(setup, crossing_error_rad=atan(Gap.of(*study.bodies).shear), effects=study.effects, **EXPECTED)
 
 
 def library(setup: Setup) -> tuple[Candidate, ...]:

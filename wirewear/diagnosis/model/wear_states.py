@@ -94,7 +94,7 @@ class WearStates:
             normal_load_N=load,
             fresh_area_um2=1e6 * float(np.pi) * hertz_of(load, *bodies).contact_radius_mm ** 2,
             scars=scars,
-            extra_skew=np.nan_to_num(skews + gap.lean),
+            extra_skew=np.nan_to_num(skews + gap.shear),
             along=gap.along,
             **states_of(result, load, volume, volume * radius / columns[0] ** 4, *columns),
         )
