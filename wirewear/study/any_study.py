@@ -277,7 +277,7 @@ def alone(study: Of, how: str = "choose one with --variant") -> Of:
 def life_data(
     study: AnyStudy[Any], bodies: Iterable[str], values: Mapping[str, Any] | None = None
 ) -> dict[str, LifeTable]:
-    """The [life] tables of bodies by their names: as stated, with `values` of its keys, completed from the body's material.
+    """The [life] tables of bodies by their names: as stated, with `values` of its keys, completed by each material.
     Raises StudyError if a value cannot be, or data are lacking that the criterion needs.
     """
     tables = study.tables.model_dump(mode="json", exclude_none=True, exclude_unset=True)

@@ -187,7 +187,7 @@ def held_keys(conditions: object) -> list[str]:
 
 @dataclass(frozen=True)
 class HeldTarget:
-    """The figure that a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or tangential force (N)."""
+    """The figure that a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or force (N)."""
 
     key: str
     value: float  #: Of the key's contact, a line contact's millimetre.

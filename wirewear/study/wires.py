@@ -41,7 +41,7 @@ def _wires_of_bodies(table: Any) -> Any:
 
 
 def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, Any]) -> dict[str, float]:
-    """Crossing and motion angle that the wires' own axis angles give, which are taken out of their tables; empty for none.
+    """Crossing and motion angle by the wires' own axis angles, which are taken out of their tables; empty for none.
     Raises ValueError if one is no angle, or what they come to is stated as well.
     """
     given = [own.pop("axis_angle_deg", None) for own in (moving, fixed)]
