@@ -245,7 +245,7 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
-    "lines of geometry, solvers and wirewear": 67_000,
+    "lines of geometry, solvers and wirewear": 68_000,
     "lines of wirewear": 54_200,
     "lines of studies": 18_800,
     "lines of tests": 27_900,
