@@ -246,10 +246,10 @@ def test_a_room_without_a_place_is_named(tmp_path: Path) -> None:
 #: What the house may weigh (tools/house.py): what 1.0.0 weighs and 3 % of slack. Looked at when a version is made.
 BUDGETS = {
     "lines of geometry, solvers and wirewear": 68_000,
-    "lines of wirewear": 54_200,
+    "lines of wirewear": 55_000,
     "lines of studies": 18_800,
-    "lines of tests": 27_900,
-    "files of geometry, solvers and wirewear": 312,
+    "lines of tests": 28_000,
+    "files of geometry, solvers and wirewear": 316,
     "rooms of wirewear": 23,
     "arrows between rooms": 138,
     "questions for the kind of contact": 0,
