@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from solvers.condensation import CondensedBody, condense
     from solvers.contact import ContactProblem, advance, press, unloaded_state
     from solvers.contact.problem import misaligned
-    from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, LocalState, WearState
+    from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, WearState
     from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
     from solvers.errors import NotConvergedError, PatchLeftError, SolverError
     from solvers.fretting import (
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     from solvers.interior import StuckMotion, move_stuck
     from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
     from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
+    from solvers.local_state import LocalField, LocalState
     from solvers.placement import PlacedBody, facing, place
     from solvers.transfer import flattened, remeshed, transferred, transferred_wear
     from solvers.wear import OxygenSupply, WearRates
@@ -58,15 +59,14 @@ if TYPE_CHECKING:
 __all__ = [
     "Archard", "BulkStress", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump",
     "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
-    "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalState", "LogarithmicRate",
-    "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody", "PowerOfPressure",
-    "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer",
-    "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance", "anew",
-    "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense",
-    "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by",
-    "measured_holder", "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled",
-    "symmetry_of", "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state",
-    "wear_laws",
+    "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState",
+    "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody",
+    "PowerOfPressure", "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
+    "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance",
+    "anew", "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace",
+    "condense", "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
+    "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of",
+    "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -1,6 +1,5 @@
-"""What a contact simulation remembers between increments, what its laws may know of it, and the rig."""
+"""What a contact simulation remembers between increments, and the rig."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -225,25 +224,3 @@ class DriveTiming:
         if amplitude == 0.0:
             return 0.0
         return amplitude * self.frequency_Hz * self.drive.waveform.speed(drive_mm / amplitude, falling=falling)
-
-
-@dataclass(frozen=True)
-class LocalState:
-    """k nodes of the primary as they face the secondary; nothing is worked out before a law asks for it."""
-
-    wear: WearState  #: Of both bodies.
-    of_primary: Callable[[Array], Array]  #: Takes a field (n,) of its patch to the nodes, (k,), as the next.
-    of_secondary: Callable[[Array], Array]
-    sliding: Callable[[], Array]  #: Their speeds (k,), mm/s.
-    primary_is_upper: bool
-
-    @property
-    def speed_mm_per_s(self) -> Array:
-        """Sliding speed (k,); 0 where a node sticks."""
-        return self.sliding()
-
-    @property
-    def energy_mJ_per_mm2(self) -> Array:
-        """Friction energy (k,) per plane area that the surfaces have taken so far, as a mean of both."""
-        primary, secondary = (energy.ravel() for energy in (self.wear.primary_energy, self.wear.secondary_energy))
-        return 0.5 * (self.of_primary(primary) + self.of_secondary(secondary))

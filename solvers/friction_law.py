@@ -16,7 +16,7 @@ from typing import ClassVar, Protocol
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.contact_state import LocalState
+from solvers.local_state import LocalState
 from solvers.plugins import law_called, laws_by_name, require_positive
 
 # Local coefficients have settled when they change by no more than this share of the largest.
@@ -37,6 +37,7 @@ class FrictionLaw(ABC):
     timed: ClassVar[bool] = False  #: Whether the factor follows the speed.
     #: Whether it follows what surfaces have been through: cycles differ without any wear.
     remembers: ClassVar[bool] = False
+    ages: ClassVar[bool] = False  #: Whether the factor follows the number of cycles done.
 
     def factor(self, local: LocalState, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing
         """Factor on the coefficient of friction, one for all nodes or one for each, (k,); not negative."""
@@ -87,6 +88,8 @@ class Friction:
     law: FrictionLaw = field(default_factory=Coulomb)
     #: How the pressure is spread between nodes, of whose own a law that bends with it would know too little.
     within: "Within | None" = None
+    #: What is known of the k nodes, for laws of wear as well; None where nothing is.
+    local: LocalState | None = field(default=None, compare=False, repr=False)
 
     @cached_property
     def share(self) -> float | Array:
@@ -102,7 +105,9 @@ class Friction:
         """The law at some of the k nodes."""
         each = self.coefficient
         within = None if self.within is None else self.within.among(chosen)
-        return replace(self, coefficient=each[chosen] if isinstance(each, np.ndarray) else each, within=within)
+        local = None if self.local is None else self.local.among(chosen)
+        coefficient = each[chosen] if isinstance(each, np.ndarray) else each
+        return replace(self, coefficient=coefficient, within=within, local=local)
 
     def differs(self, other: "Friction") -> bool:
         """Whether coefficients are others by more than `_SETTLED` of the largest."""

@@ -16,8 +16,8 @@ from typing import Protocol
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.contact_state import LocalState
 from solvers.errors import SolverError
+from solvers.local_state import LocalState
 
 _LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough layer is as it is at first touch.
 

@@ -20,9 +20,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.contact_state import LocalState, WearState
+from solvers.contact_state import WearState
 from solvers.errors import SolverError
 from solvers.layers import SurfaceLayer, friction_factor, receded
+from solvers.local_state import LocalState
 from solvers.wear_law import EnergyLaw, WearLaw, WornCycle
 
 if TYPE_CHECKING:

@@ -58,9 +58,13 @@ class WearLaw(ABC):
     #: Whether it weighs work by what a cycle is like, which single increments do not know.
     timed: ClassVar[bool] = False
     remembers: ClassVar[bool] = False  #: Whether what counts of wear work depends on the friction energy so far.
+    ages: ClassVar[bool] = False  #: Whether wear work counts by the number of cycles done.
 
     def work_per_slip(self, friction: Friction, /) -> Friction:
-        """Wear work per area and length of slip, as the limit of a friction law: that of the friction."""
+        """Wear work per area and length of slip, as the limit of a friction law: that of the friction.
+
+        `friction.local` is what is known of the places; a law of a local field changes the coefficient by it.
+        """
         return friction
 
     def factor(self, cycle: WornCycle, /) -> float | Array:  # noqa: ARG002 - most laws ask for nothing

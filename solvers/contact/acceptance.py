@@ -69,7 +69,7 @@ def slid(
     pressure, lifted, length = _parts(moved_start, slip, before, start.frames, lever, holder)
     still = after[:, 2] > 0.0
     slides_or_opens = slides[start.nodes] | ~still
-    friction = law_at(problem, state, start, state.slip_share, state.drive)
+    friction = law_at(problem, state, start, state.slip_share, state.drive, state.traction)
     lifted = np.where(still & slides_or_opens, 0.5 * (lifted + closed), 0.0)
     first = _sliding(problem, friction, start, pressure, np.where(slides_or_opens, 0.5 * length, 0.0), lifted)
     return first, last

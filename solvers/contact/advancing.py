@@ -119,7 +119,7 @@ def solve_increment(
         if not len(nodes):
             raise LostContactError("the bodies have lost contact")
         pairing = faced(problem, state, nodes, drive, holder_x, tilt)
-        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share)
+        system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share, guess)
         touching = np.zeros(len(areas), dtype=bool)
         touching[active] = True
         outcome = solve_contact(system, guess[nodes], touching[nodes], height, holder_x)
@@ -134,7 +134,7 @@ def solve_increment(
         slip_share = _slip_share(state, nodes, outcome, drive)
         # Friction that falls with the speed may have no equilibrium: if it does not settle, it stays as it was last.
         follows = problem.friction_law.timed and pairings < _FOLLOWED
-        if follows and system.friction.differs(law_at(problem, state, pairing, slip_share, drive)):
+        if follows and system.friction.differs(law_at(problem, state, pairing, slip_share, drive, guess)):
             moved = np.inf
         holder_x, height, tilt = outcome.holder_x, outcome.height, outcome.tilt
         if drive != state.drive and _core_is_lost(state, nodes, outcome):
@@ -263,7 +263,8 @@ def opened(
     if not len(before.nodes):
         return replace(apart, holder_z=height), report
     pairing = faced(problem, state, before.nodes, drive, apart.holder_x, apart.holder_tilt)
-    system = linearised(problem, state, before, pairing, drive, apart.holder_x, height, state.slip_share)
+    known = state.slip_share, state.traction
+    system = linearised(problem, state, before, pairing, drive, apart.holder_x, height, *known)
     place = apart.holder_x, height, apart.holder_tilt
     return accepted(
         problem,

@@ -1,6 +1,6 @@
 """Two bodies pressed together by a holder, and the affine system that an increment poses on one pairing of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import pi, tan
@@ -11,11 +11,12 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.between_nodes import WithinElements
 from solvers.compliance import PairedCompliance
-from solvers.contact_state import ContactState, DriveTiming, Holder, LocalState, WearState
+from solvers.contact_state import ContactState, DriveTiming, Holder, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.kept_code import compiled
 from solvers.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
+from solvers.local_state import LocalField, LocalState
 from solvers.newton import Linearisation
 from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
@@ -44,6 +45,8 @@ class ContactProblem:
     layers: tuple[ContactLayer, ...] = ()  #: Physical ones between the surfaces, in series.
     friction_law: FrictionLaw = field(default_factory=Coulomb)  #: What it is the coefficient of.
     timing: DriveTiming = field(default_factory=DriveTiming)  #: Of the drive, for laws that ask for speeds.
+    fields: Mapping[str, LocalField] = field(default_factory=dict)  #: That laws may ask for, see `LocalState`.
+    cycle: float = 0.0  #: Cycles done, for laws that age.
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)
 
@@ -70,7 +73,7 @@ class ContactProblem:
     def law_at(self, local: LocalState) -> Friction:
         """The friction law as it is at k nodes."""
         factor = self.friction_law.factor(local) * self.wear.friction_factor(local)
-        return Friction(self.friction * factor, self.friction_law)
+        return Friction(self.friction * factor, self.friction_law, local=local)
 
     def stretched(self, step: Array, nodes: IntArray, offset: Array) -> Array:
         """Motion (k, 3) of the upper against the lower surface at nodes of the primary by a step of bulk strain.
@@ -239,10 +242,12 @@ def linearised(
     holder_x: float,
     prescribed_height: float | None,
     slip_share: Array,
+    guess: Array,
 ) -> Linearisation:
     """The system of a pairing made with the holder at `holder_x`, for a step to `drive`.
 
-    before: the loaded nodes' pairing before the step.  slip_share: (n,) guess of the slip, see `ContactState`.
+    before: the loaded nodes' pairing before the step.  slip_share, guess: (n,) and (n, 3) of slip and tractions, see
+    `ContactState`.
     """
     holder = problem.holder.under(state.load_share)
     if prescribed_height is None and holder.approach_mm is not None:
@@ -250,7 +255,8 @@ def linearised(
     bodies, forces = (problem.primary, problem.secondary), (state.primary_force, state.secondary_force)
     compliance = PairedCompliance(pairing, before, bodies, forces, problem.layer_mm_per_MPa)
     traction = state.traction[pairing.nodes]
-    limit = law_at(problem, state, pairing, state.slip_share, state.drive).limit(normal_of(traction, pairing.frames))
+    before_step = law_at(problem, state, pairing, state.slip_share, state.drive, state.traction)
+    limit = before_step.limit(normal_of(traction, pairing.frames))
     old_displacement = _old_displacement(
         *(compliance.old, compliance.old_before, problem.layer_mm_per_MPa, traction, limit),
         *(pairing.nodes, before.nodes, pairing.frames),
@@ -263,7 +269,7 @@ def linearised(
         before=before,
         compliance=compliance,
         old_displacement=old_displacement,
-        friction=law_at(problem, state, pairing, slip_share, drive),
+        friction=law_at(problem, state, pairing, slip_share, drive, guess),
         paired_holder_x=holder_x,
         old_holder_x=state.holder_x,
         old_height=state.holder_z,
@@ -280,15 +286,22 @@ def linearised(
     )
 
 
-def law_at(problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float) -> Friction:
-    """The friction law at paired nodes, which slip by a share (n,) of the drive's motion where the drive is."""
+def law_at(
+    problem: ContactProblem, state: ContactState, pairing: Pairing, slip_share: Array, drive: float, traction: Array
+) -> Friction:
+    """The friction law at paired nodes, which slip by a share (n,) of the drive's motion where the drive is, under
+    tractions (n, 3) as far as they are known.
+    """
     nodes, timing = pairing.nodes, problem.timing
     local = LocalState(
         state.wear,
         lambda field: field[nodes],
         lambda field: pairing.opposite.averaged(field) / pairing.areas,
         lambda: timing.speed_mm_per_s(drive, falling=bool(slip_share.min() < 0.0)) * np.abs(slip_share[nodes]),
+        lambda: np.maximum(normal_of(traction[nodes], pairing.frames), 0.0),
         problem.primary_is_upper,
+        problem.cycle,
+        problem.fields,
     )
     return replace(problem.law_at(local), within=within_elements(problem, [state], np.zeros(len(nodes), dtype=int)))
 

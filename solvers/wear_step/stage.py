@@ -47,7 +47,7 @@ def released_slip(
     """
     half_cycle, ends = cycle.half_cycle, ends_of_strokes(cycle.positions, cycle.half_cycle)
     before, after = cycle.traced_slips
-    laws = cycle.law_at(problem, cycle.wear, 0.5 * (before + after)), friction
+    laws = cycle.law_at(problem, cycle.wear, 0.5 * (before + after), cycle.traced_pressures), friction
     moved = [_released(problem, cycle, facing, pressure, worn, laws, end) for end in ends]
     starts = [half_cycle.image(moved[0], half_cycle.primary)] if half_cycle is not None else moved[::-1]
     fields, begin = [], 0
@@ -194,14 +194,14 @@ def solve_stage(
     worn, active, cycles, seen = before, pressure > 0.0, lasting(pressure), before.depths
     every = np.ones(cycle.orbits.count)
     stretch = every, every
-    friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch))
+    friction = cycle.law_at(problem, before, _slip_lengths(cycle, stretch), pressure)
     for iteration in range(1, _MOST_ITERATIONS + 1):
         # Normals, slip and layers follow the pressures at every step: that costs little beside solving the equations.
         cycle.influences.know(active | cycle.sticks)
         seen = worn.depths if iteration <= _UNDAMPED else _halfway(seen, worn.depths)
         facing, known = cycle.facing(problem, seen), friction
         slip = _slip_lengths(cycle, stretch)
-        friction = cycle.law_at(problem, worn, slip)
+        friction = cycle.law_at(problem, worn, slip, pressure)
         if 1 < iteration <= _FOLLOWED:
             cycles = lasting(pressure)
         opening, beyond = cycle.orbits.opening_by(recession.tangent), recession.beyond

@@ -56,7 +56,7 @@ def two_stages(
     """Wear both bodies by the cycle for `cycles` cycles after `done`, from the state where it starts."""
     per_cycle = trace.friction_work * (2.0 if cycle.half else 1.0)
     energy, every = start.wear.energy_mJ, np.ones(cycle.orbits.count)
-    traced = _traced_pressures(cycle)
+    traced = cycle.traced_pressures
     own = _STAGE * cycles
     early = problem_at(done + own, energy + own * per_cycle)
     first = solve_stage(early, cycle, cycle.wear, lambda _: own * every, traced)
@@ -144,14 +144,6 @@ def _taken_over(problem: ContactProblem, cycle: Cycle, lasting: Array, first: Ar
     wanted, counted = (np.bincount(orbits.position, part, len(orbits.rows)) for part in parts)
     factors = np.divide(wanted, counted, out=np.ones_like(wanted), where=counted > np.maximum(0.5 * wanted, 0.0))
     return np.asarray(np.maximum(factors, 1.0)[orbits.position])
-
-
-def _traced_pressures(cycle: Cycle) -> Array:
-    pressures = [
-        np.maximum(np.einsum("ij,ij->i", p.state.traction[p.nodes], p.pairing.frames[:, 0, :]), 0.0)[rows]
-        for p, rows in zip(cycle.positions, cycle.orbits.rows, strict=True)
-    ]
-    return np.concatenate(pressures)
 
 
 def state_at(stages: Stages, cycle: Cycle, index: int) -> ContactState:

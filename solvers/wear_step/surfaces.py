@@ -10,10 +10,11 @@ import numpy as np
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.between_nodes import WithinElements
 from solvers.contact import ContactProblem
-from solvers.contact_state import LocalState, WearState
+from solvers.contact_state import WearState
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled, inlined
 from solvers.layers import ContactLayer, open_share
+from solvers.local_state import LocalState
 from solvers.nodal_transfer import weighted_sums
 from solvers.pairing import frames_on
 from solvers.quadrature import gradient
@@ -109,6 +110,15 @@ class Cycle:
         return before, after
 
     @cached_property
+    def traced_pressures(self) -> Array:
+        """Pressures (N,) in MPa at the unknowns, as the cycle was traced."""
+        pressures = [
+            np.maximum(np.einsum("ij,ij->i", p.state.traction[p.nodes], p.pairing.frames[:, 0, :]), 0.0)[rows]
+            for p, rows in zip(self.positions, self.orbits.rows, strict=True)
+        ]
+        return np.concatenate(pressures)
+
+    @cached_property
     def strained(self) -> bool:
         """Whether slip depends on the bodies' strain; see `strain_counts`."""
         return strain_counts(self.positions, self.half_cycle)
@@ -130,8 +140,10 @@ class Cycle:
         influences = self.influences
         return Facing(*_faced(nodes, own, secondary, self.orbits.start, weights, influences.store, influences.at))
 
-    def law_at(self, problem: ContactProblem, wear: WearState, slip: Array) -> Friction:
-        """The friction law at the unknowns in a state of wear, where each slips (N,) mm about its position."""
+    def law_at(self, problem: ContactProblem, wear: WearState, slip: Array, pressure: Array) -> Friction:
+        """The friction law at the unknowns in a state of wear, where each slips (N,) mm about its position under a
+        pressure (N,) in MPa.
+        """
         orbits = self.orbits
 
         def sliding() -> Array:
@@ -145,7 +157,10 @@ class Cycle:
             lambda field: field[orbits.nodes],
             lambda field: orbits.secondary @ field,
             sliding,
+            lambda: np.maximum(pressure, 0.0),
             problem.primary_is_upper,
+            problem.cycle,
+            problem.fields,
         )
         return replace(problem.law_at(local), within=self.within)
 

@@ -102,6 +102,8 @@ def applied(effects: Iterable[ChangesASeam], seam: Seam, described: T, age: Age)
 
 def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: Age) -> ContactProblem:
     """A nominal problem with effects on holder, loading, contact law and wear law, at an age of the test."""
+    if problem.friction_law.ages or problem.wear.law.ages:
+        problem = replace(problem, cycle=age.cycles)
     if not effects:
         return problem
     holder = applied(effects, Seam.HOLDER, problem.holder, age)
