@@ -25,7 +25,7 @@ Verdict = tuple[bool, str]
 
 
 def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
-    """Judge a record by what it holds."""
+    """Verdicts on what the record supports: whether it does, and a sentence why."""
     record = checked.record
     yield from _loops(checked)
     yield from _repeats(record)

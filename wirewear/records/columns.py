@@ -24,7 +24,6 @@ class Column:
 
     @property
     def kind(self) -> str:
-        """What is allowed, in words."""
         return f"{'a whole' if self.whole else 'a'} number between {self.low:g} and {self.high:g}"
 
     def first_wrong(self, values: Array) -> int | None:

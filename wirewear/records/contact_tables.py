@@ -23,7 +23,7 @@ from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, Lowe
 
 
 class RecordContact(keys.Table):
-    """What touches: loads and forces of the record are those of the whole contact."""
+    """The kind and length of a line contact."""
 
     kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
         description="kind of contact", examples=[PLANAR_KINDS[0]]
@@ -76,7 +76,7 @@ class LineNoise(tables.Noise):
 
 
 class LineFiles(keys.Table):
-    """Where the data stand, beside experiment.toml; any may be missing, but not all."""
+    """Names of the data files beside experiment.toml: one at least."""
 
     loops: tables.FileName | None = Field(None, description="file of the loops", examples=["loops.csv"])
     evolution: tables.FileName | None = Field(None, description="file of the evolution over the cycles")
@@ -85,7 +85,7 @@ class LineFiles(keys.Table):
 
 
 class LineTest(OfRecord):
-    """What is said of a line contact's test beside its data."""
+    """A test of a line contact as its file states it, without the names of data files."""
 
     contact_kind, body_names = PLANAR_KINDS[0], BODIES
     worn, needs_loops = PROFILES, False
@@ -104,12 +104,11 @@ class LineTest(OfRecord):
 
     @property
     def wear(self) -> dict[str, tuple[str, ...]]:
-        """Each body has its own."""
         return {f"{body}_energy_wear_coefficient_mm3_per_J": (body,) for body in BODIES}
 
     @property
     def shares(self) -> dict[str, float]:
-        """As is stated, or even."""
+        """The parts by the stated coefficients; halves where none is stated."""
         stated = {body: getattr(self.stated, f"{body}_energy_wear_coefficient_mm3_per_J") or 0.0 for body in BODIES}
         total = sum(stated.values())
         return {body: own / total if total > 0.0 else 0.5 for body, own in stated.items()}
@@ -120,7 +119,6 @@ class LineTest(OfRecord):
 
     @property
     def depth_noise_um(self) -> float:
-        """Of reading a profile, as from a figure."""
         return self.noise.depth_um or 0.0
 
     @classmethod
@@ -132,12 +130,10 @@ class LineTest(OfRecord):
 
     @classmethod
     def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
-        """What is per length, as of the whole contact."""
         return whole_test(data, where, RecordError)
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
-        """What touches, the pad and the specimen."""
         del label
         round_pad, length_mm = study["pad"].get("radius_mm") is not None, study["contact"]["length_mm"]
         return {
@@ -221,7 +217,7 @@ class LineTest(OfRecord):
 
     @property
     def assumed(self) -> str:
-        """What a simulation takes of the bodies is a remark of its own."""
+        """Empty: heights that are assumed are a remark of their own."""
         return ""
 
 
@@ -235,7 +231,7 @@ Bodies = TypeVar("Bodies", BallAndFlat, LowerAndUpper)
 
 
 class ContactAtAPoint(Table):
-    """What touches."""
+    """The kind of a contact at a point."""
 
     kind: Annotated[str, PlainValidator(one_of(BALL_ON_FLAT, POINT_CONTACT))] = Field(
         description="kind of contact", examples=[BALL_ON_FLAT]
@@ -260,7 +256,6 @@ class BodiesTest(PointTest, Generic[Bodies]):
         return self.bodies.of_test()
 
     def contradiction(self) -> Inconsistency | None:
-        """As of their study."""
         return self.bodies.contradiction()
 
 
@@ -281,18 +276,15 @@ class BodiesRecord(PointRecordTables):
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
-        """As they are, without what is empty."""
         del label
         stated = {name: {key: own for key, own in body.items() if own != []} for name, body in study["bodies"].items()}
         return {"contact": {"kind": cls.contact_kind}, "bodies": stated}
 
     @property
     def of_study(self) -> dict[str, float | None]:
-        """And how the bodies are curved and lie."""
         return {**super().of_study, **curved(self.model_dump(exclude_none=True)["bodies"])}
 
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
-        """As they are."""
         return data | {"bodies": self.model_dump(mode="json", exclude_none=True)["bodies"]}
 
 

@@ -43,7 +43,6 @@ class OtherDefinition:
 
     @property
     def text(self) -> str:
-        """What to know of it."""
         return (
             f"the evolution's {self.column} differs by {100.0 * self.share:+.0f} % from that of the record's own "
             "loops: it is defined otherwise"
@@ -53,7 +52,7 @@ class OtherDefinition:
 def other_definitions(
     loops: Mapping[tuple[int, int], tuple[MeasuredLoop, LoopFigures]], evolution: Sequence[MeasuredEvolution]
 ) -> tuple[OtherDefinition, ...]:
-    """The columns that contradict the loops, which are named (repeat, cycle).
+    """The columns that contradict the loops, each with the (repeat, cycle) of these.
 
     The largest force may be max |Q| or half the range of Q; an offset of the force tells them apart.
     """
@@ -72,7 +71,7 @@ def other_definitions(
 
 
 def _figures(loop: MeasuredLoop, figures: LoopFigures) -> dict[str, tuple[float, ...]]:
-    """What a column may hold of a loop."""
+    """The figures of a loop that a column may hold."""
     force = loop.tangential_force_N[np.isfinite(loop.tangential_force_N)]
     # A few samples may be spikes.
     low, high = np.quantile(force, [0.01, 0.99])

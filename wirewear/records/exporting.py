@@ -246,7 +246,7 @@ def _evolution(
 
 
 def _ratio(read: float, true: float) -> float:
-    """Of nothing, as where bodies are apart, sensors read nothing."""
+    """Read over true figure; 1 where the true one is 0, as of bodies that are apart."""
     return read / true if true else 1.0
 
 

@@ -81,7 +81,7 @@ class Unworn:
         return self.above > MOST_ABOVE or self.border_above > MOST_AT_BORDER
 
     def remarks(self, where: str, depth: Array, places: Array, surface: Surface, body: str) -> tuple[str, ...]:
-        """What is to be said of the surface that was found in a file, with depths (n_x, n_y) below it, sentences.
+        """Sentences about the surface that was found in a file, with depths (n_x, n_y) below it.
 
         body: the one whose worn volume is asked for, without what its form differs; empty where that counts as depth.
         """
@@ -243,7 +243,7 @@ class _Candidates:
         return np.array(changes[one], dtype=np.float64), float(self.scales[place]), float(weights[one, place])
 
     def weights(self, changes: Array) -> Array:
-        """How much speaks for surfaces changed by (n, k) at each scale, (n, scales).
+        """Logarithms of likelihoods (n, scales) of surfaces changed by (n, k), at each scale.
 
         As a logarithm of a likelihood: a place within a scale tells by how much it is narrower than the range.
         """

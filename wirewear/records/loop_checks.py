@@ -231,7 +231,7 @@ def closure(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def told_by_analysis(checked: CheckedRecord) -> Iterator[Remark]:
-    """What the analysis of single loops says of their channels, each with the first that it is said of."""
+    """Remarks of the analysis of single loops on their channels, each with the first loop that it concerns."""
     for told in NOTED:
         begin = told.partition("{")[0]
         found = {
@@ -244,7 +244,7 @@ def told_by_analysis(checked: CheckedRecord) -> Iterator[Remark]:
 
 
 def play_and_stick_slip(checked: CheckedRecord) -> Iterator[Remark]:
-    """What most loops show of free play and of stick-slip: signal that a model without it lacks."""
+    """Remarks on free play and stick-slip that most loops show, which a model without them lacks."""
     sliding = [figures for figures in checked.figures.values() if figures.regime == "gross slip"]
     plays = [figures.free_play_um.value for figures in sliding if figures.free_play_um is not None]
     if 2 * len(plays) > len(sliding):

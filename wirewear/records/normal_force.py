@@ -43,7 +43,7 @@ def pressing(loops: Sequence[MeasuredLoop]) -> tuple[tuple[MeasuredLoop, ...], t
 def impossible_loads(
     loops: Sequence[MeasuredLoop], load_N: float, length_mm: float | None = None
 ) -> Iterator[tuple[str, BoolArray]]:
-    """What the normal force of most loops cannot be, in words without an end, and of which loops (n,).
+    """Why the normal force of most loops is impossible, the beginning of a sentence, and of which loops (n,).
 
     length_mm: of a line contact, whose forces may have been logged per millimetre.
     """
@@ -75,7 +75,7 @@ def require_pressing(loops: Sequence[MeasuredLoop], load_N: float, length_mm: fl
 
 
 def _unit(ratio: float, load_N: float, length_mm: float | None) -> str:
-    """What a load off by a factor says, and the unit that it fits."""
+    """The beginning of a sentence on a load off by a factor, with the unit that it fits."""
     known = {f"{name} (unit = {unit!r} in a mapping)": FIELD_UNITS["N"][unit] for unit, name in _NAMES.items()}
     known["newtons where the load asked for is in kilograms"] = 1.0 / FIELD_UNITS["N"]["kgf"]
     if length_mm is not None:
@@ -98,7 +98,7 @@ def _quantiles(channel: Array | None) -> tuple[float, float]:
 
 
 def median_load_N(loop: MeasuredLoop) -> float:
-    """Of a loop's normal force; NaN where none was measured."""
+    """Median of a loop's normal force, N; NaN where none was measured."""
     values = np.empty(0) if loop.normal_force_N is None else loop.normal_force_N[np.isfinite(loop.normal_force_N)]
     return float(np.median(values)) if values.size else np.nan
 

@@ -14,7 +14,7 @@ from wirewear.study.programme import CycleBlock
 
 
 class OfTest(Table):
-    """What any file that describes a test is asked, of whatever kind of contact."""
+    """A file that describes a test of any kind of contact."""
 
     contact_kind: ClassVar[str]  #: Its name.
     body_names: ClassVar[tuple[str, str]]  #: Of the one that is driven and the other.
@@ -30,7 +30,7 @@ class OfTest(Table):
 
     @classmethod
     def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
-        """What a file of it holds, by the keys that its tables have; RecordError if it says a thing twice."""
+        """A file's tables by the keys that these have; RecordError if it says a thing twice."""
         del where
         return data
 
@@ -62,7 +62,7 @@ class OfTest(Table):
 
 
 class OfRecord(OfTest, ABC):
-    """What the tables of an experiment.toml are asked besides: how a study and a result of the kind say the same."""
+    """The tables of an experiment.toml, which know how a study and a result of their kind state the same test."""
 
     programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
 
@@ -85,14 +85,14 @@ class OfRecord(OfTest, ABC):
 
     @classmethod
     def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
-        """What such a study says of conditions, friction, wear and rig."""
+        """The values of a study's conditions, friction, wear and rig by their keys."""
         parts = ("conditions", "contact", "wear", "holder")
         return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
 
     @property
     @abstractmethod
     def of_study(self) -> dict[str, float | None]:
-        """What tells this test from others, by the keys of a study's tables."""
+        """The values that distinguish tests, by the keys of a study's tables."""
 
     @abstractmethod
     def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
@@ -102,7 +102,7 @@ class OfRecord(OfTest, ABC):
 
     @property
     def contact_stiffness_N_per_um(self) -> float | None:
-        """Stiffness of the unworn contact; None where the bodies give way as well, by what no closed form tells."""
+        """Stiffness of the unworn contact; None where the bodies yield too, for which there is no closed form."""
         return None
 
     @property
@@ -152,5 +152,5 @@ class Metadata(Table):
 
     @property
     def lines(self) -> tuple[str, ...]:
-        """What is known, one ``key: value`` a line."""
+        """Known metadata, one ``key: value`` a line."""
         return tuple(f"{key}: {value}" for key, value in self.model_dump(exclude_none=True).items())

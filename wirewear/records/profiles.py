@@ -50,16 +50,15 @@ class MeasuredProfile:
 
     @property
     def field(self) -> tuple[Array, Array, Array]:
-        """Its line x (n,), the one line y, and depths (n, 1): it is the same all along the contact."""
+        """Line x (n,), the one line y (1,), and depths (n, 1): the same all along the contact."""
         return self.x_um, np.zeros(1), self.depth_um[:, None]
 
     def of_field(self, depth_um: Array) -> "MeasuredProfile":
-        """The same profile of other depths (n, 1)."""
+        """The profile with other depths (n, 1)."""
         return MeasuredProfile(self.repeat, self.body, self.x_um, depth_um[:, 0])
 
     @property
     def spans_um(self) -> dict[str, float]:
-        """Depth and width."""
         return {"depth": float(self.smooth_um.max()), "width": self.width_um}
 
     @property
@@ -73,7 +72,7 @@ class MeasuredProfile:
 
     @property
     def border_told(self) -> str:
-        """That the profile ends within the scar, a sentence; empty where it does not."""
+        """A sentence where the profile ends within the scar; else empty."""
         (left, right), x = self.edges_um, self.x_um
         width = BORDER * float(np.ptp(x))
         places, depth = self._worn
@@ -92,7 +91,7 @@ class MeasuredProfile:
 
     @property
     def edges_um(self) -> tuple[float, float]:
-        """Where the depth first falls to 1 % of its largest, to either side of the deepest point; or the ends.
+        """Places to either side of the deepest point where the depth first is 1 % of its largest, or the ends, µm.
 
         In a shallow scar noise alone would do that anywhere: there it is the mean of neighbours that falls.
         """
@@ -124,7 +123,6 @@ class MeasuredProfile:
 
     @property
     def width_um(self) -> float:
-        """Distance of the edges."""
         left, right = self.edges_um
         return right - left
 

@@ -71,7 +71,7 @@ def tables_of_file(path: Path) -> type[AnyTables]:
 
 
 def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecord:
-    """Read and check a record, of whatever kind or of one. What can be coped with is kept and told in `notes`.
+    """Read and check a record of any kind, or of one. What can be coped with is stated in its `notes`.
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
     """
     folder = Path(folder)
@@ -225,7 +225,7 @@ Model = TypeVar("Model", bound=OfTest)
 
 
 def require_unchanged(table_path: Path) -> tuple[str, ...]:
-    """See that a record's tables are as they were written; what is to be told of experiment.toml itself.
+    """See that a record's tables are as they were written; notes on experiment.toml itself.
     Raises RecordError if a table has changed, or experiment.toml cannot be read.
     """
     data = reading.read_bytes(table_path, RecordError, "TOML file")

@@ -140,7 +140,7 @@ def _chunk(loops: Sequence[MeasuredLoop]) -> dict[str, Array]:
 
 
 def _periods(time: Array) -> Array:
-    """How long the cycle of each loop (l, n) lasts: a loop ends one step before it begins anew.
+    """How long the cycle of each loop (l, n) lasts: a loop ends one step before it begins again.
 
     By the median step where steps are alike: one wrong time or a missing end does not matter. Simulations, and loggers
     that store turns densely, have steps that are not.
@@ -151,7 +151,7 @@ def _periods(time: Array) -> Array:
 
 
 def _in_time(noise: Array, values: Array, time: Array) -> Array:
-    """The noise (l,) of loops (l, n), told anew by their own times where these are uneven.
+    """The noise (l,) of loops (l, n), by their own times where these are uneven.
 
     There the curvature of a loop would pass for noise, as would a sine's between the positions of a simulation.
     """
@@ -278,7 +278,7 @@ class RecordReport:
 
     @property
     def problems(self) -> tuple[Remark, ...]:
-        """The remarks that spoil something."""
+        """The remarks on what spoils a figure."""
         return tuple(remark for remark in self.remarks if remark.level == "problem")
 
     def to_json(self) -> dict[str, Any]:

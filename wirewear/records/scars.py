@@ -49,7 +49,7 @@ class MeasuredScar:
         return self.x_um, self.y_um, self.depth_um
 
     def of_field(self, depth_um: Array) -> "MeasuredScar":
-        """The same map of other depths (n_x, n_y), as far as it has points."""
+        """The map with other depths (n_x, n_y), as far as it has points."""
         return replace(self, depth_um=np.where(np.isfinite(self.depth_um), depth_um, 0.0), spikes_um=None)
 
     @property
@@ -110,7 +110,7 @@ class MeasuredScar:
 
     @property
     def border_told(self) -> str:
-        """That what lies along the map's border counts among what is worn, a sentence; empty where it hardly does."""
+        """A sentence where heights along the map's border count as worn; else empty."""
         known = np.isfinite(self.depth_um)
         border = np.zeros_like(known)
         for axis in (0, 1):

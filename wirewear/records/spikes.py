@@ -70,7 +70,7 @@ def as_measured(depth_um: Array, spikes_um: Array | None) -> Array:
 
 
 def border_text(share: float, where: str) -> str:
-    """That a share of what a surface has lost, negative of what is raised, lies along its border; empty of little."""
+    """A sentence on the share of the worn volume that lies along the border, negative where raised; empty of little."""
     if abs(share) < MOST_AT_BORDER:
         return ""
     what = f"{share:.1%} of what is worn lies" if share > 0.0 else f"{-share:.1%} of what is worn is piled up"

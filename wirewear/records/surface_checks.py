@@ -61,7 +61,7 @@ class ScarSize:
 
     @classmethod
     def of(cls, scar: MeasuredScar) -> "ScarSize | None":
-        """Those of a map, or None where the scar does not stand out from the map."""
+        """The sizes of a map's scar; None where it does not stand out from the map."""
         lowest, depth = float(np.percentile(scar.worn_um, 0.5)), scar.figures["depth"]
         if depth <= CLEAR * max(-lowest, 0.0) or depth <= 0.0:
             return None
@@ -75,7 +75,7 @@ class ScarSize:
 
 
 def unlike_sizes(record: ExperimentRecord) -> Iterator[str]:
-    """What the scars of each repeat cannot be, sentences."""
+    """Sentences on the sizes that the scars of each repeat cannot have."""
     driven, held = record.tables.bodies_of_test
     # What is curved along the motion carries the contact about on the held body; a pad's face has no radius.
     along_motion = driven.curvature_per_mm()[:, 0]
@@ -140,7 +140,7 @@ OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
 
 
 def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
-    """What is odd, one after another."""
+    """Remarks on scars, one after another."""
     record = checked.record
     diameter_um = 1e3 * min(min(body.diameters_mm) for body in record.tables.bodies_of_test)
     for body in record.tables.body_names:
@@ -218,7 +218,7 @@ SHORTER = 0.95
 
 
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:
-    """What is odd about friction, bodies and profiles of a line contact's record."""
+    """Remarks on friction, bodies and profiles of a line contact's record."""
     record: LineRecord = checked.record
     yield from _friction_remarks(record, checked.figures.values())
     yield from _bodies_remarks(record)
@@ -238,7 +238,7 @@ def _friction_remarks(record: LineRecord, figures: Iterable[LoopFigures]) -> Ite
 
 
 def _bodies_remarks(record: LineRecord) -> list[Remark]:
-    """What is assumed of bodies that are not described: their compliance adds to the rig's."""
+    """Remarks on assumed bodies, whose compliance adds to the rig's."""
     missing = record.tables.assumed_heights_mm
     if not missing:
         return []
@@ -285,7 +285,7 @@ def _expected_area(record: LineRecord, body: str) -> float | None:
 
 
 def unlike_profiles(record: LineRecord) -> Iterator[str]:
-    """What the profiles of each repeat cannot be, sentences."""
+    """Sentences on the sizes that the profiles of each repeat cannot have."""
     for repeat in record.repeats:
         of_repeat = [profile for profile in record.scars if profile.repeat == repeat]
         spreads = {profile.body: spread for profile in of_repeat if (spread := _spread_um2(profile)) is not None}

@@ -89,7 +89,7 @@ class StatedRig(HolderTable, StatedFriction):
         return self.friction if self.friction_evolution is None else self.friction_evolution.final
 
     def with_fitted(self, fitted: Mapping[str, Any]) -> Self:
-        """The same with fitted values in place of what is stated; friction then runs in only if that is fitted."""
+        """The table with fitted values in place of stated ones; friction then runs in only if that is fitted."""
         return self.model_copy(update={"friction_evolution": None, **fitted})
 
 
@@ -151,7 +151,7 @@ class Frames(keys.Table):
 
 
 class Files(keys.Table):
-    """Where the data stand, beside experiment.toml; of scars those of the record's bodies."""
+    """Names of the data files beside experiment.toml; scars are those of the record's bodies."""
 
     loops: FileName = Field(description="file of the loops", examples=["loops.csv"])
     evolution: FileName | None = Field(None, description="file of the evolution over the cycles")
@@ -165,7 +165,7 @@ class Files(keys.Table):
 
 
 def known_of(table: type[keys.Table], values: Mapping[str, Any]) -> dict[str, Any]:
-    """Those values of which a table of the record knows the key."""
+    """The values whose keys a table knows."""
     return {key: values[key] for key in table.model_fields if values.get(key) is not None}
 
 
@@ -180,12 +180,12 @@ def curved(bodies: Mapping[str, Mapping[str, Any]]) -> dict[str, float]:
 
 
 def each_wire(wires: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
-    """A table of wires as one of each."""
+    """The tables of both wires by their names."""
     return {name: {**wires, **(wires.get(name) or {})} for name in WIRES}
 
 
 class PointTest(OfTest):
-    """What any file about a test of a contact at a point is asked."""
+    """A file about a test of a contact at a point."""
 
     worn, needs_loops = SCARS, True
 
@@ -195,12 +195,11 @@ class PointTest(OfTest):
         """The driven body, which lies below, and the held one above it."""
 
     def body(self, name: str) -> Body:
-        """One of them."""
         return self.bodies_of_test[self.body_names.index(name)]
 
     @abstractmethod
     def contradiction(self) -> Inconsistency | None:
-        """What does not go together in what is stated of them, if anything."""
+        """The key of the bodies that does not fit the others; None where all fit."""
 
     def require_whole(self, where: str) -> None:
         """See that the bodies touch at a point; RecordError if they do not, or something is missing."""
@@ -222,7 +221,7 @@ class PointTest(OfTest):
 
 
 class OfWires(keys.Table):
-    """What touches: wires."""
+    """The kind of contact, where it is stated."""
 
     kind: Annotated[str, PlainValidator(keys.one_of(CROSSED_WIRES))] = Field(description="kind of contact")
 
@@ -241,7 +240,6 @@ class WiresTest(PointTest):
         return self.wires.of_test()
 
     def contradiction(self) -> Inconsistency | None:
-        """Wires that are none."""
         return self.wires.contradiction()
 
 
@@ -268,7 +266,6 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def shares(self) -> dict[str, float]:
-        """That of the driven body, and the rest."""
         return dict(zip(self.body_names, (self.stated.moving_share, 1.0 - self.stated.moving_share), strict=True))
 
     @property
@@ -296,7 +293,7 @@ class PointRecordTables(OfRecord, PointTest):
 
     @property
     def assumed(self) -> str:
-        """What a simulation takes of the bodies that is not stated, after a semicolon."""
+        """What a simulation assumes of the bodies, after a semicolon; empty where all is stated."""
         return ""
 
 
@@ -305,7 +302,6 @@ class RecordTables(PointRecordTables, WiresTest):
 
     @classmethod
     def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
-        """The wires."""
         del label
         angle = (study.get("conditions") or {}).get("motion_angle_deg") or 0.0
         own = {"motion_angle_deg": angle, **(study.get("wires") or {})}
@@ -314,7 +310,6 @@ class RecordTables(PointRecordTables, WiresTest):
 
     @property
     def of_study(self) -> dict[str, float | None]:
-        """And how the wires lie."""
         own, wires = self.wires, self.wires.model_dump(exclude_none=True)
         angles = {"crossing_angle_deg": own.crossing_angle_deg, "motion_angle_deg": own.motion_angle_deg or 0.0}
         return {**super().of_study, **curved(each_wire(wires)), **angles}

@@ -59,7 +59,7 @@ class RoundSurface:
 
     @cached_property
     def scales(self) -> Array:
-        """What level, shifts or tilts along and across, and turn are for a parameter of 1."""
+        """Level, shifts or tilts along and across, and turn for a parameter of 1."""
         k, half = 1e-3 * np.array(self.curvatures_per_mm), np.array(self.half_um)
         moves = np.where(k > 0.0, 1.0 / np.maximum(k * half, 1e-12), 1.0 / half)
         twist = abs(k[0] - k[1]) * half[0] * half[1]
@@ -72,7 +72,7 @@ class RoundSurface:
         return np.asarray((at - turn * np.stack([-at[1], at[0]])) / np.sqrt(1.0 + turn**2) - moved[:, None])
 
     def turned_deg(self, parameters: Array) -> float:
-        """By how much the axis is turned."""
+        """Angle by which the axis is turned."""
         return float(np.degrees(np.arctan(self._placed(parameters)[3])))
 
     def moving(self, places_um: Array) -> Array:
@@ -143,7 +143,6 @@ class FaceSurface:
         return 0 if self.shifts else 1
 
     def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
-        """That it bows."""
         return f"where it is unworn, the {body} bows"
 
     def height(self, parameters: Array, at: Array) -> Array:
@@ -163,11 +162,9 @@ class LevelSurface:
     forms: int = 0
 
     def form_text(self, parameters: Array, body: str) -> str:  # noqa: ARG002
-        """Nothing: it has no form."""
         return ""
 
     def height(self, parameters: Array, at: Array) -> Array:
-        """Alike at places (2, m)."""
         return np.full(at.shape[1], parameters[0])
 
 

@@ -26,7 +26,7 @@ _OF_THE_CONTACT = ("friction", *_EVOLUTIONS)
 
 
 def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
-    """What the record's owner states, as a study of its kind of contact, of one millimetre of what has a length.
+    """The record's test as its owner states it, a study of its kind of contact.
 
     more: further tables of the study, such as log and mesh.
     Raises RecordError if friction or wear is not stated, or friction twice and differently; StudyError if what is
@@ -57,7 +57,7 @@ def stated_friction(tables: Any) -> float | None:
 
 
 def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
-    """The same with that friction as tables of a study; bodies whose wear is not stated do not wear."""
+    """The tables of that study with a friction; bodies whose wear is not stated do not wear."""
     stated = tables.stated.model_dump(mode="json", exclude_unset=True, exclude_none=True)
     rig = {key: stated[key] for key in StatedRig.model_fields if key in stated and key not in _OF_THE_CONTACT}
     wear = {key: stated[key] for key in type(tables.stated).WEAR if key in stated}
@@ -106,7 +106,6 @@ class MeasuredLoop:
 
     @property
     def name(self) -> str:
-        """What the loop is called in a sentence."""
         return f"repeat {self.repeat}, cycle {self.cycle}"
 
     @property
@@ -318,7 +317,6 @@ class ExperimentRecord(Generic[Tables, Surface]):
         return tuple(sorted({loop.cycle for loop in self.loops}))
 
     def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:
-        """All repeats' loops of that cycle."""
         return tuple(loop for loop in self.loops if loop.cycle == cycle)
 
     def loop(self, repeat: int, cycle: int) -> MeasuredLoop:

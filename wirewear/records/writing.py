@@ -71,7 +71,7 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
 
 
 def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
-    """What would be lost in a folder, in words; nothing where a record there was made in the same way."""
+    """What would be lost in a folder, in words; empty where a record there was made in the same way."""
     path = folder / reading.TABLE_FILE_NAME
     if not path.is_file():
         return next((name for name in _FILES if (folder / name).exists()), None)
@@ -138,7 +138,7 @@ def write_record(
 
 
 def loops_frame(loops: Sequence[MeasuredLoop]) -> "pl.DataFrame":
-    """Loops as the table of a record."""
+    """Loops as a record's table."""
     sizes = [loop.time_s.size for loop in loops]
     columns: dict[str, Any] = {
         "repeat": np.repeat([loop.repeat for loop in loops], sizes),
