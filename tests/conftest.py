@@ -12,6 +12,8 @@ from tools.examined import is_examined
 
 # A busy machine is not a failure: examples are judged by what they return, not by how long they took.
 settings.register_profile("wirewear", deadline=None, suppress_health_check=[HealthCheck.too_slow])
+# As many examples as a campaign over night takes: pytest tests/robustness --hypothesis-profile campaign.
+settings.register_profile("campaign", settings.get_profile("wirewear"), max_examples=10_000)
 settings.load_profile("wirewear")
 
 

@@ -1,27 +1,19 @@
-"""Commands killed, on full disks and without permissions, flipped bits, mutated inputs: a few of each.
-
-The scripts in studies/benchmarks do the same for hours.
-"""
+"""Killed workers, full disks at checkpoints, other folders, locales and threads, interruptions; no code from data."""
 
 import ast
 import os
-import re
 import signal
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
-from random import Random
 from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import Result
 
-from studies.benchmarks import flipped_bits
-from studies.benchmarks.forked_commands import Commands
-from studies.benchmarks.hard_pressed import COMMANDS, STUDY, make_given
-from studies.benchmarks.hardships import Scene, tried, undisturbed
+from tests.robustness.commands import STUDY
 from tests.test_simulate import coarse
 from wirewear import ResultError, read_result, run_study
 from wirewear.simulation import Observer
@@ -93,47 +85,6 @@ def test_a_full_disk_at_a_checkpoint_says_how_to_go_on(tmp_path: Path, monkeypat
         "can be written."
     )
     assert read_result(tmp_path).status == "running"
-
-
-@pytest.fixture(scope="module")
-def scene(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Scene]:
-    """A folder with what commands read, and the process that starts them."""
-    with Commands() as commands:
-        made = Scene(tmp_path_factory.mktemp("hardships"), commands, Random(5))
-        make_given(commands, made.given, made.cache)
-        yield made
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", ["run", "planar", "import", "export"])
-def test_nothing_is_lost_or_wrong_after_kills_full_disks_and_lost_permissions(scene: Scene, name: str) -> None:
-    (command,) = (one for one in COMMANDS if one.name == name)
-    expected = undisturbed(scene, command)
-    for what, trials in {"kills": 2, "full": 1, "denied": 1}.items():
-        assert list(tried(scene, command, expected, what, range(trials))) == []
-    # A command takes longer at one time than at another: it may have ended before each of its kills.
-    later = iter(range(2, 30))
-    while not scene.tally[f"{name}, kills: killed"] + scene.tally[f"{name}, kills with an empty cache: killed"]:
-        assert list(tried(scene, command, expected, "kills", [next(later)])) == []
-
-
-@pytest.mark.slow
-def test_no_flipped_bit_of_any_kind_of_file_changes_an_answer_without_a_word() -> None:
-    counts = flipped_bits.run(flips=20, seed=6)
-    assert {how for _, how in counts} <= {"refused", "left out", "told", "the same"}
-    assert len({kind for kind, _ in counts}) == 24
-
-
-@pytest.mark.slow
-def test_mutants_of_every_input_are_read_or_refused_in_a_sentence() -> None:
-    # In a process of its own: threads of libraries do not survive the forks.
-    ended = subprocess.run(
-        [sys.executable, "-m", "studies.benchmarks.fuzz_inputs", "--seed", "3", "--count", "250"], cwd=ROOT,
-        capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert ended.returncode == 0, ended.stdout + ended.stderr
-    assert sum(int(count) for count in re.findall(r" read (\d+)", ended.stdout)) > 30
-    assert len(re.findall(r"^.*; at most ", ended.stdout, re.MULTILINE)) == 47
 
 
 RUN = ("run", "study.toml", "--fidelity", "quick", "--output")

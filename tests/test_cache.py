@@ -66,10 +66,10 @@ def test_a_link_in_a_shared_folder_is_not_followed(home: Path, tmp_path: Path) -
 CLOSED = """
 import sys
 from pathlib import Path
-from studies.benchmarks.forked_commands import _give_up_capabilities
+from tests.robustness.forked import give_up_capabilities
 from wirewear.base.cache import cache_directory
 
-_give_up_capabilities()
+give_up_capabilities()
 print(cache_directory())
 """
 

@@ -11,9 +11,8 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from studies.benchmarks.fuzz_records import run
-from studies.benchmarks.record_mutations import MUTATIONS, small_record
 from tests.commands import wirewear
+from tests.robustness.record_mutations import small_record
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import MeasuredLoop
 from wirewear.records.remarks import loop_statistics
@@ -83,13 +82,6 @@ def test_a_first_cycle_that_begins_at_rest_is_left_out_and_no_problem(tmp_path: 
     # Where it is all there is, it stays.
     alone = read_record(write_record(tmp_path / "alone", replace(example, loops=loops[::3])))
     assert alone.cycles == (1,)
-
-
-@pytest.mark.seconds
-def test_240_mutated_records_are_read_correctly_or_refused_in_one_sentence_with_its_place() -> None:
-    counts, wrongs = run(2, range(240), check_every=7)
-    assert wrongs == []
-    assert {name for name, _ in counts} == {mutate.__name__ for mutate in MUTATIONS}
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,9 @@ from studies.blind import generator_of, make_batch
 from studies.blind.scoring.answers import read_answer
 from studies.blind.scoring.history import LOG
 from studies.blind.scoring.score import verified
+from tests.robustness.commands import LINE_MAPPING, MAPPING, STUDY
+from tests.robustness.made_files import ANSWER, made_runs, scored
+from tests.robustness.record_mutations import small_record
 from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
 from wirewear.base.hdf5 import sealed
 from wirewear.diagnosis.model.nominal import nominal_run
@@ -23,11 +26,7 @@ from wirewear.sweeps.sweep import SweepRow
 from wirewear.views.loops_report import analyse_loops
 from wirewear.views.loops_sources import read_loops
 
-from .flipped_bits import ANSWER, made_runs, scored
-from .hard_pressed import LINE_MAPPING, MAPPING, STUDY
-from .record_mutations import small_record
-
-STUDIES = Path(__file__).parent.parent
+STUDIES = Path(__file__).parents[2] / "studies"
 
 Files = Mapping[str, bytes]
 

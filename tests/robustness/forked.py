@@ -1,18 +1,10 @@
-"""Commands of wirewear as processes of their own that can be killed, limited, or be somebody else's.
-
-Starting Python and loading what a command needs takes longer than most commands here. So one process loads it all, and
-each command is a child forked from it, which has computed nothing yet. `Commands` starts that process and asks it:
-python -m studies.benchmarks.forked_commands reads requests from standard input, a JSON table a line, and answers each.
-"""
+"""Commands of wirewear as processes of their own that can be killed, limited, or be somebody else's."""
 
 import ctypes
 import importlib
-import json
 import os
-import pkgutil
 import resource
 import signal
-import subprocess
 import sys
 import time
 import traceback
@@ -20,15 +12,11 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
-from types import TracebackType
-from typing import Any, Self
+from typing import Any
 
-import wirewear
+from tests.robustness.served import Served, load_everything, serve
 
 MOST_s = 600.0
-
-#: What commands load of others when they need it.
-OF_OTHERS = ("cryptography.fernet", "gmsh", "h5py", "jinja2", "matplotlib.pyplot", "polars", "rich.progress")
 
 
 @dataclass(frozen=True)
@@ -67,22 +55,12 @@ class Hardship:
     modes_after_s: float = 0.0
 
 
-class Commands:
+class Commands(Served):
     """The process that commands are forked from; with `whole`, each is a process that loads everything itself."""
 
     def __init__(self) -> None:
         """Start it."""
-        self._process = subprocess.Popen(
-            [sys.executable, "-m", __name__], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
-        )
-
-    def __enter__(self) -> Self:
-        return self
-
-    def __exit__(self, _t: type[BaseException] | None, _e: BaseException | None, _b: TracebackType | None) -> None:
-        with self._process as process:
-            if process.stdin is not None:
-                process.stdin.close()
+        super().__init__(__name__)
 
     def run(
         self,
@@ -104,24 +82,12 @@ class Commands:
             "whole": whole,
             **met.__dict__,
         }
-        answer = self._answer(asked)
+        answer = self.ask(asked)
         # A command that is killed at once has not opened the file.
         errors = Path(asked["errors"])
         return Ended(
             answer["status"], errors.read_text("utf-8", "replace") if errors.exists() else "", answer["seconds"]
         )
-
-    def _answer(self, asked: Mapping[str, Any]) -> dict[str, Any]:
-        stdin, stdout = self._process.stdin, self._process.stdout
-        if stdin is None or stdout is None:
-            raise RuntimeError("the process that commands are forked from has no pipes")
-        stdin.write(json.dumps(asked) + "\n")
-        stdin.flush()
-        line = stdout.readline()
-        if not line:
-            raise RuntimeError("the process that commands are forked from has ended")
-        found: dict[str, Any] = json.loads(line)
-        return found
 
 
 def _command(asked: Mapping[str, Any]) -> int:
@@ -136,7 +102,7 @@ def _command(asked: Mapping[str, Any]) -> int:
     if asked["most_bytes"] is not None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (asked["most_bytes"],) * 2)
     if asked["common"]:
-        _give_up_capabilities()
+        give_up_capabilities()
     is_exam = asked["arguments"][0] == "studies.blind"
     module, arguments = "studies.blind.commands" if is_exam else "wirewear.faces", asked["arguments"][is_exam:]
     if asked["whole"]:
@@ -153,7 +119,7 @@ def _command(asked: Mapping[str, Any]) -> int:
     return 0
 
 
-def _give_up_capabilities() -> None:
+def give_up_capabilities() -> None:
     """Be root no more but by name: capset(2) with no capability, for this process (0) in version 3 of the call."""
     libc = ctypes.CDLL(None, use_errno=True)
     if libc.capset((ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)()) != 0:
@@ -199,24 +165,6 @@ def _kill(process: int) -> None:
         os.kill(process, signal.SIGKILL)
 
 
-def load_everything() -> None:
-    """Load all that commands need, and compute nothing: threads of libraries do not survive a fork."""
-    ours = (module.name for module in pkgutil.walk_packages(wirewear.__path__, "wirewear."))
-    for name in (*OF_OTHERS, *ours):
-        # Some modules need packages that need not be there, and one is the program itself.
-        with suppress(ImportError):
-            if not name.endswith("__main__"):
-                importlib.import_module(name)
-
-
-def main() -> None:
-    """Answer requests until there are no more."""
-    load_everything()
-    for line in sys.stdin:
-        answer = _ended(json.loads(line))
-        sys.stdout.write(json.dumps(answer) + "\n")
-        sys.stdout.flush()
-
-
 if __name__ == "__main__":
-    main()
+    load_everything()
+    serve(_ended)

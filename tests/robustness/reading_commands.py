@@ -11,15 +11,14 @@ import click
 from click.testing import CliRunner
 
 from studies.blind.commands import exam
+from tests.robustness.commands import MAPPING, STUDY
+from tests.robustness.readers import BATCH_LOG, OF_BATCH, Made, Reader, of_study
+from tests.robustness.record_mutations import small_record
 from wirewear import WirewearError, read_result
 from wirewear.base.hdf5 import sealed
 from wirewear.faces.commands import cli
 from wirewear.results import RunResult
 from wirewear.sweeps.running import JOURNAL
-
-from .fuzz_readers import BATCH_LOG, OF_BATCH, Made, Reader, of_study
-from .hard_pressed import MAPPING, STUDY
-from .record_mutations import small_record
 
 #: Of the trials of a reader that takes a hundredth of a second, those of one that takes a tenth, or a second.
 DEAR, DEAREST = 0.1, 0.03
@@ -129,8 +128,8 @@ def _on_records(made: Made) -> dict[str, Reader]:
     return {
         "check": Reader(record, tuple(record), command("check", "{}", "--json"), share=0.5),
         "check, line contact": Reader(line, tuple(line), command("check", "{}/record", "--json"), share=0.3),
-        "import": Reader(mapping, tuple(mapping), command("import", "{}/mapping.toml", "--output", "{}/out"), ("out",),
-                         0.5),
+        "import": Reader(mapping, tuple(mapping), command("import", "{}/mapping.toml", "--output", "{}/out/record"),
+                         ("out",), 0.5),
         "new --mapping": Reader(loops, tuple(loops), guess, (".",), 0.3),
         "loops": Reader(loops, tuple(loops), command("loops", "{}/l.csv", "--json"), share=0.3),
         "fit": Reader(own, tables, fit, ("out",), DEAREST, stand_ins=stand_ins),
@@ -144,7 +143,7 @@ def _on_results(made: Made) -> dict[str, Reader]:
     result, flat = {"result.h5": made.bytes_of("run/result.h5")}, {"result.h5": made.bytes_of("runs/planar/result.h5")}
     own, line = made.folder("runs/record", "record"), made.folder("runs/line_record", "record")
     both, both_flat = {**own, "result.h5": made.bytes_of("runs/result/result.h5")}, {**flat, **line}
-    export = ("export", "{}", "--as-record", "{}/out", "--samples", "40")
+    export = ("export", "{}", "--as-record", "{}/out/record", "--samples", "40")
     compare = command("compare", "{}", "{}/record", "--output", "{}/out")
     out = ("--output", "{}/out")
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import h5py
 import numpy as np
 
-from .forked_commands import Commands
+from tests.robustness.forked import Commands
 
 STUDY = """
 format = 1
