@@ -7,10 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from scipy.optimize import brentq, nnls
 
 from geometry import GradedAxis, WireGeometry, build_body
 from solvers.condensation import condense
 from solvers.contact import ContactProblem, press, unloaded_state
+from solvers.contact_conditions import ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import Holder, IncrementReport
 from solvers.errors import SolverError
 from solvers.placement import place
@@ -19,6 +21,7 @@ from tests import bodies
 from tests.studies import minimal
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
+from tests.wear_jumps import line_contact
 from wirewear import RunResult
 from wirewear.faces import cli
 from wirewear.loops import LoopError, analyse_loop
@@ -186,6 +189,49 @@ def test_a_mesh_of_4_um_meets_hertz_within_2_percent(hertz: PointContact) -> Non
     assert -state.holder_z == pytest.approx(hertz.approach_mm, rel=0.02)
     assert np.sqrt(report.contact_area / np.pi) == pytest.approx(hertz.major_semi_axis_mm, abs=0.5 * fine)
     assert report.half_width_x == pytest.approx(hertz.major_semi_axis_mm, abs=fine)
+
+
+class LeastSquares:
+    """Contact without friction as a quadratic programme: non-negative least squares, the height by bisection."""
+
+    def __init__(self) -> None:
+        self.solved = 0
+
+    def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
+        self.solved += 1
+        count, pairing, compliance = len(guess.active), system.pairing, system.compliance
+        compliance.know(np.arange(count))
+        normals = pairing.frames[:, 0]
+        moved = compliance.matrix.reshape(count, 3, count, 3)[:, :, compliance.place]
+        stiff = pairing.areas[:, None] * np.einsum("ia,iajb,jb->ij", normals, moved, normals)
+        factor = np.linalg.cholesky(0.5 * (stiff + stiff.T))
+
+        def pressures(height: float) -> np.ndarray:
+            gap = pairing.areas * normals[:, 2] * (pairing.gap + height)
+            return np.asarray(nnls(factor.T, -np.linalg.solve(factor, gap))[0])
+
+        def lacking(height: float) -> float:
+            return float((pairing.areas * normals[:, 2]) @ pressures(height)) - system.holder.normal_load_N
+
+        height = system.prescribed_height
+        if height is None:
+            height = float(brentq(lacking, -0.1, -float(pairing.gap.min()), xtol=1e-15))
+        outcome = ContactOutcome.nothing_pressed(count, guess.holder_x, height, system.old_tilt)
+        pressure = pressures(height)
+        return dataclasses.replace(outcome, traction=pressure[:, None] * normals, sliding=pressure > 0.0)
+
+
+def test_another_contact_algorithm_takes_the_place_of_newtons_method() -> None:
+    usual = dataclasses.replace(line_contact(), friction=0.0)
+    own = LeastSquares()
+    answers = []
+    for problem in (usual, dataclasses.replace(usual, algorithm=own)):
+        state, _ = bodies.pressed(problem)
+        answers.append(bodies.driven(problem, state, np.array([0.01]))[0][-1])
+    newton, other = answers
+    assert own.solved > 2
+    assert other.holder_z == pytest.approx(newton.holder_z, rel=1e-9)
+    assert np.abs(other.traction - newton.traction).max() < 1e-7 * newton.traction.max()
 
 
 def test_a_loop_without_a_plateau_whose_contact_opens_is_not_said_to_be_in_partial_slip() -> None:

@@ -18,12 +18,12 @@ import numpy as np
 
 from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
+from solvers.contact_conditions import ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, IncrementReport
 from solvers.errors import PatchLeftError
 from solvers.friction_law import Friction
 from solvers.kept_code import compiled
 from solvers.layers import LayersAtNodes
-from solvers.newton import Linearisation, NewtonOutcome
 from solvers.pairing import Pairing
 from solvers.wear import Sliding, deposited
 
@@ -32,7 +32,7 @@ def slid(
     problem: ContactProblem,
     state: ContactState,
     system: Linearisation,
-    outcome: NewtonOutcome,
+    outcome: ContactOutcome,
     drive: float,
     traction: Array,
     forces: tuple[Array, Array],
@@ -146,7 +146,7 @@ def accepted(
     problem: ContactProblem,
     state: ContactState,
     system: Linearisation,
-    outcome: NewtonOutcome,
+    outcome: ContactOutcome,
     drive: float,
     cycles: float,
     overlap_area: float,
@@ -216,7 +216,7 @@ def _report(
     problem: ContactProblem,
     drive: float,
     pairing: Pairing,
-    outcome: NewtonOutcome,
+    outcome: ContactOutcome,
     friction_work: float,
     iterations: int,
     pairings: int,

@@ -17,9 +17,9 @@ from solvers.contact.problem import (
     sliding_force,
     vertical_gaps,
 )
+from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
-from solvers.newton import LOST_CONTACT, Linearisation, NewtonOutcome, nothing_pressed, solve_contact
 
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
@@ -122,7 +122,7 @@ def solve_increment(
         system = linearised(problem, state, before, pairing, drive, holder_x, prescribed_height, slip_share, guess)
         touching = np.zeros(len(areas), dtype=bool)
         touching[active] = True
-        outcome = solve_contact(system, guess[nodes], touching[nodes], height, holder_x)
+        outcome = problem.algorithm.solve_contact(system, ContactGuess(guess[nodes], touching[nodes], height, holder_x))
         iterations += outcome.iterations
         if outcome.message == LOST_CONTACT:
             raise LostContactError(LOST_CONTACT)
@@ -152,7 +152,7 @@ def solve_increment(
     raise IncrementFailedError("the pairing of the surfaces did not settle")
 
 
-def _slip_share(state: ContactState, nodes: IntArray, outcome: NewtonOutcome, drive: float) -> Array:
+def _slip_share(state: ContactState, nodes: IntArray, outcome: ContactOutcome, drive: float) -> Array:
     """Slip (n,) of all the primary's nodes over an increment to `drive`, as a share of the drive's motion."""
     share = np.zeros_like(state.slip_share)
     if drive != state.drive:
@@ -160,7 +160,7 @@ def _slip_share(state: ContactState, nodes: IntArray, outcome: NewtonOutcome, dr
     return share
 
 
-def _core_is_lost(state: ContactState, nodes: IntArray, outcome: NewtonOutcome) -> bool:
+def _core_is_lost(state: ContactState, nodes: IntArray, outcome: ContactOutcome) -> bool:
     """Whether none of the core sticks any more."""
     sticks = state.core[nodes] & (outcome.traction[:, 2] > 0.0) & ~outcome.sliding
     return bool(state.core.any() and not sticks.any())
@@ -170,7 +170,7 @@ def _touch(
     problem: ContactProblem,
     state: ContactState,
     system: Linearisation,
-    outcome: NewtonOutcome,
+    outcome: ContactOutcome,
     drive: float,
     nodes: IntArray,
 ) -> bool:
@@ -270,7 +270,7 @@ def opened(
         problem,
         state,
         system,
-        nothing_pressed(len(before.nodes), *place),
+        ContactOutcome.nothing_pressed(len(before.nodes), *place),
         drive,
         cycles,
         0.0,

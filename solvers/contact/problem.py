@@ -11,13 +11,14 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from solvers.between_nodes import WithinElements
 from solvers.compliance import PairedCompliance
+from solvers.contact_conditions import ContactAlgorithm, Linearisation
 from solvers.contact_state import ContactState, DriveTiming, Holder, WearState
 from solvers.errors import SolverError
 from solvers.friction_law import Coulomb, Friction, FrictionLaw
 from solvers.kept_code import compiled
 from solvers.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
 from solvers.local_state import LocalField, LocalState
-from solvers.newton import Linearisation
+from solvers.newton import SemismoothNewton
 from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
 from solvers.placement import PlacedBody
 from solvers.wear import WearRates
@@ -46,6 +47,7 @@ class ContactProblem:
     friction_law: FrictionLaw = field(default_factory=Coulomb)  #: What it is the coefficient of.
     timing: DriveTiming = field(default_factory=DriveTiming)  #: Of the drive, for laws that ask for speeds.
     fields: Mapping[str, LocalField] = field(default_factory=dict)  #: That laws may ask for, see `LocalState`.
+    algorithm: ContactAlgorithm = field(default_factory=SemismoothNewton)  #: By which increments meet the conditions.
     cycle: float = 0.0  #: Cycles done, for laws that age.
     surface: PrimarySurface = field(init=False, repr=False)
     layer_mm_per_MPa: float = field(init=False)

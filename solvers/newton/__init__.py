@@ -1,6 +1,5 @@
 """Semismooth Newton method for the contact conditions of one pairing of two surfaces."""
 
-from solvers.newton.iteration import LOST_CONTACT, NewtonOutcome, nothing_pressed, solve_contact
-from solvers.newton.terms import Linearisation
+from solvers.newton.iteration import SemismoothNewton
 
-__all__ = ["LOST_CONTACT", "Linearisation", "NewtonOutcome", "nothing_pressed", "solve_contact"]
+__all__ = ["SemismoothNewton"]

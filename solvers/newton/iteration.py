@@ -3,52 +3,30 @@
 Its outcome is tractions, the holder's position, and how well the conditions are met.
 """
 
-from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
+from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.kept_code import compiled
 from solvers.newton.conditions import NEAR_STICK, Changes, ContactConditions, stop_in_play, unbalanced_force
 from solvers.newton.equations import newton_step
-from solvers.newton.terms import Iterate, Linearisation
+from solvers.newton.terms import Iterate
 
 _ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
 
-#: What `solve_contact` says of bodies that no longer touch.
-LOST_CONTACT = "all nodes opened: the bodies have lost contact"
 
-
-@dataclass(frozen=True)
-class NewtonOutcome:
-    """Result of `solve_contact`: tractions (k, 3) in world axes, holder position, quality, and a sentence."""
-
-    converged: bool
-    message: str
-    iterations: int
-    traction: Array
-    holder_x: float
-    height: float
-    tilt: float
-    sliding: BoolArray  #: (k,) nodes that slide under pressure.
-    slip_length: Array  #: (k,), mm, of these.
-    sticking: int
-    force_error: float
-    penetration: float
-    complementarity: float
-    slip_direction_error: float
-    elastic_slip: float
-
-
-def converged_outcome(conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int) -> NewtonOutcome:
+def converged_outcome(
+    conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int
+) -> ContactOutcome:
     """The answer of a converged state, in which nodes stand as they did before, with its residuals."""
     system, layer = conditions.system, conditions.system.compliance.layer
     scale = max(state.elastic, 1e-300)
     # Without friction slip has no direction to differ from.
     least = np.inf if system.friction.none else _ROUND_OFF * scale
     traction, sliding, slip_length, largest = _residuals(before, state, conditions.nodes.frames, layer, least)
-    return NewtonOutcome(
+    return ContactOutcome(
         converged=True,
         message=f"converged in {iterations} iterations",
         iterations=iterations,
@@ -64,27 +42,6 @@ def converged_outcome(conditions: ContactConditions, before: Iterate, state: Ite
         complementarity=largest.gap / scale,
         slip_direction_error=largest.turned,
         elastic_slip=layer * largest.tangential / scale,
-    )
-
-
-def nothing_pressed(count: int, holder_x: float, height: float, tilt: float) -> NewtonOutcome:
-    """The answer of so many nodes that bear nothing, with the holder at that place."""
-    return NewtonOutcome(
-        converged=True,
-        message="nothing is pressed",
-        iterations=0,
-        traction=np.zeros((count, 3)),
-        holder_x=holder_x,
-        height=height,
-        tilt=tilt,
-        sliding=np.zeros(count, dtype=bool),
-        slip_length=np.zeros(count),
-        sticking=0,
-        force_error=0.0,
-        penetration=0.0,
-        complementarity=0.0,
-        slip_direction_error=0.0,
-        elastic_slip=0.0,
     )
 
 
@@ -133,9 +90,9 @@ def _residuals(
     return traction, sliding, length, _Largest(sticking, deepest, widest, turned, largest)
 
 
-def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> NewtonOutcome:
+def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: int, message: str) -> ContactOutcome:
     """The answer where no state was found, with a sentence that says why."""
-    return NewtonOutcome(
+    return ContactOutcome(
         converged=False,
         message=message,
         iterations=iterations,
@@ -167,45 +124,6 @@ _LARGEST_FALL = 0.2
 # Fewer nodes than this do not describe a contact.
 _FEW_NODES = 10
 _MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
-
-
-def solve_contact(
-    system: Linearisation, traction: Array, active: BoolArray, height: float, holder_x: float
-) -> NewtonOutcome:
-    """Solve the contact conditions from a guess of tractions (k, 3), nodes in contact (k,) and holder position."""
-    if system.prescribed_height is not None:
-        height = system.prescribed_height
-    conditions = ContactConditions(system, active)
-    before = state = conditions.first(traction, height, holder_x, active)
-    best, best_at, once_more, linear = np.inf, 0, True, state.normal
-    for iteration in range(1, _MOST_ITERATIONS + 1):
-        if not before.touching:
-            return failed_outcome(conditions, state, iteration, LOST_CONTACT)
-        near_stick = NEAR_STICK
-        if iteration - best_at > _ROUND:
-            # What is left to iterate does not settle: directions of all nodes are found by Newton's method. Friction
-            # that moves a rig may part nodes that it closes, but only while they are little pressed.
-            near_stick, linear = np.inf, np.where(linear > 0.0, linear, conditions.scales.pressure)
-        solution = newton_step(conditions, before, linear)
-        if solution is None:
-            singular = f"the contact's equations became singular with {before.touching} nodes in contact"
-            return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
-        state, changes = conditions.judged(solution, near_stick, (before.active, before.stick, before.direction))
-        change = _Change.of(changes, conditions, before, state, linear)
-        linear = np.maximum(state.normal, _LARGEST_FALL * linear)
-        if change.converged:
-            outcome = converged_outcome(conditions, before, state, iteration)
-            # Where nodes barely slip, a slip turns much more than the friction that has settled.
-            if outcome.slip_direction_error <= _SLANTED or not once_more:
-                return outcome
-            once_more = False
-        if change.error < 0.9 * best:
-            best, best_at = change.error, iteration
-        elif iteration - best_at > _PATIENCE:
-            break
-        before = state
-    cause = change.likeliest_cause(conditions, state)
-    return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {cause}")
 
 
 def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about: Array) -> float:
@@ -284,3 +202,42 @@ class _Change(NamedTuple):
                 "take a smaller jump_tolerance or more increments_per_cycle"
             )
         return "most likely the direction of slip turns too far within the increment: take more increments_per_cycle"
+
+
+class SemismoothNewton:
+    """Newton's method for conditions that change with the status of nodes; see `solvers.contact_conditions`."""
+
+    def solve_contact(self, system: Linearisation, guess: ContactGuess, /) -> ContactOutcome:
+        """Tractions and holder position of a pairing: nodes change their status until none does."""
+        height = guess.height if system.prescribed_height is None else system.prescribed_height
+        conditions = ContactConditions(system, guess.active)
+        before = state = conditions.first(guess.traction, height, guess.holder_x, guess.active)
+        best, best_at, once_more, linear = np.inf, 0, True, state.normal
+        for iteration in range(1, _MOST_ITERATIONS + 1):
+            if not before.touching:
+                return failed_outcome(conditions, state, iteration, LOST_CONTACT)
+            near_stick = NEAR_STICK
+            if iteration - best_at > _ROUND:
+                # What is left to iterate does not settle: directions of all nodes are found by Newton's method.
+                # Friction that moves a rig may part nodes that it closes, but only while they are little pressed.
+                near_stick, linear = np.inf, np.where(linear > 0.0, linear, conditions.scales.pressure)
+            solution = newton_step(conditions, before, linear)
+            if solution is None:
+                singular = f"the contact's equations became singular with {before.touching} nodes in contact"
+                return failed_outcome(conditions, state, iteration, f"{singular}; {_MESH_TOO_COARSE}")
+            state, changes = conditions.judged(solution, near_stick, (before.active, before.stick, before.direction))
+            change = _Change.of(changes, conditions, before, state, linear)
+            linear = np.maximum(state.normal, _LARGEST_FALL * linear)
+            if change.converged:
+                outcome = converged_outcome(conditions, before, state, iteration)
+                # Where nodes barely slip, a slip turns much more than the friction that has settled.
+                if outcome.slip_direction_error <= _SLANTED or not once_more:
+                    return outcome
+                once_more = False
+            if change.error < 0.9 * best:
+                best, best_at = change.error, iteration
+            elif iteration - best_at > _PATIENCE:
+                break
+            before = state
+        cause = change.likeliest_cause(conditions, state)
+        return failed_outcome(conditions, state, iteration, f"{change.sentence(iteration)}; {cause}")

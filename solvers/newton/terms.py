@@ -1,42 +1,13 @@
 """What the compiled equations of one pairing are made of: arrays over its k nodes, and plain numbers."""
 
-from dataclasses import dataclass
 from math import nan
 from typing import NamedTuple
 
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from solvers.compliance import PairedCompliance
-from solvers.contact_state import Holder
-from solvers.friction_law import Friction
+from solvers.contact_conditions import Linearisation
 from solvers.kept_code import inlined
-from solvers.layers import LayersAtNodes
-from solvers.pairing import Pairing
-
-
-@dataclass(frozen=True)
-class Linearisation:
-    """Affine map from tractions and holder position to gaps and slips for one pairing of k nodes."""
-
-    pairing: Pairing
-    before: Pairing  #: Pairing of the nodes that were loaded before the increment, as the bodies stood then.
-    #: Mean displacement of the upper against the lower body at the nodes by tractions on them.
-    compliance: PairedCompliance
-    old_displacement: Array  #: (k, 3), the same for the tractions before the increment.
-    friction: Friction
-    paired_holder_x: float
-    old_holder_x: float
-    old_height: float
-    drive_step: float
-    old_tilt: float
-    lever: Array  #: (k,) distance of the nodes ahead of the holder's pivot along x.
-    #: What moves and resists the upper body; where `prescribed_height` is given, it is held there instead of loaded.
-    holder: Holder
-    pressed_height: float
-    prescribed_height: float | None
-    old_place_in_play: float = 0.0  #: Where it stood between the stops of its free play.
-    layers: LayersAtNodes | None = None  #: What gives way between the surfaces.  Lengths in mm, forces in N.
 
 
 class Carried(NamedTuple):
