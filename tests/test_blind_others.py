@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from studies.blind import generator_of, make_batch
+from studies.blind.causes import causes_of
 from studies.blind.errors import BlindError
 from studies.blind.generators.cases import KINDS_OF_OTHERS, planned_cases
-from studies.blind.generators.others.causes import SEAMS, SIZES, sizes
+from studies.blind.generators.others.causes import SIZES, sizes
 from studies.blind.generators.others.foundation import Foundation
 from studies.blind.generators.others.half_space import HalfSpaces, HalfSpaceWires
 from studies.blind.generators.others.layers import ElasticLayer, Plane
@@ -171,7 +172,7 @@ def test_a_play_leaves_a_shelf_and_a_lean_shifts_the_force() -> None:
     assert lean.tangential_N.mean() == pytest.approx(0.02 * world.load_N * (1.0 + world.friction**2), rel=0.05)
 
 
-@pytest.mark.parametrize("name", [*OtherSimulators("development").library, *SEAMS])
+@pytest.mark.parametrize("name", [*OtherSimulators("development").library, *causes_of("others")])
 def test_a_large_effect_or_cause_stands_out_and_a_small_one_less(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(GROWTH, "foundation", 1.8)
     test = replace(WIRES, stiffness_N_per_mm=400.0, spring_N_per_mm=0.4)
@@ -204,7 +205,7 @@ def test_a_batch_of_others_can_be_read_and_says_nothing_of_its_effects(
     make_batch(tmp_path / "records", cases=3, seed=4, generator=generator_of("T3"), tests=2)
     for case in sorted((tmp_path / "records").glob("case_*")):
         assert read_record(case).loops
-        assert not any(name in (case / "experiment.toml").read_text() for name in SIZES)
+        assert not any(name in (case / "experiment.toml").read_text() for name in (*SIZES, *causes_of("others")))
 
 
 def test_simulators_that_nobody_knows_are_refused() -> None:

@@ -1,8 +1,11 @@
 from dataclasses import dataclass
 from math import pi, sin
 
+import numpy as np
+
 from studies.blind.causes.cause import LoadFactor, Sizes
 from studies.blind.generators.draw import Draw
+from studies.blind.generators.others.causes import OtherCause, Size
 
 
 @dataclass(frozen=True)
@@ -29,3 +32,21 @@ class SwingingLoad(LoadFactor):
 
     def at(self, cycle: float) -> float:
         return 1.0 + self.share * sin(2.0 * pi * cycle / self.cycles + self.phase_rad)
+
+
+@dataclass(frozen=True)
+class SwingingLoadOfOthers(OtherCause):
+    """In tests by others: so many turns a cycle, from the start on."""
+
+    seam = "loading"
+    sets = (("others", 9),)
+
+    share: float
+    turns: float
+
+    @staticmethod
+    def size(d: Size) -> Sizes:
+        return {"share": d.between(0.02, 0.15), "turns": d.random.uniform(1.5, 5.0) / d.test.cycles}
+
+    def load(self, cycle: float) -> float:
+        return float(1.0 + self.share * np.sin(2.0 * np.pi * self.turns * cycle))

@@ -1,35 +1,29 @@
-"""How large effects of the contract and causes of no library are drawn for tests by others.
+"""How large effects are drawn for tests by others, and what a cause of no library may change of such a test.
 
 Sizes are relative to the test: from one that hardly shows to one that nobody overlooks, evenly in their logarithm.
 """
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from studies.blind.causes import other_causes
+from studies.blind.generators.others.pair import Array
 from studies.blind.generators.others.tests_drawn import Test
+
+if TYPE_CHECKING:
+    from studies.blind.generators.others.world import World
+
+Sizes = dict[str, float]
 
 #: Part of the range, between 0 (small) and 1 (large), of hard and of easy cases.
 PART = {"hard": (0.0, 0.5), "easy": (0.5, 1.0)}
 
-#: Causes of no library by the seam at which each enters.
-SEAMS = {
-    "switched_range": "sensor",
-    "yielding_cell": "sensor",
-    "loose_gauge": "sensor",
-    "stribeck_friction": "contact",
-    "jammed_end": "contact",
-    "slipping_grip": "holder",
-    "hardening_holder": "holder",
-    "late_load": "loading",
-    "bowed_guide": "loading",
-    "swinging_load": "loading",
-    "mild_wear": "wear",
-    "uneven_bodies": "wear",
-}
 
-
-class _Size:
+class Size:
     """What a size is drawn from."""
 
     def __init__(self, ease: str, test: Test, random: np.random.Generator) -> None:
@@ -57,31 +51,72 @@ class _Size:
         return self.any(0.01, 0.4) * self.test.cycles
 
 
-def _friction_evolution(d: _Size) -> dict[str, float]:
+class OtherCause(ABC):
+    """Something that goes wrong in a test by others; whatever it does not change it leaves as it is."""
+
+    #: Where it enters.
+    seam: ClassVar[str]
+    #: The sets that it belongs to, each with its place in their order.
+    sets: ClassVar[tuple[tuple[str, int], ...]]
+
+    @staticmethod
+    @abstractmethod
+    def size(d: Size) -> Sizes:
+        """Parameters by name."""
+
+    def in_test(self, world: "World") -> "World":
+        """The test with it."""
+        return replace(world, causes=(*world.causes, self))
+
+    def friction_along(self, _place: Array, _direction: int) -> Array | float:
+        """Factor on friction at places over the half stroke (n,), on the way in a direction."""
+        return 1.0
+
+    def load_along(self, _place: Array, _direction: int) -> Array | float:
+        """Factor on the load there."""
+        return 1.0
+
+    def load(self, _cycle: float) -> float:
+        """Factor on the mean load at a cycle."""
+        return 1.0
+
+    def wear(self, _cycle: float) -> float:
+        """Factor on wear at a cycle."""
+        return 1.0
+
+    def gain(self, _cycle: float, _cycles: int) -> float:
+        """Factor on what the displacement sensor reads at a cycle of a test of so many."""
+        return 1.0
+
+    def given_mm(self, _force_N: Array, _limit_N: float, _direction: int) -> Array | float:
+        """What the holder gives way by besides, along a stroke (n,); `limit_N` is the stated friction."""
+        return 0.0
+
+    def read_N(self, force_N: Array, _limit_N: float, _cycle: float) -> Array:
+        """What the force cell reads (n,)."""
+        return force_N
+
+
+def _friction_evolution(d: Size) -> Sizes:
     friction = d.test.friction
     return {"initial": friction * (1.0 + d.either(0.03, 0.35)), "final": friction, "cycles": d.cycles}
 
 
-def _wear_evolution(d: _Size) -> dict[str, float]:
+def _wear_evolution(d: Size) -> Sizes:
     return {"initial_factor": 1.0 + d.between(0.3, 5.0), "final_factor": 1.0, "cycles": d.cycles}
 
 
-def _rotational(d: _Size) -> dict[str, float]:
+def _rotational(d: Size) -> Sizes:
     arm = d.any(5.0, 80.0)
     return {"stiffness_N_mm_per_rad": 1e3 * arm**2 * d.force_N / d.way_um(0.01, 0.15), "arm_mm": arm}
 
 
-def _coupling(d: _Size) -> dict[str, float]:
+def _coupling(d: Size) -> Sizes:
     linear = d.way_um(0.01, 0.12) / d.force_N * float(d.random.choice([-1.0, 1.0]))
     return {"linear_um_per_N": linear, "quadratic_um_per_N2": d.random.uniform(-0.4, 0.4) * linear / d.force_N}
 
 
-def _grip(d: _Size) -> dict[str, float]:
-    holds = d.random.uniform(0.4, 0.75)
-    return {"holds": holds, "mm": 1e-3 * d.way_um(0.02, 0.15) / (1.0 - holds)}
-
-
-SIZES: Mapping[str, Callable[[_Size], dict[str, float]]] = {
+SIZES: Mapping[str, Callable[[Size], Sizes]] = {
     "tangential_compliance": lambda d: {"stiffness_N_per_mm": 1e3 * d.force_N / d.way_um(0.01, 0.15)},
     "rotational_compliance": _rotational,
     "free_play": lambda d: {"gap_um": d.way_um(0.01, 0.15)},
@@ -99,21 +134,10 @@ SIZES: Mapping[str, Callable[[_Size], dict[str, float]]] = {
     "displacement_load_coupling": _coupling,
     "force_crosstalk": lambda d: {"coefficient": d.either(0.003, 0.05)},
     "sensor_lag": lambda d: {"time_s": d.between(0.004, 0.08) / (2.0 * np.pi * d.test.frequency_Hz)},
-    "switched_range": lambda d: {"factor": 1.0 + d.either(0.02, 0.2), "cycle": d.any(0.02, 0.6) * d.test.cycles},
-    "yielding_cell": lambda d: {"loss": d.between(0.02, 0.2)},
-    "loose_gauge": lambda d: {"loss": d.between(0.015, 0.15)},
-    "stribeck_friction": lambda d: {"rise": d.between(0.04, 0.4)},
-    "jammed_end": lambda d: {"rise": d.between(0.05, 0.5)},
-    "slipping_grip": _grip,
-    "hardening_holder": lambda d: {"mm": 1e-3 * d.way_um(0.015, 0.12)},
-    "late_load": lambda d: {"share": d.either(0.02, 0.2)},
-    "bowed_guide": lambda d: {"share": d.either(0.04, 0.35)},
-    "swinging_load": lambda d: {"share": d.between(0.02, 0.15), "turns": d.random.uniform(1.5, 5.0) / d.test.cycles},
-    "mild_wear": lambda d: {"factor": 1.0 / d.between(1.5, 8.0), "cycle": d.any(0.03, 0.4) * d.test.cycles},
-    "uneven_bodies": lambda d: {"moving_share": 0.5 + d.either(0.08, 0.42)},
 }
 
 
-def sizes(effect: str, ease: str, test: Test, random: np.random.Generator) -> dict[str, float]:
-    """Parameters of an effect, five digits each."""
-    return {name: float(f"{value:.5g}") for name, value in SIZES[effect](_Size(ease, test, random)).items()}
+def sizes(effect: str, ease: str, test: Test, random: np.random.Generator) -> Sizes:
+    """Parameters of an effect or a cause, five digits each."""
+    size = SIZES[effect] if effect in SIZES else other_causes()[effect].size
+    return {name: float(f"{value:.5g}") for name, value in size(Size(ease, test, random)).items()}

@@ -8,12 +8,12 @@ from typing import Any, cast
 
 import numpy as np
 
+from studies.blind.causes import causes_of
 from studies.blind.generators.cases import Case
 from studies.blind.generators.files import line_record_tables, record_tables
 from studies.blind.generators.generator import LIBRARY_EFFECTS, OTHERS, MadeRecord
 from studies.blind.generators.nominal import Nominal
 from studies.blind.generators.others import logger as logs
-from studies.blind.generators.others.causes import SEAMS
 from studies.blind.generators.others.foundation import FoundationWires
 from studies.blind.generators.others.half_space import HalfSpaceWires
 from studies.blind.generators.others.layers import ElasticLayer, LinePair
@@ -59,7 +59,7 @@ class OtherSimulators:
 
     chosen: str = "development"
     tier: str = OTHERS
-    outside: Sequence[str] = tuple(SEAMS)
+    outside: Sequence[str] = causes_of("others")
 
     @property
     def description(self) -> str:

@@ -84,8 +84,8 @@ def _stroke(
     lean = tan(world.lean_rad)
     normal = load_N + world.spring_N_per_mm * lean * moved
     off = moved / half
-    normal = normal * (1.0 + world.cause("late_load", "share") * direction * np.sqrt(np.maximum(1.0 - off**2, 0.0)))
-    normal = normal * (1.0 + world.cause("bowed_guide", "share") * (off**2 - 0.5))
+    for cause in world.causes:
+        normal = normal * cause.load_along(off, direction)
     coefficient = friction * world.varied(off, direction) * mobilised
     slope = np.interp(slip, touch.place_mm, touch.slope_N) / load_N + lean
     # Friction acts along the slope, tan(φ + β): the pressures' sum is larger than the load.
@@ -94,14 +94,8 @@ def _stroke(
     limit = world.stated_friction * world.stated_load_N
     given = (world.compliance_mm_per_N + touch.shear_mm_per_N) * force
     given = given + 0.5 * world.play_mm * np.clip(force / (CROSSED * limit), -1.0, 1.0)
-    given = given + world.cause("hardening_holder", "mm") * (force / limit) ** 3
-    grip = world.cause("slipping_grip", "holds")
-    if grip > 0.0:
-        # A grip that has slipped one way slips back only once the force has turned by twice what it holds.
-        top = float(np.abs(force).max())
-        beyond = max(top / limit - grip, 0.0)
-        travelled = np.clip(direction * force / limit - grip, -beyond, beyond)
-        given = given + world.cause("slipping_grip", "mm") * direction * np.maximum.accumulate(travelled)
+    for cause in world.causes:
+        given = given + cause.given_mm(force, limit, direction)
     place = moved + given
     held = place if world.drive == "stroke" else displacement(world, cycle, place, force)
     return place, held, force, normal, rubbed, slip
@@ -124,10 +118,8 @@ def readings(world: World, cycle: float, loop: Loop) -> tuple[Array, Array, Arra
     tangential = loop.tangential_N + world.crosstalk * loop.normal_N
     normal = loop.normal_N + world.crosstalk * loop.tangential_N
     limit = world.stated_friction * world.stated_load_N
-    if cycle > world.cause("switched_range", "cycle", np.inf):
-        tangential = tangential * world.cause("switched_range", "factor")
-    yielding = world.cause("yielding_cell", "loss")
-    tangential = tangential * (1.0 - yielding * np.minimum((tangential / limit) ** 2, 2.0))
+    for cause in world.causes:
+        tangential = cause.read_N(tangential, limit, cycle)
     if world.lag_s > 0.0:
         turn = 2.0 * np.pi * world.frequency_Hz * np.fft.rfftfreq(TIMES, 1.0 / TIMES)
         filtered = 1.0 / (1.0 + 1j * turn * world.lag_s)

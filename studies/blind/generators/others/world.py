@@ -1,20 +1,22 @@
 """What is true of one test by others: specimens, rig, instruments, and what an effect or a cause changes of them."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import reduce
-from math import exp, inf, log1p, radians
+from math import exp, inf, prod, radians
 from typing import Any
 
 import numpy as np
 
+from studies.blind.causes import other_causes
 from studies.blind.generators.cases import TrueEffect
+from studies.blind.generators.others.causes import OtherCause
 from studies.blind.generators.others.pair import Array, Layer
 
 
 @dataclass(frozen=True)
 class World:
-    """One test; mm, N, MPa, s, unless named otherwise. `outside` holds causes of no library."""
+    """One test; mm, N, MPa, s, unless named otherwise. `causes` are those of no library."""
 
     friction: float
     load_N: float
@@ -44,21 +46,17 @@ class World:
     expected_MPa: float = 100.0
     stated_friction: float = 0.5
     stated_load_N: float = 1.0
-    outside: Mapping[str, Mapping[str, float]] = field(default_factory=dict, hash=False)
+    causes: tuple[OtherCause, ...] = ()
 
     def with_effect(self, effect: str, given: Mapping[str, float]) -> "World":
         """The world with an effect of the contract, by its parameters there, or with a cause of no library."""
         if effect in CHANGES:
             return replace(self, **CHANGES[effect](self, given))
-        return replace(self, outside={**self.outside, effect: given})
+        return other_causes()[effect](**given).in_test(self)
 
     def with_effects(self, effects: Sequence[TrueEffect]) -> "World":
         """The world with all of a case's effects."""
         return reduce(lambda world, one: world.with_effect(one.effect, one.parameters), effects, self)
-
-    def cause(self, name: str, key: str, absent: float = 0.0) -> float:
-        """A parameter of a cause of no library; `absent` where it is not at work."""
-        return self.outside.get(name, {}).get(key, absent)
 
     def friction_at(self, cycle: float) -> float:
         """Coefficient of friction at the middle of the stroke."""
@@ -69,25 +67,19 @@ class World:
         """Friction over that of the middle, at places over the half stroke (n,)."""
         speed = np.sqrt(np.maximum(1.0 - place**2, 1e-3))
         rate = speed**self.speed_exponent
-        stribeck = 1.0 + self.cause("stribeck_friction", "rise") * np.exp(-((speed / 0.35) ** 2))
-        jam = 1.0 + self.cause("jammed_end", "rise") * np.clip((place - 0.55) / 0.3, 0.0, 1.0) * (direction > 0)
-        return np.asarray(rate * stribeck * jam)
+        return np.asarray(reduce(lambda rate, one: rate * one.friction_along(place, direction), self.causes, rate))
 
     def load_at(self, cycle: float, sunk_mm: float) -> float:
         """Mean load at a cycle; a spring relaxes as the bodies sink into one another."""
-        swing = self.cause("swinging_load", "share") * np.sin(
-            2.0 * np.pi * self.cause("swinging_load", "turns") * cycle
-        )
-        return float((self.load_N * (1.0 + self.load_drift * cycle) - self.spring_N_per_mm * sunk_mm) * (1.0 + swing))
+        load = self.load_N * (1.0 + self.load_drift * cycle) - self.spring_N_per_mm * sunk_mm
+        return float(load * prod(cause.load(cycle) for cause in self.causes))
 
     def wear_at(self, first: float, last: float) -> float:
         """Mean worn volume per energy of both bodies over cycles [mm³/J]."""
         initial, final, cycles = self.wear_course
         middle = 0.5 * (first + last)
         factor = final + (initial - final) * exp(-middle / cycles)
-        if middle > self.cause("mild_wear", "cycle", inf):
-            factor *= self.cause("mild_wear", "factor")
-        return self.wear_mm3_per_J * factor
+        return self.wear_mm3_per_J * (factor * prod(cause.wear(middle) for cause in self.causes))
 
     def layer_at(self, cycle: float) -> Layer:
         """What lies between the bodies at a cycle."""
@@ -97,7 +89,7 @@ class World:
 
     def gain_at(self, cycle: float) -> float:
         """Gain of the displacement channel at a cycle."""
-        return self.gain * (1.0 - self.cause("loose_gauge", "loss") * log1p(cycle / 10.0) / log1p(self.cycles / 10.0))
+        return self.gain * prod(cause.gain(cycle, self.cycles) for cause in self.causes)
 
 
 def _softer(world: World, more_mm_per_N: float) -> dict[str, Any]:
@@ -117,7 +109,7 @@ def _friction(world: World, given: Mapping[str, float]) -> dict[str, Any]:
     }
 
 
-#: What effects of the contract change; `uneven_bodies` is of no library.
+#: What effects of the contract change.
 CHANGES: Mapping[str, Callable[[World, Mapping[str, float]], dict[str, Any]]] = {
     "tangential_compliance": lambda w, p: _softer(w, 1.0 / p["stiffness_N_per_mm"]),
     "rotational_compliance": lambda w, p: _softer(w, p["arm_mm"] ** 2 / p["stiffness_N_mm_per_rad"]),
@@ -138,5 +130,4 @@ CHANGES: Mapping[str, Callable[[World, Mapping[str, float]], dict[str, Any]]] = 
     },
     "force_crosstalk": lambda _, p: {"crosstalk": p["coefficient"]},
     "sensor_lag": lambda _, p: {"lag_s": p["time_s"]},
-    "uneven_bodies": lambda _, p: {"moving_share": p["moving_share"]},
 }
