@@ -1,6 +1,6 @@
 from dataclasses import dataclass, replace
 
-from studies.blind.causes.cause import Reading, Sizes
+from studies.blind.causes.cause import ReadingOfTest, Sizes
 from studies.blind.generators.draw import Draw
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.nominal import Nominal
@@ -21,7 +21,7 @@ class Bend:
 
 
 @dataclass(frozen=True)
-class BentDisplacementSensor(Reading):
+class BentDisplacementSensor(ReadingOfTest):
     """The displacement sensor is not straight: right at both ends and the middle of the asked stroke, wrong between."""
 
     seam = "sensor"
@@ -35,9 +35,6 @@ class BentDisplacementSensor(Reading):
 
     def instrument(self, nominal: Nominal) -> Instrument:
         return Bend(self.bend, nominal.amplitude_um)
-
-    def read(self, signals: Signals, cycle: float) -> Signals:
-        return self.instrument(Nominal()).read(signals, cycle)
 
     def in_world(self, world: World) -> World:
         return replace(world, sensors=replace(world.sensors, displacement_cubic=self.bend))

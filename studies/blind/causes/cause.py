@@ -36,19 +36,27 @@ class Cause(ABC):
         """A test of the independent model with the cause in it."""
 
 
-class Reading(Cause):
-    """Changes the channels of a loop that was computed without it.
+class ReadingOfTest(Cause):
+    """Changes the channels of a loop that was computed without it, by what the test states.
 
     What acts on true forces is of first order: it leaves out what further force bends the holder, and wear, whose work
     over a whole cycle it does not change.
     """
 
     @abstractmethod
+    def instrument(self, nominal: Nominal) -> Instrument:
+        """What reads a finite element run of a test."""
+
+
+class Reading(ReadingOfTest):
+    """Changes the channels whatever the test."""
+
+    @abstractmethod
     def read(self, signals: Signals, cycle: float) -> Signals:
         """The channels as changed at a cycle."""
 
     def instrument(self, _nominal: Nominal) -> Instrument:
-        """What reads a finite element run of a test."""
+        """The cause itself."""
         return self
 
     def in_world(self, world: World) -> World:

@@ -1,6 +1,6 @@
 from dataclasses import dataclass, replace
 
-from studies.blind.causes.cause import Reading, Sizes
+from studies.blind.causes.cause import ReadingOfTest, Sizes
 from studies.blind.generators.draw import Draw
 from studies.blind.generators.independent.world import World
 from studies.blind.generators.nominal import Nominal
@@ -20,7 +20,7 @@ class CubicLoss:
 
 
 @dataclass(frozen=True)
-class SaturatingForceCell(Reading):
+class SaturatingForceCell(ReadingOfTest):
     """The force cell reads ever less than it bears: a share of it at the largest friction that is stated."""
 
     seam = "sensor"
@@ -34,9 +34,6 @@ class SaturatingForceCell(Reading):
 
     def instrument(self, nominal: Nominal) -> Instrument:
         return CubicLoss(self.loss_at_plateau / (nominal.friction * nominal.load_N) ** 2)
-
-    def read(self, signals: Signals, cycle: float) -> Signals:
-        return self.instrument(Nominal()).read(signals, cycle)
 
     def in_world(self, world: World) -> World:
         peak = world.friction.course.final * world.loading.load_N

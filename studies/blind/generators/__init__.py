@@ -1,1 +1,1 @@
-"""What records are made of: nominal tests, nuisances, causes and their sizes, and the forward model of each tier."""
+"""What records are made of: nominal tests, nuisances, sizes of effects of the library, and a forward model a tier."""

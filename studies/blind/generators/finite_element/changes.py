@@ -10,7 +10,7 @@ from typing import Any
 
 from solvers import Holder
 from studies.blind.causes import SETS, all_causes, causes_of
-from studies.blind.causes.cause import AgeingHolder, Cause, FrictionFactor, LoadFactor, Reading, WearChange
+from studies.blind.causes.cause import AgeingHolder, Cause, FrictionFactor, LoadFactor, ReadingOfTest, WearChange
 from studies.blind.generators.ageing import Constant, Factor
 from studies.blind.generators.cases import TrueEffect
 from studies.blind.generators.nominal import Nominal
@@ -22,7 +22,7 @@ from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, effect_name
 ANGLE = "crossing_angle_error"
 
 #: The parts that a run has; causes of other parts are the independent model's alone.
-_PARTS = (Reading, FrictionFactor, LoadFactor, WearChange, AgeingHolder)
+_PARTS = (ReadingOfTest, FrictionFactor, LoadFactor, WearChange, AgeingHolder)
 
 
 @dataclass(frozen=True)
@@ -143,7 +143,7 @@ def causes_among(effects: Sequence[TrueEffect]) -> tuple[Cause, ...]:
 
 def instruments_of(effects: Sequence[TrueEffect], nominal: Nominal) -> tuple[Instrument, ...]:
     """What reads a run otherwise than it is."""
-    return tuple(cause.instrument(nominal) for cause in causes_among(effects) if isinstance(cause, Reading))
+    return tuple(cause.instrument(nominal) for cause in causes_among(effects) if isinstance(cause, ReadingOfTest))
 
 
 def changes_of(effects: Sequence[TrueEffect], draw: SpecimenDraw) -> tuple[Effect[Any], ...]:
