@@ -9,6 +9,7 @@ from geometry.late import loaded_late
 
 if TYPE_CHECKING:
     from solvers.adaptive_loop import closed_adaptive_cycle
+    from solvers.body import Compliance, ContactBody
     from solvers.condensation import CondensedBody, condense
     from solvers.contact import ContactProblem, advance, press, unloaded_state
     from solvers.contact.problem import misaligned
@@ -57,16 +58,17 @@ if TYPE_CHECKING:
     from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [
-    "Archard", "BulkStress", "CondensedBody", "ContactLayer", "ContactProblem", "ContactState", "Coulomb", "CycleJump",
-    "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold", "Friction", "FrictionLaw", "Guide", "Holder",
-    "HolderElements", "IncrementReport", "JumpController", "JumpStep", "LoadCycle", "LocalField", "LocalState",
-    "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply", "PatchLeftError", "PlacedBody",
-    "PowerOfPressure", "PowerReduced", "Rate", "RoughLayer", "RunningIn", "ShearLimited", "SolverError", "StuckMotion",
-    "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw", "WearRates", "WearState", "WornCycle", "advance",
-    "anew", "bare_depth", "bulk_work", "change_by_work", "closed_adaptive_cycle", "closed_cycle", "closed_trace",
-    "condense", "facing", "first_quarter", "flattened", "friction_laws", "jump_cycles", "kept_by", "measured_holder",
-    "mirror_error", "misaligned", "move_stuck", "place", "press", "remeshed", "run_cycle", "settled", "symmetry_of",
-    "take_step", "transferred", "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
+    "Archard", "BulkStress", "Compliance", "CondensedBody", "ContactBody", "ContactLayer", "ContactProblem",
+    "ContactState", "Coulomb", "CycleJump", "CycleTrace", "Drive", "DriveTiming", "EnergyLaw", "EnergyThreshold",
+    "Friction", "FrictionLaw", "Guide", "Holder", "HolderElements", "IncrementReport", "JumpController", "JumpStep",
+    "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply",
+    "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "Rate", "RoughLayer", "RunningIn",
+    "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw",
+    "WearRates", "WearState", "WornCycle", "advance", "anew", "bare_depth", "bulk_work", "change_by_work",
+    "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
+    "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place",
+    "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred", "transferred_wear",
+    "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

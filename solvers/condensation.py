@@ -292,6 +292,15 @@ class CondensedBody:
         """The whole compliance, (3 n, 3 n)."""
         return self.folded.dense
 
+    @property
+    def yields(self) -> bool:
+        """It is elastic."""
+        return False
+
+    def update(self, print_mm: Array, _force_N: Array, /) -> Array:
+        """The print of before."""
+        return print_mm
+
 
 def condense(
     mesh: HexMesh | QuadMesh, patch: ContactPatch, material: Elastic, bedding: Array | None = None

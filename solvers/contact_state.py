@@ -24,11 +24,19 @@ class WearState:
     energy_mJ: float = 0.0
     primary_volume_mm3: float = 0.0
     secondary_volume_mm3: float = 0.0
+    #: Depth (n_a, n_t) of the print that forces have left on a body that yields, mm; None of an elastic one.
+    primary_print: Array | None = None
+    secondary_print: Array | None = None
 
     @property
     def depths(self) -> tuple[Array, Array]:
         """Worn depths of the primary and the secondary."""
         return self.primary_depth, self.secondary_depth
+
+    @property
+    def prints(self) -> tuple[Array | None, Array | None]:
+        """Those on the primary and the secondary."""
+        return self.primary_print, self.secondary_print
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,8 @@
 Newton's method asks a law for its limit and for the limit's derivative by the pressure; friction work is the limit
 times the slip. A law of sliding speed or of history gives a factor on the coefficient of friction at every node.
 
-A law stands in a file of its own and is named in `LIBRARY`, or in the entry point group
-"wirewear.friction_laws" of an installed package; a study chooses it by its name.
+A law is one class, named in `LIBRARY` below, or in the entry point group "wirewear.friction_laws" of an installed
+package; a study chooses it by its name.
 """
 
 from abc import ABC, abstractmethod

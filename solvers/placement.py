@@ -14,7 +14,7 @@ import numpy as np
 
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.condensation import CondensedBody
+from solvers.body import Compliance, ContactBody
 from solvers.patch_compliance import Bricks, PatchCompliance, missing_displacement
 from solvers.quadrature import gradient
 
@@ -41,20 +41,29 @@ class WornNodes:
 
 @dataclass(frozen=True)
 class PlacedBody:
-    """A condensed body in the world."""
+    """A body in the world."""
 
     patch: ContactPatch
     facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.
     axis_angle_rad: float  #: Angle of the body's axis against the motion.
-    folded: PatchCompliance  #: Compliance of the patch in mm/N, world axes.
+    folded: Compliance  #: Of the patch in mm/N, world axes.
     world_to_patch: Array  #: (2, 2) turns plane vectors into the patch's axes.
     incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.
-    bricks: Bricks | None = None  #: The elements under the patch, as of the condensed body.
+    bricks: Bricks | None = None  #: The elements under the patch, as of the body.
+    yielding: ContactBody | None = None  #: The body in its own axes, where forces leave a print on it.
 
     @property
     def compliance(self) -> Array:
         """The whole compliance, (3 n, 3 n)."""
         return self.folded.dense
+
+    def printed(self, print_mm: Array | None, force_N: Array) -> Array | None:
+        """Depth (n_a, n_t) of the print after forces (n, 3) in world axes, with the sign of those on the upper body;
+        None on an elastic body.
+        """
+        if self.yielding is None or print_mm is None:
+            return print_mm
+        return self.yielding.update(print_mm, -self.facing * force_N @ self.folded.rotation)
 
     @cached_property
     def node_positions(self) -> Array:
@@ -115,11 +124,19 @@ class PlacedBody:
         return SurfaceSample(height, slope, nodes, weights, inside)
 
 
-def place(body: CondensedBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
-    """Put a condensed body below or above the contact plane with its axis at an angle to the motion."""
+def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
+    """Put a body below or above the contact plane with its axis at an angle to the motion."""
     rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
     folded = body.folded.turned(rotation)
-    return PlacedBody(body.patch, -1 if upper else 1, axis_angle_rad, folded, rotation[:2, :2].T, bricks=body.bricks)
+    return PlacedBody(
+        body.patch,
+        -1 if upper else 1,
+        axis_angle_rad,
+        folded,
+        rotation[:2, :2].T,
+        bricks=body.bricks,
+        yielding=body if body.yields else None,
+    )
 
 
 def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
@@ -147,18 +164,18 @@ def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
     The near field belongs to the pair: a force on a node of the primary reaches the secondary spread over elements of
     both. Bodies without bricks under their patches are left as they are.
     """
-    own, other = primary.bricks, secondary.bricks
-    if own is None or other is None:
+    own, other, folded = primary.bricks, secondary.bricks, primary.folded
+    if own is None or other is None or not isinstance(folded, PatchCompliance):
         return primary
     turn = secondary.world_to_patch @ primary.world_to_patch.T
     finest = (*_finest(primary.patch), *_finest(secondary.patch))
-    sizes = _sizes(primary, secondary)[primary.folded.piece_nodes()]
+    sizes = _sizes(primary, secondary)[folded.piece_nodes()]
     steps = np.clip(np.rint(np.log(sizes / finest) / log(_ALIKE) - 1e-6), 0, _KINDS)
     kinds, kind = np.unique(steps.astype(int), axis=0, return_inverse=True)
     near = _near_fields(kinds, finest, own, other, turn)
     # Alike lattices answer with displacements that go with one over their size.
     share = (finest * _ALIKE**steps / sizes)[:, :2].prod(axis=1) ** 0.5
-    return replace(primary, folded=primary.folded.with_neighbours(near, kind.ravel(), share))
+    return replace(primary, folded=folded.with_neighbours(near, kind.ravel(), share))
 
 
 def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:

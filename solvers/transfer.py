@@ -58,7 +58,13 @@ def transferred_wear(
         secondary_depth=transferred(wear.secondary_depth, old_secondary, new_secondary),
         primary_energy=transferred(wear.primary_energy, old_primary, new_primary),
         secondary_energy=transferred(wear.secondary_energy, old_secondary, new_secondary),
+        primary_print=_transferred_print(wear.primary_print, old_primary, new_primary),
+        secondary_print=_transferred_print(wear.secondary_print, old_secondary, new_secondary),
     )
+
+
+def _transferred_print(depth: Array | None, old: ContactPatch, new: ContactPatch) -> Array | None:
+    return None if depth is None else transferred(depth, old, new)
 
 
 def transferred(field: Array, old: ContactPatch, new: ContactPatch) -> Array:

@@ -198,7 +198,8 @@ def after_work(
         for rate, done, body in zip(rates, work, bodies, strict=True)
     )
     primary_volume, secondary_volume = volumes
-    return WearState(
+    return replace(
+        wear,
         primary_depth=wear.primary_depth + rates[0] * work[0],
         secondary_depth=wear.secondary_depth + rates[1] * work[1],
         primary_energy=wear.primary_energy + energy[0],

@@ -16,6 +16,7 @@ from solvers.contact.problem import (
     paired_before,
     sliding_force,
     vertical_gaps,
+    with_prints,
 )
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
@@ -74,6 +75,8 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
 # error is of second order in that distance.
 _PAIRING_TOLERANCE = 0.01
 _MOST_PAIRINGS = 12
+_RELAXED = 0.7  # Share of the way that a print takes to what forces leave, from one pairing to the next.
+_PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
 _FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
 # Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
 _CANDIDATE_MARGIN = 1.15
@@ -102,7 +105,7 @@ def solve_increment(
     Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if
     the contact has reached the edge of either patch.
     """
-    tolerance, areas = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas
+    tolerance, areas, begins = _PAIRING_TOLERANCE * problem.smallest_element, problem.surface.areas, state
     holder_x = _predicted_holder_position(problem, state, drive) if expected is None else expected.holder_x
     tilt = state.holder_tilt + problem.holder.tilt_per_motion_rad_per_mm * (holder_x - state.holder_x)
     gap = vertical_gaps(problem, state, drive, holder_x)
@@ -140,6 +143,10 @@ def solve_increment(
         if drive != state.drive and _core_is_lost(state, nodes, outcome):
             # Nothing sticks any more: the surfaces face each other as the bodies have moved.
             state, moved = replace(state, core=np.zeros_like(state.core)), np.inf
+        if problem.yields:
+            printed = _towards(state, with_prints(problem, begins, _forces(system, outcome)))
+            moved = np.inf if _print_change(state, printed) > _PRINTED * abs(height) else moved
+            state = replace(state, wear=printed.wear)
         gap = vertical_gaps(problem, state, drive, holder_x)
         overlapping = gap + height < 0.0
         overlapping[nodes] = False
@@ -166,6 +173,26 @@ def _core_is_lost(state: ContactState, nodes: IntArray, outcome: ContactOutcome)
     return bool(state.core.any() and not sticks.any())
 
 
+def _forces(system: Linearisation, outcome: ContactOutcome) -> tuple[Array, Array]:
+    """An outcome's tractions as nodal forces (n, 3) on the primary and the secondary."""
+    return system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
+
+
+def _towards(state: ContactState, wanted: ContactState) -> ContactState:
+    """The state with prints on their way to those of another: the deeper they are, the less pressure makes them."""
+    primary, secondary = (
+        None if now is None or then is None else now + _RELAXED * (then - now)
+        for now, then in zip(state.wear.prints, wanted.wear.prints, strict=True)
+    )
+    return replace(state, wear=replace(state.wear, primary_print=primary, secondary_print=secondary))
+
+
+def _print_change(before: ContactState, after: ContactState) -> float:
+    """Largest difference of two states' prints, mm."""
+    pairs = zip(before.wear.prints, after.wear.prints, strict=True)
+    return max(float(np.abs(now - then).max()) for then, now in pairs if then is not None and now is not None)
+
+
 def _touch(
     problem: ContactProblem,
     state: ContactState,
@@ -177,7 +204,7 @@ def _touch(
     """Whether any nodes beside a pairing, which overlap while the bodies are undeformed, touch under its tractions."""
     paired_x = system.paired_holder_x
     pairing = faced(problem, state, nodes, drive, paired_x, outcome.tilt)
-    forces = system.pairing.own.spread(outcome.traction), system.pairing.opposite.spread(outcome.traction)
+    forces = _forces(system, outcome)
     elastic = displacement_at(pairing, problem.primary, problem.secondary, forces)
     lever = levers(problem, drive, paired_x)[nodes]
     rigid = pairing.gap + outcome.height + lever * outcome.tilt + pairing.gap_rate * (outcome.holder_x - paired_x)

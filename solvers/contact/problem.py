@@ -95,6 +95,11 @@ class ContactProblem:
         """Whether cycles leave the surfaces as they are."""
         return self.wear.none and not self.friction_law.remembers
 
+    @cached_property
+    def yields(self) -> bool:
+        """Whether forces leave a print on a body."""
+        return self.upper.yielding is not None or self.lower.yielding is not None
+
     @property
     def primary(self) -> PlacedBody:
         """The body that carries the tractions."""
@@ -123,6 +128,8 @@ def unloaded_state(problem: ContactProblem) -> ContactState:
         secondary_depth=np.zeros(secondary.shape),
         primary_energy=np.zeros(primary.shape),
         secondary_energy=np.zeros(secondary.shape),
+        primary_print=None if problem.primary.yielding is None else np.zeros(primary.shape),
+        secondary_print=None if problem.secondary.yielding is None else np.zeros(secondary.shape),
     )
     return ContactState(
         wear=wear,
@@ -164,11 +171,21 @@ def misaligned(problem: ContactProblem, angle_rad: float) -> ContactProblem:
 
 
 def open_depths(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
-    """Worn depth of the primary and the secondary body without what layers fill."""
+    """Worn depth of the primary and the secondary body without what layers fill, with the prints on them."""
     share = open_share(problem.layers)
-    if share == 1.0:
-        return state.wear.primary_depth, state.wear.secondary_depth
-    return share * state.wear.primary_depth, share * state.wear.secondary_depth
+    primary, secondary = (
+        (depth if share == 1.0 else share * depth) if pressed is None else share * depth + pressed
+        for depth, pressed in zip(state.wear.depths, state.wear.prints, strict=True)
+    )
+    return primary, secondary
+
+
+def with_prints(problem: ContactProblem, state: ContactState, forces: tuple[Array, Array]) -> ContactState:
+    """The state with the prints that forces (n, 3) on the primary and the secondary leave."""
+    wear = state.wear
+    primary = problem.primary.printed(wear.primary_print, forces[0])
+    secondary = problem.secondary.printed(wear.secondary_print, forces[1])
+    return replace(state, wear=replace(wear, primary_print=primary, secondary_print=secondary))
 
 
 def vertical_gaps(problem: ContactProblem, state: ContactState, drive: float, holder_x: float) -> Array:

@@ -92,9 +92,9 @@ def kept_by(symmetry: Symmetry, state: ContactState) -> Symmetry:
     def kept(mirror: Mirror | None) -> Mirror | None:
         if mirror is None:
             return None
-        fields = ((state.wear.primary_depth, mirror.primary), (state.wear.secondary_depth, mirror.secondary))
-        for depth, images in fields:
-            flat = depth.ravel()
+        every = zip((*state.wear.depths, *state.wear.prints), 2 * (mirror.primary, mirror.secondary), strict=True)
+        for depth, images in every:
+            flat = np.zeros(len(images)) if depth is None else depth.ravel()
             if np.abs(flat - flat[images]).max() > _DEPTH_TOLERANCE * float(np.abs(flat).max()):
                 return None
         return mirror

@@ -134,7 +134,8 @@ def read_checkpoint(folder: Path) -> Checkpoint | None:
 
 
 def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "") -> None:
-    write_arrays(group, {one.name: getattr(values, one.name) for one in fields(values) if one.name != skip})
+    every = {one.name: getattr(values, one.name) for one in fields(values) if one.name != skip}
+    write_arrays(group, {name: value for name, value in every.items() if value is not None})
 
 
 def _read(group: Any) -> dict[str, Any]:
