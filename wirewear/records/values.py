@@ -317,6 +317,7 @@ class ExperimentRecord(Generic[Tables, Surface]):
         return tuple(sorted({loop.cycle for loop in self.loops}))
 
     def loops_at(self, cycle: int) -> tuple[MeasuredLoop, ...]:
+        """The loops of a cycle, one for each repeat that has it."""
         return tuple(loop for loop in self.loops if loop.cycle == cycle)
 
     def loop(self, repeat: int, cycle: int) -> MeasuredLoop:
