@@ -10,17 +10,17 @@ import numpy as np
 from scipy.signal import lfilter
 
 from geometry.arrays import Array
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
+from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.diagnosis.wording import Diagnosed
 from wirewear.effects import effect_named
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
-from wirewear.views.diagnosis_wording import Diagnosed
 
 CYCLES = (100, 1000, 10_000, 100_000)
 EVOLUTION_CYCLES = (20, 50, 300, 3000, 30_000)

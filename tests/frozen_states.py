@@ -12,8 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import ExperimentRecord
 
 FILE = Path(__file__).parent / "data" / "steel_wires_states.json"

@@ -15,7 +15,7 @@ from tests.interior_runs import CYCLE, run_with_forces
 from tests.studies import coarse, line_study, minimal
 from tests.test_drives_and_stops import LONG, block
 from wirewear import StudyError
-from wirewear.diagnosis.model.nominal import limits_of, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import limits_of, require_foreseen
 from wirewear.interior.bodies import body_states
 from wirewear.interior.lines import INSIDE_LINES
 from wirewear.records import read_record, record_of_result, write_record

@@ -23,8 +23,8 @@ from wirewear.base import cache
 from wirewear.base.cache import cache_directory, keep_within, mark_used
 from wirewear.base.engine import Engine, engine_of, results_of
 from wirewear.base.errors import KeptNothingWarning
-from wirewear.diagnosis.model import nominal
-from wirewear.diagnosis.model.nominal import limits_of, nominal_run
+from wirewear.diagnosis.surrogate import nominal
+from wirewear.diagnosis.surrogate.nominal import limits_of, nominal_run
 from wirewear.results import RESULT_FILE_NAME
 
 ROOT = Path(__file__).resolve().parent.parent

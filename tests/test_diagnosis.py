@@ -24,16 +24,16 @@ from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.diagnosis.calibration import digest
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.loop_states import scar_skew
-from wirewear.diagnosis.model.nominal import nominal_study, wearing
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
+from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.loop_states import scar_skew
+from wirewear.diagnosis.surrogate.nominal import nominal_study, wearing
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.diagnosis.wording import Diagnosed
 from wirewear.records import ExperimentRecord, read_record
-from wirewear.views.diagnosis_wording import Diagnosed
 
 PLAY_um, COMPLIANCE_N_per_mm = 3.0, 300.0
 PLAY = {"free_play": {"gap_um": PLAY_um}}

@@ -19,8 +19,8 @@ from wirewear.diagnosis.infer.families import (
     force_read,
     stiffening,
 )
-from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
 PLATEAU_N, AMPLITUDE_um = 0.62 * 2.0, 60.0

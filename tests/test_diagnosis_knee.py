@@ -12,12 +12,12 @@ from hypothesis import strategies as st
 from geometry.arrays import Array
 from tests.diagnosis_cases import autoregressive, nominal, record, states, tables, with_effect
 from wirewear.diagnosis.infer.search import search
-from wirewear.diagnosis.model.forward import simulate
 from wirewear.diagnosis.observe.along_branches import PlateauForce, ShelfTravel, Stick, travel_between
 from wirewear.diagnosis.observe.local_lines import LocalLine, ObservedBranch, force_at
 from wirewear.diagnosis.observe.observable import Sites
-from wirewear.diagnosis.observe.reading import corners_of, read, read_at_corners
+from wirewear.diagnosis.observe.observed_record import corners_of, read, read_at_corners
 from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.records import ExperimentRecord, MeasuredLoop
 
 WINDOW_um = 4.2

@@ -17,17 +17,17 @@ from tests.browser import page_faults
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.studies import COARSE, WEARING, coarse, result_with
 from wirewear.diagnosis import Diagnosis
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.model.readings import late_forces, late_places
 from wirewear.diagnosis.observe.measured_loops import harmonics_of, motion_of, reduced_loop
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
+from wirewear.diagnosis.surrogate.sensing import late_forces, late_places
+from wirewear.diagnosis.wording import Diagnosed
 from wirewear.effects.holder import TangentialCompliance
 from wirewear.faces import cli
 from wirewear.loops import LoopSignals, Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, MeasuredLoop, record_of_result, write_record
 from wirewear.views.diagnosis_page import residuals, ten_lines
-from wirewear.views.diagnosis_wording import Diagnosed
 
 COUPLING = "displacement_load_coupling"
 LAG = 0.03

@@ -9,9 +9,9 @@ import pytest
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effect
 from tests.independent_records import independent_record
-from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.layered_wires import FlattenedWires, LayeredWires
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.layered_wires import FlattenedWires, LayeredWires
 
 CYCLES = np.array([1.0, 100.0, 1000.0, 3000.0, 10_000.0, 30_000.0, 100_000.0])
 FIVE = {"layer_um": 5.0, "cycles": 10_000.0}

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from wirewear.diagnosis.model.line_states import LineStates, WornProfiles, _row
-from wirewear.diagnosis.model.line_wear import WornLine
 from wirewear.diagnosis.observe.scars import read_profile
+from wirewear.diagnosis.surrogate.line_states import LineStates, WornProfiles, _row
+from wirewear.diagnosis.surrogate.line_wear import WornLine
 from wirewear.records import MeasuredProfile
 from wirewear.results import Loop
 

@@ -17,24 +17,24 @@ from tests.diagnosis_cases import diagnosed, nominal, record, states, with_effec
 from tests.test_diagnosis_covariance import layout
 from tests.worked_examples import install_example
 from wirewear.base.course import Course
+from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import SEPARABLE, classes_of, weigh
 from wirewear.diagnosis.infer.where import GapFinding
-from wirewear.diagnosis.model.candidates import library
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.loop_states import FULL_SLIP
-from wirewear.diagnosis.model.readings import KNEE, MIDDLE
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.channels import loop_area
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import _all_observables, reduce
+from wirewear.diagnosis.surrogate.candidates import library
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP
+from wirewear.diagnosis.surrogate.sensing import KNEE, MIDDLE
+from wirewear.diagnosis.wording import _one, explanations, of_pairs, sentence_of, share
 from wirewear.effects import Chain
 from wirewear.effects.contact import RoughnessCompliance, ThirdBodyLayer
 from wirewear.records import ExperimentRecord, RecordTables
 from wirewear.views.diagnosis_page import ten_lines
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate
-from wirewear.views.diagnosis_wording import _one, explanations, of_pairs, sentence_of, share
 
 FORCE_N = 1.24  #: µP of the first loops, before the scar lends them slopes.
 FIRST = np.array([2.0])

@@ -12,16 +12,16 @@ from scipy.stats import binom
 from geometry.arrays import Array
 from tests.diagnosis_cases import diagnosed, nominal, record, states
 from wirewear import RecordError
+from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.search import LEVEL, Search, Updated, plausible, search, updated
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
-from wirewear.diagnosis.model.nominal import nominal_study
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import judged, require_of_one_rig
+from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.wording import Diagnosed
 from wirewear.records import ExperimentRecord
 from wirewear.records.tables import Tolerance
-from wirewear.views.diagnosis_values import Diagnosis
-from wirewear.views.diagnosis_wording import Diagnosed
 
 #: A lean of the holder, and a force cell that reads 1.6 % of the load: 0.03 N of 1.2 N.
 LEAN = {"stiffness_N_mm_per_rad": 30000.0, "arm_mm": 10.0}

@@ -15,11 +15,11 @@ from tests.studies import COARSE, WEARING, coarse, line_study
 from wirewear import StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.model.candidates import library, nominal_setup
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.forward import simulate as simulate_fast
-from wirewear.diagnosis.model.nominal import checked_model, nominal_study, require_foreseen
 from wirewear.diagnosis.observe.channels import half_width, loop_area
+from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
+from wirewear.diagnosis.surrogate.nominal import checked_model, nominal_study, require_foreseen
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.fitting.fit import fit_record

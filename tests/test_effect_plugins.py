@@ -18,15 +18,15 @@ from tests.test_import import HEAD, SAMPLES, FREQUENCY_Hz
 from tests.worked_examples import install_example
 from wirewear import ExperimentRecord, Sensor, SensorNoise, StudyError, record_of_result, run_study
 from wirewear.base.course import Course
-from wirewear.diagnosis.model.candidates import library, unforeseen
+from wirewear.diagnosis.answer import Diagnosis
 from wirewear.diagnosis.record_diagnosis import diagnose
+from wirewear.diagnosis.surrogate.candidates import library, unforeseen
 from wirewear.effects import Age, Ageing, Chain, ContactLaw, Effect, Seam, all_effects, applied, effect_named
 from wirewear.effects import registry as registry_module
 from wirewear.records.importing import import_record
 from wirewear.records.importing.guessing import crossed_wires, guessed_mapping
 from wirewear.records.importing.loggers import readers
 from wirewear.sweeps.signature import signature_study
-from wirewear.views.diagnosis_values import Diagnosis
 
 ROOT = Path(__file__).resolve().parent.parent
 EXAMPLE = ROOT / "studies" / "effects" / "plugin_example"

@@ -14,7 +14,8 @@ from geometry.arrays import Array
 from tests.commands import wirewear
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.candidates import Candidate, library
+from wirewear.diagnosis.answer import estimates, forms
+from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
 from wirewear.fitting import FittedParameter, FittedTest, fit_record
@@ -22,7 +23,6 @@ from wirewear.fitting.fast_fit import FastFit, LoopsOfTests, fast_fit, figures_o
 from wirewear.fitting.fit import _misfit
 from wirewear.fitting.report import fit_json
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
-from wirewear.views.diagnosis_values import estimates, forms
 
 pytestmark = pytest.mark.seconds
 CYCLES = (100, 1000, 10_000)

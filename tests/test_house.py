@@ -31,7 +31,7 @@ MAY_IMPORT = {
 #: Those that write effects of their own, as other packages do (docs/extending.md), name what the solver takes.
 EFFECTS_OF_STUDIES = ("studies/blind/generators/",)
 #: Rooms of wirewear from the ground up: a file imports only from its own room and from rooms named before it. A room
-#: that is named apart from the folder in which it stands (diagnosis.model) has a place of its own.
+#: that is named apart from the folder in which it stands (diagnosis.surrogate) has a place of its own.
 ROOMS = (
     "base",
     "reference",
@@ -46,7 +46,7 @@ ROOMS = (
     "records.importing",
     "verification",
     "diagnosis.calibration",
-    "diagnosis.model",
+    "diagnosis.surrogate",
     "diagnosis.observe",
     "diagnosis.infer",
     "kinds",

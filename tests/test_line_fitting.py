@@ -14,9 +14,9 @@ from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, w
 from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.line_wear import WornLineContact, worn_line
 from wirewear.diagnosis.record_diagnosis import beginning_of
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.line_wear import WornLineContact, worn_line
 from wirewear.effects import Effect, effect_named
 from wirewear.fitting import FittedTest, fit_record
 from wirewear.fitting.wear import fitted_wear

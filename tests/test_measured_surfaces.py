@@ -18,7 +18,7 @@ from tests.test_pads import BALL, LINE, POINTS, STEEL, STEEL_MODULUS, BALL_RADIU
 from wirewear import read_record, record_of_result, reference, write_record
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.model.nominal import nominal_study
+from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.kinds import any_study, load_any_study
 from wirewear.loops import Sensor, SensorNoise, analyse_loop
 from wirewear.records import LineRecord, check_record

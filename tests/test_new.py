@@ -14,7 +14,7 @@ from tests import synthetic_results
 from tests.commands import wirewear
 from tests.frozen_states import frozen_states
 from tests.logger_files import write_english, write_german
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.kinds import KINDS, load_any_study
 from wirewear.records import ExperimentRecord, read_record
 from wirewear.results import RunResult, write_result
@@ -200,7 +200,7 @@ def _no_elements(monkeypatch: pytest.MonkeyPatch) -> None:
         return [found]
 
     nominal = synthetic_results.result("", 167.0)
-    monkeypatch.setattr("wirewear.diagnosis.model.nominal.nominal_run", lambda *_: nominal)
+    monkeypatch.setattr("wirewear.diagnosis.surrogate.nominal.nominal_run", lambda *_: nominal)
     monkeypatch.setattr(WearStates, "of_run", classmethod(lambda *_: frozen_states()))
     monkeypatch.setattr("wirewear.simulation.run_study", run_study)
 

@@ -14,12 +14,12 @@ from tests.test_point_records import SHAPES, run_of
 from wirewear import record_of_result
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
-from wirewear.diagnosis.model.candidates import library, nominal_setup
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.nominal import nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.model.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.diagnosis.record_diagnosis import beginning_of
+from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.diagnosis.surrogate.worn_wires import WornWires, elastic, equilibrium, wearing
 from wirewear.fitting import fit_record
 from wirewear.fitting.report import fit_table
 from wirewear.kinds import kind_of

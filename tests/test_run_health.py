@@ -27,7 +27,7 @@ from solvers import (
 )
 from tests.bodies import AMPLITUDE_mm, RIG_N_per_mm, crossed_wires, pressed
 from wirewear import ExperimentRecord, read_record
-from wirewear.diagnosis.observe.reading import of_own_definitions
+from wirewear.diagnosis.observe.observed_record import of_own_definitions
 from wirewear.records import check_record
 from wirewear.simulation import simulate
 from wirewear.simulation.contact_forces import (

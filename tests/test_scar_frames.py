@@ -12,10 +12,10 @@ from tests.commands import wirewear
 from tests.studies import line_study
 from tests.synthetic_results import bowl, result
 from wirewear import RecordError, read_record, write_record, write_result
-from wirewear.diagnosis.model.candidates import nominal_line_setup
-from wirewear.diagnosis.model.line_states import LineStates
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
+from wirewear.diagnosis.surrogate.candidates import nominal_line_setup
+from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result
 from wirewear.records.importing import import_record
 from wirewear.records.writing import frame_of

@@ -36,7 +36,7 @@ from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, Relevance, relevance_of
-from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.surrogate.candidates import Candidate
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .answering import BASELINES, baseline_answers, write_json

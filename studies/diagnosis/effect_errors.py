@@ -23,13 +23,13 @@ from scipy.linalg import cho_factor, cho_solve
 from wirewear import RecordError, WirewearError, read_record
 from wirewear.base.reading import read_json
 from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covariance
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.observable import Scale
-from wirewear.diagnosis.observe.reading import read_at_corners
+from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import reduce
+from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript, understanding, wide_console
 

@@ -14,13 +14,13 @@ from numpy.typing import NDArray
 
 from wirewear import WirewearError, read_record
 from wirewear.diagnosis.infer.covariance import OWN, SCATTER, SHARED, components, derivatives
-from wirewear.diagnosis.model.candidates import nominal_setup
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.nominal import nominal_run, nominal_study
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
-from wirewear.diagnosis.observe.reading import read_at_corners
+from wirewear.diagnosis.observe.observed_record import read_at_corners
 from wirewear.diagnosis.observe.reduction import Layout, Observations, reduce
+from wirewear.diagnosis.surrogate.candidates import nominal_setup
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
+from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.records import RecordTables
 
 Array = NDArray[np.float64]

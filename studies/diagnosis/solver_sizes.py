@@ -28,8 +28,8 @@ from scipy.optimize import minimize
 
 from wirewear import RecordError
 from wirewear.diagnosis.calibration import FILE
-from wirewear.diagnosis.model.candidates import EXPECTED
-from wirewear.diagnosis.model.wear_states import NUMERICAL
+from wirewear.diagnosis.surrogate.candidates import EXPECTED
+from wirewear.diagnosis.surrogate.wear_states import NUMERICAL
 from wirewear.faces.study_script import StudyScript, wide_console
 
 from .gap_free_pairs import Pair, pairs_of

@@ -16,6 +16,7 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from wirewear.base.writing import prepared_folder, write_csv
+from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript
 from wirewear.pictures.smooth import smooth_loop
@@ -23,7 +24,6 @@ from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
 from wirewear.study import FIDELITIES
 from wirewear.sweeps.signature import CHANGED, NOMINAL, Signature, draw_signature, signature_of, signature_study
-from wirewear.views.diagnosis_wording import plain
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",

@@ -22,8 +22,8 @@ from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
 from wirewear.diagnosis.infer.shrink import physical_gap
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure

@@ -14,7 +14,7 @@ from tests.robustness.made_files import ANSWER, made_runs, scored
 from tests.robustness.record_mutations import small_record
 from wirewear import check_record, parse_study, read_record, read_results, run_study, write_result
 from wirewear.base.hdf5 import sealed
-from wirewear.diagnosis.model.nominal import nominal_run
+from wirewear.diagnosis.surrogate.nominal import nominal_run
 from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
 from wirewear.results import read_results as read_runs

@@ -120,7 +120,7 @@ def _on_records(made: Made) -> dict[str, Reader]:
     def known(*_: object, **__: object) -> RunResult:
         return nominal
 
-    stand_ins = {"wirewear.diagnosis.model.nominal:nominal_run": known}
+    stand_ins = {"wirewear.diagnosis.surrogate.nominal:nominal_run": known}
     diagnose = command("diagnose", "{}/record", "--model", "{}/study.toml", "--output", "{}/out", "--jobs", "1")
     score = command("score", "{}/batch", "{}/diagnoses", "--key", "{}/batch.key", "--output", "{}/out", of=exam)
     fit = command("fit", "{}/record", "--check", "none", "--output", "{}/out")

@@ -12,23 +12,23 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.writing import temporary_folder
+from wirewear.diagnosis.answer import Confirmed, Estimate, estimates
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import fit
 from wirewear.diagnosis.infer.shrink import achieved
-from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.nominal import ObserverOf
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal import ObserverOf
 from wirewear.effects import Age, Seam, applied
 from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
 from wirewear.study.programme import held_keys
-from wirewear.views.diagnosis_values import Confirmed, Estimate, estimates
 
 if TYPE_CHECKING:
+    from wirewear.diagnosis.wording import Diagnosed
     from wirewear.results import Loop
-    from wirewear.views.diagnosis_wording import Diagnosed
 
 _KNOWN = constants("confirmation")
 

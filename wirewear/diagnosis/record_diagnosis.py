@@ -10,6 +10,7 @@ from typing import Any, cast
 import numpy as np
 
 from wirewear.base.errors import RecordError, StudyError
+from wirewear.diagnosis.answer import Cause, Diagnosis, Partial, estimates, forms
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
 from wirewear.diagnosis.infer.inference import Fit
@@ -26,19 +27,18 @@ from wirewear.diagnosis.infer.search import (
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
-from wirewear.diagnosis.model.candidates import effect_of, nominal_setup
-from wirewear.diagnosis.model.nominal import ObserverOf, nominal_study, require_foreseen
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
-from wirewear.diagnosis.observe.reading import mended
+from wirewear.diagnosis.observe.observed_record import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.surrogate.candidates import effect_of, nominal_setup
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.kinds import kind_of
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
 from wirewear.study import AnyStudy, Study
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Partial, estimates, forms
-from wirewear.views.diagnosis_wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 
 
 def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:

@@ -58,8 +58,8 @@ def diagnose_command(
 
     from wirewear.base.locks import occupied
     from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.diagnosis.model.nominal import require_foreseen
     from wirewear.diagnosis.record_diagnosis import beginning_of, require_of_one_rig
+    from wirewear.diagnosis.surrogate.nominal import require_foreseen
     from wirewear.kinds import load_any_study
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar

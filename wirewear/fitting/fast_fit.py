@@ -8,9 +8,9 @@ from scipy.optimize import least_squares
 from geometry.arrays import Array
 from wirewear.base.course import Course
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects.contact import FrictionEvolution
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.records import AnyRecord

@@ -13,7 +13,7 @@ from scipy.special import stdtrit
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.model.nominal import ObserverOf, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_foreseen
 from wirewear.fitting import wear
 from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring

@@ -13,9 +13,9 @@ from scipy.optimize import brentq
 from scipy.special import stdtrit
 
 from geometry.arrays import Array
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.fitting.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figures_of_model
 from wirewear.fitting.values import FittedParameter
 from wirewear.kinds import kind_of

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.diagnosis.model.setup import Setup
-    from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.diagnosis.surrogate.inputs import Setup
+    from wirewear.diagnosis.surrogate.nominal import ObserverOf
+    from wirewear.diagnosis.surrogate.wear_states import WearStates
     from wirewear.interior.state import Inside
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessed_conditions import Touching

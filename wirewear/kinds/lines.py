@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from wirewear.kinds.kind import Kind, elsewhere
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.diagnosis.model.setup import Setup
-    from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.diagnosis.surrogate.inputs import Setup
+    from wirewear.diagnosis.surrogate.nominal import ObserverOf
+    from wirewear.diagnosis.surrogate.wear_states import WearStates
     from wirewear.records.contact_tables import LineRecordTables
     from wirewear.results import RunResult
     from wirewear.study import LineStudy
@@ -31,7 +31,7 @@ class LineContacts(Kind):
     refined = elsewhere("wirewear.simulation:LINES")
     inside = elsewhere("wirewear.interior.lines:INSIDE_LINES")
     write_meshes = elsewhere("wirewear.simulation:write_line_meshes")
-    checked_model = elsewhere("wirewear.diagnosis.model.nominal:checked_line_model")
+    checked_model = elsewhere("wirewear.diagnosis.surrogate.nominal:checked_line_model")
     touching = elsewhere("wirewear.records.importing.guessing:line_contact")
     surfaces = elsewhere("wirewear.records.exporting:profile_surfaces")
     write_fields = elsewhere("wirewear.interior.lines:write_line_fields")
@@ -55,14 +55,14 @@ class LineContacts(Kind):
         self, study: LineStudy, tables: LineRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Runs the nominal study; wear states of the whole length, and what limits them."""
-        from wirewear.diagnosis.model.line_states import LineStates
-        from wirewear.diagnosis.model.nominal import limits_of, line_run, nominal_run
+        from wirewear.diagnosis.surrogate.line_states import LineStates
+        from wirewear.diagnosis.surrogate.nominal import limits_of, line_run, nominal_run
 
         result = nominal_run(study, observer_of, line_run)
         return LineStates.of_line(result, study.pad.profile, tables.length_mm), limits_of(result, study)
 
     def setup(self, study: LineStudy, tables: LineRecordTables) -> Setup:
-        from wirewear.diagnosis.model.candidates import nominal_line_setup
+        from wirewear.diagnosis.surrogate.candidates import nominal_line_setup
 
         return nominal_line_setup(study, tables.conditions.drive)
 

@@ -10,9 +10,9 @@ from wirewear.base.errors import RecordError
 from wirewear.kinds.kind import Kind, elsewhere
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.nominal import ObserverOf
-    from wirewear.diagnosis.model.setup import Setup
-    from wirewear.diagnosis.model.wear_states import WearStates
+    from wirewear.diagnosis.surrogate.inputs import Setup
+    from wirewear.diagnosis.surrogate.nominal import ObserverOf
+    from wirewear.diagnosis.surrogate.wear_states import WearStates
     from wirewear.records.tables import PointRecordTables
     from wirewear.results import RunResult
     from wirewear.study import Study
@@ -27,7 +27,7 @@ class AtAPoint(Kind):
     refined = elsewhere("wirewear.simulation:POINTS")
     inside = elsewhere("wirewear.interior.bodies:INSIDE_POINTS")
     write_meshes = elsewhere("wirewear.simulation:write_meshes")
-    checked_model = elsewhere("wirewear.diagnosis.model.nominal:checked_model")
+    checked_model = elsewhere("wirewear.diagnosis.surrogate.nominal:checked_model")
     surfaces = elsewhere("wirewear.records.exporting:scar_surfaces")
     write_fields = elsewhere("wirewear.interior.writing:write_fields")
     drawings = elsewhere("wirewear.pictures:drawings")
@@ -43,8 +43,8 @@ class AtAPoint(Kind):
         self, study: Study, _tables: PointRecordTables, observer_of: ObserverOf | None
     ) -> tuple[WearStates, tuple[str, ...]]:
         """Runs the nominal study; its wear states, and what limits them. The run may end early."""
-        from wirewear.diagnosis.model.nominal import limits_of, nominal_run
-        from wirewear.diagnosis.model.wear_states import WearStates
+        from wirewear.diagnosis.surrogate.nominal import limits_of, nominal_run
+        from wirewear.diagnosis.surrogate.wear_states import WearStates
         from wirewear.study.bodies import Gap
 
         Gap.of(*study.bodies)  # refused before it is run
@@ -52,7 +52,7 @@ class AtAPoint(Kind):
         return WearStates.of_run(result), limits_of(result, study)
 
     def setup(self, study: Study, tables: PointRecordTables) -> Setup:
-        from wirewear.diagnosis.model.candidates import nominal_setup
+        from wirewear.diagnosis.surrogate.candidates import nominal_setup
 
         return nominal_setup(study, tables.conditions.drive)
 

@@ -14,19 +14,16 @@ from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.frame import numbers
 from wirewear.base.reading import with_checksum
 from wirewear.base.writing import finite, json_text, write_text, writing
+from wirewear.diagnosis.answer import program
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, places
-from wirewear.diagnosis.model.candidates import effect_of
-from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.readings import still_to_come
 from wirewear.diagnosis.observe import ObservedBranch, ReducedLoop
 from wirewear.diagnosis.observe.reduction import row_labels
 from wirewear.diagnosis.observe.scars import FEWEST_POINTS, read_profile
-from wirewear.pictures.style import VARIANT_COLOURS
-from wirewear.records import MeasuredScar
-from wirewear.results.scar import SCAR_EDGE, SCAR_FIGURES, called
-from wirewear.views.diagnosis_values import program
-from wirewear.views.diagnosis_wording import (
+from wirewear.diagnosis.surrogate.candidates import effect_of
+from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.sensing import still_to_come
+from wirewear.diagnosis.wording import (
     next_measurement,
     of_pairs,
     parameters_told,
@@ -36,10 +33,13 @@ from wirewear.views.diagnosis_wording import (
     told,
     worth_telling,
 )
+from wirewear.pictures.style import VARIANT_COLOURS
+from wirewear.records import MeasuredScar
+from wirewear.results.scar import SCAR_EDGE, SCAR_FIGURES, called
 
 if TYPE_CHECKING:
-    from wirewear.views.diagnosis_values import Diagnosis
-    from wirewear.views.diagnosis_wording import Diagnosed
+    from wirewear.diagnosis.answer import Diagnosis
+    from wirewear.diagnosis.wording import Diagnosed
 
 
 TEMPLATE = Path(__file__).with_name("diagnosis.html")

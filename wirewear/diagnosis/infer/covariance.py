@@ -16,13 +16,13 @@ from scipy.special import chdtrc
 
 from geometry.arrays import Array, IntArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.local_lines import OUTLYING
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
 from wirewear.diagnosis.observe.observable import ModelLoops, Scale
 from wirewear.diagnosis.observe.reduction import Layout, Observations, Part
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 
 #: Standard deviations of what honest models and rigs differ by that a tolerance is: nineteen of twenty stay within it.
 WITHIN = 1.96

@@ -16,10 +16,10 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import LASTING, LASTING_REACH
 from wirewear.diagnosis.infer.families import FAMILIES, PROFILE_FAMILIES, Branches, Family, Shape
 from wirewear.diagnosis.infer.inference import Fit, Problem, jacobian_of
-from wirewear.diagnosis.model.forward import simulate
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.reduction import Layout
 from wirewear.diagnosis.observe.scars import ProfileDepths
+from wirewear.diagnosis.surrogate.forward import simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.effects import Age, Ageing, Chain, Seam
 
 _KNOWN = constants("infer.families")

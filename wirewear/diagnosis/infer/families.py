@@ -18,10 +18,10 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.line_wear import EDGE
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.model.readings import KNEE, SLIDING
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.line_wear import EDGE
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
+from wirewear.diagnosis.surrogate.sensing import KNEE, SLIDING
 from wirewear.effects import Seam
 
 #: +1 on the branch towards +x, −1 on the other.

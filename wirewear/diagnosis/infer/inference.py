@@ -17,10 +17,10 @@ from scipy.linalg import solve_triangular
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance
-from wirewear.diagnosis.model.candidates import Candidate
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Layout
+from wirewear.diagnosis.surrogate.candidates import Candidate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 
 Found = TypeVar("Found")
 

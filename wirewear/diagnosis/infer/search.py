@@ -20,10 +20,10 @@ from wirewear.diagnosis.infer.covariance import Covariance, estimate, with_model
 from wirewear.diagnosis.infer.distortions import Distortion, distortions
 from wirewear.diagnosis.infer.inference import ITERATIONS, Fit, Problem, applied, sought, together
 from wirewear.diagnosis.infer.weighing import NOTICEABLE, Remainder, distances, remainder_of
-from wirewear.diagnosis.model.candidates import Candidate, library
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.diagnosis.surrogate.candidates import Candidate, library
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Measurement, all_measurements, splits
 
 _KNOWN = constants("infer.search")

@@ -17,14 +17,14 @@ from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import Covariance, smooth_covariance, whole_sizes
 from wirewear.diagnosis.infer.inference import Fit, Problem, fit
-from wirewear.diagnosis.model.forward import LoopCourse, simulate
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.observe.observable import AlongBranch, Scale
 from wirewear.diagnosis.observe.reduction import Features, Layout, Observations
 from wirewear.diagnosis.observe.scars import ProfileDepths
+from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.results.scar import called
 
 _KNOWN = constants("infer.shrink")

@@ -17,8 +17,8 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.covariance import SHARED, Covariance, derivatives
 from wirewear.diagnosis.infer.inference import SEPARATION_ITERATIONS, Fit, Problem, sought, together
-from wirewear.diagnosis.model.candidates import Candidate
 from wirewear.diagnosis.observe.reduction import Part
+from wirewear.diagnosis.surrogate.candidates import Candidate
 
 _KNOWN = constants("infer.weighing")
 

@@ -14,12 +14,12 @@ from wirewear.diagnosis.infer.covariance import Covariance
 from wirewear.diagnosis.infer.distortions import Distortion
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.weighing import NOTICEABLE
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe import AlongBranch
 from wirewear.diagnosis.observe.along_branches import PlateauForce, Stick
 from wirewear.diagnosis.observe.observable import Observable
 from wirewear.diagnosis.observe.reduction import Part
 from wirewear.diagnosis.observe.scars import ProfileDepths
+from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.effects import Seam
 
 _KNOWN = constants("infer.where")

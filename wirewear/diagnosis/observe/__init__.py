@@ -3,8 +3,6 @@
 A package that adds an observable needs the names of this door alone.
 """
 
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import ObservedBranch
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
 from wirewear.diagnosis.observe.observable import (
@@ -20,7 +18,9 @@ from wirewear.diagnosis.observe.observable import (
     Zone,
     rows_of,
 )
-from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.observed_record import Reading
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.inputs import Setup
 
 #: As packages know it that were written when numbers of one zone had a class of their own.
 OfWholeLoops = Observable

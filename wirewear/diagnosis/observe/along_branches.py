@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import read_along, still_to_come
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR, OUTLYING, LocalLine, ObservedBranch, force_at, knees_of
 from wirewear.diagnosis.observe.measured_loops import FORCE_WINDOW, POSITION_WINDOW, ReducedLoop
-from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.observed_record import Reading
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.sensing import read_along, still_to_come
 from wirewear.loops.noise import noise_factor
 
 _OF_STICK = constants("observe.stick")

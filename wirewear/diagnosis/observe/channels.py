@@ -11,9 +11,6 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import SLIDING, read_along
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import CHORD_ERROR
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE, ReducedLoop
 from wirewear.diagnosis.observe.observable import (
@@ -28,7 +25,10 @@ from wirewear.diagnosis.observe.observable import (
     Zone,
     rows_of,
 )
-from wirewear.diagnosis.observe.reading import Reading, spread_cycles
+from wirewear.diagnosis.observe.observed_record import Reading, spread_cycles
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.sensing import SLIDING, read_along
 from wirewear.loops.sensor import enclosed_areas
 
 _KNOWN = constants("observe.normal_along")

@@ -7,8 +7,8 @@ import numpy as np
 
 from geometry.arrays import Array, ComplexArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
 from wirewear.diagnosis.observe.local_lines import OUTLYING, ObservedBranch, force_at, knee_index
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.loops import LoopError
 from wirewear.loops.branches import Branch, split_branches, upright
 from wirewear.loops.cleaning import CleanLoop, clean_loop

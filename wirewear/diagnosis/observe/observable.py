@@ -17,12 +17,12 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.readings import MIDDLE, SLIDING, read_along
-from wirewear.diagnosis.model.setup import Setup
 from wirewear.diagnosis.observe.local_lines import LocalLine
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop
-from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.observed_record import Reading
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.sensing import MIDDLE, SLIDING, read_along
 from wirewear.records.tables import Tolerance
 
 _OF_DIFFERENCES = constants("observe.differences")

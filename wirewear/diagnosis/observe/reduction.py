@@ -13,17 +13,17 @@ from numpy.typing import NDArray
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.plugins import installed
 from wirewear.base.errors import WirewearError
-from wirewear.diagnosis.model.forward import OF_LOOPS, LoopCourse, simulated
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick
 from wirewear.diagnosis.observe.channels import Energy, LargestForce, SlipAmplitude
 from wirewear.diagnosis.observe.measured_loops import ReducedLoop, common_motion
 from wirewear.diagnosis.observe.observable import AlongBranch, Observable, Site, Sites
-from wirewear.diagnosis.observe.reading import Reading, read
+from wirewear.diagnosis.observe.observed_record import Reading, read
 from wirewear.diagnosis.observe.scars import ProfileDepths, ScarFigures, ScarSkew
+from wirewear.diagnosis.surrogate.forward import OF_LOOPS, LoopCourse, simulated
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord
 
 #: So many setups are computed together: their arrays are large enough to be worth a call, and stay in a cache.

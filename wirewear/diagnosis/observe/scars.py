@@ -9,11 +9,11 @@ from scipy.ndimage import uniform_filter1d
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.forward import LoopCourse
-from wirewear.diagnosis.model.loop_states import scar_skew
 from wirewear.diagnosis.observe import observable
 from wirewear.diagnosis.observe.measured_loops import LEAST_NOISE
-from wirewear.diagnosis.observe.reading import Reading
+from wirewear.diagnosis.observe.observed_record import Reading
+from wirewear.diagnosis.surrogate.forward import LoopCourse
+from wirewear.diagnosis.surrogate.loop_states import scar_skew
 from wirewear.records import MeasuredProfile, MeasuredScar
 from wirewear.results.scar import SCAR_FIGURES, crossings
 

@@ -297,7 +297,7 @@ def _identity(nominal: NominalRun) -> Identity:
     how = {"margins": nominal.margins, "changes": nominal.changes}
     asked = {**stated, "conditions": stated["conditions"] | timing, **how}
     plan = {name: constant.value for name, constant in _KNOWN.known.items()} | {"added": added_code(study.laws)}
-    return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/model/nominal.py"), plan)
+    return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/surrogate/nominal.py"), plan)
 
 
 def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:

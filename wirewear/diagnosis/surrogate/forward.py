@@ -18,11 +18,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array
-from wirewear.diagnosis.model import readings
-from wirewear.diagnosis.model.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
-from wirewear.diagnosis.model.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
+from wirewear.diagnosis.surrogate import sensing
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.layered_wires import LAYER_MEMORY, SHEAR_RATIO, remembered
+from wirewear.diagnosis.surrogate.loop_states import EVEN_POWERS, LIFT_POWERS, ODD_POWERS
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Chain
 
 #: Wear is followed over this many cycles, evenly spaced in their logarithm.
@@ -34,12 +34,12 @@ _WEAR_SWEEPS, _SLIP_SWEEPS = 3, 2
 #: Relative change of `SCAR_FIGURES` per retained fraction, from a simulation with 40 %: debris holds wear in place.
 _CONCENTRATION = np.array([0.0, 0.5, -0.34, -0.25])
 
-_ODD = np.stack([readings.POSITIONS**power for power in ODD_POWERS])
-_EVEN = np.stack([readings.POSITIONS**power for power in EVEN_POWERS])
-_LIFT = np.stack([readings.POSITIONS**power for power in LIFT_POWERS])
+_ODD = np.stack([sensing.POSITIONS**power for power in ODD_POWERS])
+_EVEN = np.stack([sensing.POSITIONS**power for power in EVEN_POWERS])
+_LIFT = np.stack([sensing.POSITIONS**power for power in LIFT_POWERS])
 
 #: What is steeper towards the ends of the stroke, without a mean over it.
-_ENDS = readings.POSITIONS**4 - 0.2
+_ENDS = sensing.POSITIONS**4 - 0.2
 
 
 #: Numbers of a setup that its chain does not hold.
@@ -148,7 +148,7 @@ def simulated(states: WearStates, setups: Sequence[Setup], cycles: Array) -> lis
     whole, setup = Chain.joined(chains), _columns(setups, cycles.size)
     chain, end = whole.taken(at), whole.taken(ends)
     contact = _contact(states, setup, chain, slip[at], layer and layer.taken(at))
-    loops = readings.read_by_sensors(setup, chain, *readings.branch_of(contact, chain, slip[at]), contact.load_N)
+    loops = sensing.read_by_sensors(setup, chain, *sensing.branch_of(contact, chain, slip[at]), contact.load_N)
     under = np.zeros(len(setups)) if layer is None else layer.worn_under_um[ends]
     scars, skews = _scars(states, end, slip[ends], under), _skews(states, end, slip[ends])
     profiles = [
@@ -189,7 +189,7 @@ def _wear_path(states: WearStates, setups: Sequence[Setup], cycles: Array) -> tu
         for _ in range(_SLIP_SWEEPS):
             contact = _contact(states, setup, chain, slip, layer)
             slip = np.maximum(slip + _missing_slip(setup, chain, contact, slip), 0.02 * setup.amplitude_um)
-        energy = readings.loop_energy(contact, slip)
+        energy = sensing.loop_energy(contact, slip)
     return chains, slip, energy
 
 
@@ -201,7 +201,7 @@ def _summed(per_cycle: Array, steps: Array) -> Array:
 
 def _contact(
     states: WearStates, setup: Setup, chain: Chain, slip: Array, layer: _Layer | None
-) -> readings.SlidingContact:
+) -> sensing.SlidingContact:
     """The contact's force curve at a slip amplitude, from the state of equal V R/δ⁴."""
     own = setup.stretch * slip
     similarity = states.similar(states.open_share(chain) * chain.worn_um3, own)
@@ -234,13 +234,13 @@ def _contact(
     along = load[:, None] + lift @ _LIFT
     force = along * np.tan(np.minimum(np.maximum(theta + angle, -1.2), 1.2))
     stiffness = stiffness * (load / states.normal_load_N) ** states.stiffening
-    return readings.SlidingContact(along, force, stiffness, springs, states.full_slip * np.exp(setup.micro_slip))
+    return sensing.SlidingContact(along, force, stiffness, springs, states.full_slip * np.exp(setup.micro_slip))
 
 
 @cache
 def _odd_hats(count: int) -> Array:
     """From values at so many even positions from the middle to an end to all positions (count, m): they are odd."""
-    sign, at, known = np.sign(readings.POSITIONS), np.abs(readings.POSITIONS), np.linspace(0.0, 1.0, count)
+    sign, at, known = np.sign(sensing.POSITIONS), np.abs(sensing.POSITIONS), np.linspace(0.0, 1.0, count)
     return np.stack([sign * np.interp(at, known, hat) for hat in np.eye(count)])
 
 
@@ -253,10 +253,10 @@ def _places(states: WearStates, similarity: Array) -> tuple[np.ndarray, Array]:
     return row, np.minimum(np.maximum(share, 0.0), 3.0)
 
 
-def _missing_slip(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
+def _missing_slip(setup: Setup, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """How much farther (n,) the contact has to slide for the drive to hold what it holds."""
-    tip = contact.force_N[:, readings.END]
-    stroke = slip + readings.elastic_of(contact) * tip + 0.5 * chain.free_play_um
+    tip = contact.force_N[:, sensing.END]
+    stroke = slip + sensing.elastic_of(contact) * tip + 0.5 * chain.free_play_um
     if setup.held:
         missing = _missing_held(setup, chain, contact, slip)
         return np.where(np.isnan(chain.amplitude_um), missing, chain.amplitude_um - stroke)
@@ -264,21 +264,21 @@ def _missing_slip(setup: Setup, chain: Chain, contact: readings.SlidingContact, 
         missing = chain.amplitude_um / chain.gain - stroke
         if (at := np.flatnonzero((chain.linear_um_per_N != 0.0) | (chain.quadratic_um_per_N2 != 0.0))).size:
             moved = chain.taken(at)
-            half = _half_reading(moved, *readings.branch_of(contact.taken(at), moved, slip[at]))
+            half = _half_reading(moved, *sensing.branch_of(contact.taken(at), moved, slip[at]))
             missing[at] = (moved.amplitude_um - half) / moved.gain
         return missing
     return np.asarray(chain.amplitude_um - stroke)
 
 
-def _missing_held(setup: Setup, chain: Chain, contact: readings.SlidingContact, slip: Array) -> Array:
+def _missing_held(setup: Setup, chain: Chain, contact: sensing.SlidingContact, slip: Array) -> Array:
     """The same of a drive that holds a figure of the loop in place of its amplitude."""
-    target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, readings.END]
+    target, tip = setup.held_share * setup.amplitude_um, contact.force_N[:, sensing.END]
     if setup.held == "energy":
-        per_um = 2e-3 * np.trapezoid(contact.force_N, readings.POSITIONS, axis=1)
-        return np.asarray((target - readings.loop_energy(contact, slip)) / per_um)
+        per_um = 2e-3 * np.trapezoid(contact.force_N, sensing.POSITIONS, axis=1)
+        return np.asarray((target - sensing.loop_energy(contact, slip)) / per_um)
     if setup.held == "motion":
-        return np.asarray(target - slip - (readings.elastic_of(contact) - chain.compliance_um_per_N) * tip)
-    return target - readings.slip_amplitude(contact, slip)
+        return np.asarray(target - slip - (sensing.elastic_of(contact) - chain.compliance_um_per_N) * tip)
+    return target - sensing.slip_amplitude(contact, slip)
 
 
 def _half_reading(chain: Chain, x: Array, q: Array) -> Array:

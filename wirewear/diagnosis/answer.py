@@ -14,7 +14,7 @@ from wirewear.diagnosis.calibration import constants, digest
 from wirewear.diagnosis.infer.inference import REACH
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
-from wirewear.diagnosis.model.candidates import Candidate
+from wirewear.diagnosis.surrogate.candidates import Candidate
 from wirewear.effects import Parameter
 from wirewear.records.remarks import Remark
 

@@ -26,8 +26,8 @@ from geometry.arrays import Array
 from solvers import RoughLayer
 from wirewear.base.cache import identity_of
 from wirewear.base.errors import ResultError
-from wirewear.diagnosis.model.nominal import kept_or_made
-from wirewear.diagnosis.model.worn_wires import (
+from wirewear.diagnosis.surrogate.nominal import kept_or_made
+from wirewear.diagnosis.surrogate.worn_wires import (
     Pressing,
     Worn,
     WornWires,
@@ -147,7 +147,7 @@ def remembered(height: Array, worn: Array, power: float) -> Array:
 @lru_cache(maxsize=16)
 def layered_wires(case: LayeredCase) -> LayeredWires:
     """The table of a case, from the cache or made now, in about a second."""
-    identity = identity_of(vars(case), ("wirewear/diagnosis/model",), {})
+    identity = identity_of(vars(case), ("wirewear/diagnosis/surrogate",), {})
 
     def made(folder: Path) -> tuple[LayeredWires, Path]:
         table, path = _made(case), folder / "layers.npz"

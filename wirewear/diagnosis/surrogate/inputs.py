@@ -10,7 +10,7 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
 from wirewear.study import AnyStudy
 from wirewear.study.programme import Schedule, held_by, worked_course

@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, ComplexArray
-from wirewear.diagnosis.model.loop_states import SINE, FastMotion
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import Chain
 
 #: Positions on a branch: sliding, more densely towards its ends, and sticking.

@@ -18,14 +18,14 @@ from geometry import Cylinder, RoundedFlat, TabledProfile
 from geometry.arrays import Array
 from wirewear.base.errors import RunError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model import loop_states
-from wirewear.diagnosis.model.line_wear import WornLine, WornLineContact, between, transformed, worn_line
-from wirewear.diagnosis.model.wear_states import NUMERICAL, WearStates
+from wirewear.diagnosis.surrogate import loop_states
+from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
+from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
 from wirewear.study.faces import Face
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.surrogate.inputs import Setup
     from wirewear.effects import Chain, Effect
     from wirewear.results import Loop, RunResult
 

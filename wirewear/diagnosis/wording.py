@@ -10,20 +10,20 @@ from typing import Any
 
 from wirewear.base.errors import unit_of, words_of
 from wirewear.base.frame import figure, notebook_table
+from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate, Partial, Verdict
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.inference import Fit
 from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.weighing import ForceZero, Weighed
 from wirewear.diagnosis.infer.where import GapFinding, Relevance, Resemblance
-from wirewear.diagnosis.model.candidates import unforeseen
-from wirewear.diagnosis.model.setup import Setup
-from wirewear.diagnosis.model.wear_states import WearStates
 from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.diagnosis.surrogate.candidates import unforeseen
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects, all_measurements, effect_named
 from wirewear.records import AnyRecord
 from wirewear.study import AnyStudy
-from wirewear.views.diagnosis_values import Cause, Diagnosis, Estimate, Partial, Verdict
 
 #: What to look at where a gap behaves like something at a seam.
 SEAMS = {

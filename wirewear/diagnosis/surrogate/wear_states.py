@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.layered_wires import (
+from wirewear.diagnosis.surrogate.layered_wires import (
     ENGAGEMENT_MPa,
     FlattenedWires,
     LayeredCase,
@@ -27,12 +27,12 @@ from wirewear.diagnosis.model.layered_wires import (
     flattened_wires,
     layered_wires,
 )
-from wirewear.diagnosis.model.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
+from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
 from wirewear.study import study_from_tables
 from wirewear.study.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.model.setup import Setup
+    from wirewear.diagnosis.surrogate.inputs import Setup
     from wirewear.effects import Chain, Effect
     from wirewear.results import RunResult
 

@@ -13,7 +13,7 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
-from wirewear.diagnosis.model.setup import Setup
+from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
 from wirewear.study import LineStudy, Study
 from wirewear.study.bodies import Gap
