@@ -15,6 +15,7 @@ from tests.studies import COARSE, WEARING, coarse, line_study
 from wirewear import StudyError, load_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.fit.fit import fit_record
 from wirewear.diagnosis.observe.channels import half_width, loop_area
 from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
 from wirewear.diagnosis.surrogate.forward import LoopCourse
@@ -22,7 +23,6 @@ from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
 from wirewear.diagnosis.surrogate.nominal import checked_model, nominal_study, require_foreseen
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
-from wirewear.fitting.fit import fit_record
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import ExperimentRecord, read_record, record_of_result, write_record
 from wirewear.records.course_checks import accumulated_energy_J

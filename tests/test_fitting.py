@@ -11,8 +11,8 @@ from tests.frozen_states import frozen_states
 from tests.independent_records import independent_record
 from tests.synthetic_loops import Recipe, SyntheticLoop
 from wirewear.base.course import enclosed_energy
-from wirewear.fitting import FittedParameter, FittedTest, fit_record
-from wirewear.fitting.stiffness import rig_compliance, spring_of_loads
+from wirewear.diagnosis.fit import FittedParameter, FittedTest, fit_record
+from wirewear.diagnosis.fit.stiffness import rig_compliance, spring_of_loads
 from wirewear.loops import analyse_loop
 from wirewear.records import ExperimentRecord
 from wirewear.records.course_checks import accumulated_energy_J

@@ -15,14 +15,14 @@ from tests.commands import wirewear
 from tests.diagnosis_cases import nominal, record, states
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.answer import estimates, forms
+from wirewear.diagnosis.fit import FittedParameter, FittedTest, fit_record
+from wirewear.diagnosis.fit.fast_fit import FastFit, LoopsOfTests, fast_fit, figures_of_model
+from wirewear.diagnosis.fit.fit import _misfit
 from wirewear.diagnosis.surrogate.candidates import Candidate, library
 from wirewear.effects import effect_named
 from wirewear.effects.parameter import limit_um
-from wirewear.fitting import FittedParameter, FittedTest, fit_record
-from wirewear.fitting.fast_fit import FastFit, LoopsOfTests, fast_fit, figures_of_model
-from wirewear.fitting.fit import _misfit
-from wirewear.fitting.report import fit_json
 from wirewear.records import ExperimentRecord, MeasuredLoop, write_record
+from wirewear.views.fit_report import fit_json
 
 pytestmark = pytest.mark.seconds
 CYCLES = (100, 1000, 10_000)

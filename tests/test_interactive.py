@@ -138,7 +138,7 @@ def test_a_record_of_a_line_contact_answers_as_one_of_wires_does(monkeypatch: py
         asked.append(told)
         return options
 
-    monkeypatch.setattr("wirewear.fitting.fit_record", remembered)
+    monkeypatch.setattr("wirewear.diagnosis.fit.fit_record", remembered)
     monkeypatch.setattr("wirewear.diagnosis.diagnose", remembered)
     assert cast("dict[str, Any]", record.fit(worn_volume_mm3=2.0, progress=False))["given"].volume_mm3 == 2.0
     assert cast("dict[str, Any]", record.diagnose(without=["third_body"]))["left_out"] == ["third_body"]

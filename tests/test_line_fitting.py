@@ -14,12 +14,12 @@ from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, w
 from tests.studies import line_study
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
+from wirewear.diagnosis.fit import FittedTest, fit_record
+from wirewear.diagnosis.fit.wear import fitted_wear
 from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.line_wear import WornLineContact, worn_line
 from wirewear.effects import Effect, effect_named
-from wirewear.fitting import FittedTest, fit_record
-from wirewear.fitting.wear import fitted_wear
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import LineRecord, check_record, read_record, record_of_result
 from wirewear.records.contact_tables import LineStated

@@ -15,7 +15,7 @@ from tests.studies import minimal
 from tests.test_pads import BALL, study
 from wirewear import StudyError
 from wirewear.base.errors import RecordError
-from wirewear.fitting.sensor_calibration import calibrate
+from wirewear.diagnosis.fit.sensor_calibration import calibrate
 from wirewear.kinds import any_study
 from wirewear.study import load_study
 from wirewear.study.surfaces import depths_of_table, kept

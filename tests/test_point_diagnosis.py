@@ -14,20 +14,20 @@ from tests.test_point_records import SHAPES, run_of
 from wirewear import record_of_result
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
+from wirewear.diagnosis.fit import fit_record
 from wirewear.diagnosis.record_diagnosis import beginning_of
 from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, elastic, equilibrium, wearing
-from wirewear.fitting import fit_record
-from wirewear.fitting.report import fit_table
 from wirewear.kinds import kind_of
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord
 from wirewear.simulation import run_study
 from wirewear.study import study_from_tables
 from wirewear.study.bodies import Gap, Wire
+from wirewear.views.fit_report import fit_table
 
 
 def wire(angle_deg: float) -> Wire:

@@ -15,7 +15,7 @@ from tests.synthetic_loops import Recipe, SyntheticLoop
 from tests.synthetic_results import result
 from tests.test_simulate import COARSE
 from wirewear import check_record, read_record, record_of_result, write_record
-from wirewear.fitting.sensor_calibration import (
+from wirewear.diagnosis.fit.sensor_calibration import (
     Calibration,
     LoadedMotion,
     LoadPolynomial,

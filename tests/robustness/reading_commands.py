@@ -35,7 +35,7 @@ BEGINNING = dict.fromkeys(
     (
         "wirewear.simulation.runs:cycle_through",
         "wirewear.simulation.plan:condense_bodies",
-        "wirewear.fitting.sensor_calibration:contact_problem",
+        "wirewear.diagnosis.fit.sensor_calibration:contact_problem",
         "wirewear.simulation.runs:run_side_by_side",
         "wirewear.base.engine:LocalProcesses.done",
     ),

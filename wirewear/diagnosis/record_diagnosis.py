@@ -88,7 +88,7 @@ def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
         )
     unknown: dict[str, float] = {}
     if model is None and record.tables.missing:
-        from wirewear.fitting import completed
+        from wirewear.diagnosis.fit import completed
 
         record, unknown = completed(record)
     kind, tables = kind_of(record), record.tables

@@ -126,7 +126,7 @@ def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
     """A record's test as the tables of a study, `kind` among them.
     Raises StudyError if the study is to be of a kind that is never recorded.
     """
-    from wirewear.fitting.fit import tables_of_record
+    from wirewear.diagnosis.fit.fit import tables_of_record
     from wirewear.records import read_record
 
     record = read_record(record_path)
@@ -219,9 +219,11 @@ def fit(
     Loops tell friction, rig and play. The wear coefficient takes a scar's volume, measured or given, as well.
     """
     from wirewear.base.locks import occupied
+    from wirewear.diagnosis.fit import GivenWear, check_by_run, fit_record
     from wirewear.faces.study_script import wide_console
-    from wirewear.fitting import GivenWear, check_by_run, fit_record
-    from wirewear.fitting.report import (
+    from wirewear.records import read_record
+    from wirewear.simulation import ProgressBar
+    from wirewear.views.fit_report import (
         check_table,
         fit_json,
         fit_table,
@@ -229,8 +231,6 @@ def fit(
         write_fit,
         write_stated,
     )
-    from wirewear.records import read_record
-    from wirewear.simulation import ProgressBar
     from wirewear.views.run_page import write_page
 
     if wear_coefficient is not None and worn_volume is not None:

@@ -112,15 +112,15 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.console import Console
     from rich.markup import escape
 
-    from wirewear.faces.study_script import progress_bar
-    from wirewear.fitting.sensor_calibration import calibrate as solve
-    from wirewear.fitting.sensor_calibration import (
+    from wirewear.diagnosis.fit.sensor_calibration import calibrate as solve
+    from wirewear.diagnosis.fit.sensor_calibration import (
         calibration_json,
         calibration_text,
         corrected_record,
         parse_loads,
         parse_near,
     )
+    from wirewear.faces.study_script import progress_bar
     from wirewear.records import read_record, require_place, write_record
     from wirewear.study import load_study
 

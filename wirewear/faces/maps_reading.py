@@ -12,8 +12,8 @@ import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
-from wirewear.fitting.fit import tables_of_record
-from wirewear.fitting.stiffness import rig_compliance
+from wirewear.diagnosis.fit.fit import tables_of_record
+from wirewear.diagnosis.fit.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J

@@ -24,7 +24,7 @@ from wirewear.study.any_study import alone
 
 if TYPE_CHECKING:
     from wirewear.diagnosis import Diagnosed
-    from wirewear.fitting import FittedTest
+    from wirewear.diagnosis.fit import FittedTest
     from wirewear.results import RunResult
     from wirewear.study import AnyStudy
     from wirewear.views.comparison import RecordComparison
@@ -77,7 +77,7 @@ class Record(ExperimentRecord[Any, Any]):
         Raises RecordError if the record is unsound, none of its loops slides as a whole, or none tells its energy;
         StudyError or SolverError if the nominal run of the fast model fails.
         """
-        from wirewear.fitting import GivenWear, fit_record
+        from wirewear.diagnosis.fit import GivenWear, fit_record
 
         given = GivenWear(wear_coefficient_mm3_per_J, worn_volume_mm3)
         return fit_record(

@@ -13,11 +13,11 @@ from scipy.special import stdtrit
 
 from geometry.arrays import Array
 from wirewear.base.errors import RecordError
+from wirewear.diagnosis.fit import wear
+from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
+from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
+from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_foreseen
-from wirewear.fitting import wear
-from wirewear.fitting.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
-from wirewear.fitting.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
-from wirewear.fitting.values import FittedParameter, FittedTest
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord

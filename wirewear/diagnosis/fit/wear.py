@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.fitting.values import FittedParameter
+from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.records import AnyRecord
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.results.scar import called

@@ -1,7 +1,7 @@
 """Parameters of a test fitted to its record: friction, rig stiffness, play and wear, each with an interval."""
 
-from wirewear.fitting.fit import CheckedRun, check_by_run, completed, fit_record
-from wirewear.fitting.values import FittedParameter, FittedTest
-from wirewear.fitting.wear import GivenWear
+from wirewear.diagnosis.fit.fit import CheckedRun, check_by_run, completed, fit_record
+from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
+from wirewear.diagnosis.fit.wear import GivenWear
 
 __all__ = ["CheckedRun", "FittedParameter", "FittedTest", "GivenWear", "check_by_run", "completed", "fit_record"]

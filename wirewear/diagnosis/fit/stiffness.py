@@ -13,11 +13,11 @@ from scipy.optimize import brentq
 from scipy.special import stdtrit
 
 from geometry.arrays import Array
+from wirewear.diagnosis.fit.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figures_of_model
+from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.fitting.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figures_of_model
-from wirewear.fitting.values import FittedParameter
 from wirewear.kinds import kind_of
 from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
