@@ -21,11 +21,11 @@ from wirewear.interior.averaging import kernel_of
 from wirewear.interior.criteria import LifeCurve
 from wirewear.interior.damage import Ahead, Damage, Rates, Span
 from wirewear.interior.life import criterion_of, require_life
-from wirewear.interior.life_page import NOT_AVERAGED
 from wirewear.results import ContactForces, RunResult
 from wirewear.simulation import simulate
 from wirewear.study.life import CRITERIA, LifeTable
 from wirewear.study.programme import BlockCourse, CycleBlock, Schedule
+from wirewear.views.life_page import NOT_AVERAGED
 
 STEEL = Elastic(210000.0, 0.3)
 STRENGTH, B, DUCTILITY, C = 2000.0, -0.09, 0.5, -0.6

@@ -14,10 +14,8 @@ from tests.logger_files import CYLINDER, LOAD_N, DEPTHS_um, LENGTH_mm, line_reco
 from tests.studies import minimal
 from tests.synthetic_loops import partial_slip_loop
 from tests.synthetic_results import result
-from wirewear.faces.maps_reading import _worn, fretting_tests
-from wirewear.records import read_record, write_record
-from wirewear.results import write_result
-from wirewear.views.run_maps import (
+from wirewear.comparison.mapped_tests import _worn, fretting_tests
+from wirewear.comparison.maps import (
     FreshContact,
     RegressionLine,
     edge_tension,
@@ -27,6 +25,8 @@ from wirewear.views.run_maps import (
     tension_at,
     transition,
 )
+from wirewear.records import read_record, write_record
+from wirewear.results import write_result
 
 pytestmark = pytest.mark.seconds
 EXAMPLES = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "example_records"

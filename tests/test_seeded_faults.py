@@ -12,7 +12,7 @@ from geometry.arrays import Array
 from wirewear import RecordError, check_record, read_record, write_record
 from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, MeasuredScar, checking
 from wirewear.records.checking import problems_told
-from wirewear.views.loops_sources import read_loops
+from wirewear.records.importing.loop_sources import read_loops
 
 pytestmark = pytest.mark.seconds
 EXAMPLE = Path(__file__).parent.parent / "studies" / "steel_wires" / "example_records" / "no_gap"

@@ -18,9 +18,9 @@ from wirewear.base.delimited import DelimitedLayout, DelimitedText
 from wirewear.base.errors import RecordError
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing, import_record
+from wirewear.records.importing.loop_sources import read_loops
 from wirewear.records.importing.reader import open_lines
 from wirewear.records.values import ExperimentRecord
-from wirewear.views.loops_sources import read_loops
 
 KINDS = strangers.KINDS | LOGGERS | MAPS
 #: Kinds in which the other language is neither English nor German.

@@ -16,7 +16,7 @@ from tests.test_strangers_files import STEEL
 from wirewear.base.blocks import counts_in
 from wirewear.base.errors import RecordError
 from wirewear.records.importing import guessing, import_record
-from wirewear.views.loops_sources import read_loops
+from wirewear.records.importing.loop_sources import read_loops
 
 CYCLES, FORCES_N = (1, 100, 1000, 5000), (0.8, 0.9, 1.0, 1.24)
 TIME, X, _ = (own[:128] for own in loops())

@@ -11,8 +11,8 @@ from wirewear.base.naming import encoding_of, recognised
 from wirewear.loops.sensor import enclosed_area
 from wirewear.records.importing import guessing
 from wirewear.records.importing.guessed_files import looked_into
+from wirewear.records.importing.loop_sources import SampledLoop, read_loops
 from wirewear.views.loops_report import analyse_loops, remarks
-from wirewear.views.loops_sources import SampledLoop, read_loops
 
 #: Names of time, displacement, force and load as loggers of a country write them, and encodings in which they do.
 LANGUAGES = {

@@ -17,6 +17,7 @@ from wirewear.base.hdf5 import sealed
 from wirewear.diagnosis.surrogate.nominal import nominal_run
 from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
+from wirewear.records.importing.loop_sources import read_loops
 from wirewear.results import read_results as read_runs
 from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
@@ -24,7 +25,6 @@ from wirewear.sweeps import load_sweep
 from wirewear.sweeps.running import Journal
 from wirewear.sweeps.sweep import SweepRow
 from wirewear.views.loops_report import analyse_loops
-from wirewear.views.loops_sources import read_loops
 
 STUDIES = Path(__file__).parents[2] / "studies"
 

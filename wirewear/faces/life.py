@@ -92,7 +92,7 @@ def life(
     """
     from wirewear.faces.looking import one_run
     from wirewear.faces.study_script import progress_bar
-    from wirewear.interior.life_page import life_json, notes, sentence, write_lives
+    from wirewear.views.life_page import life_json, notes, sentence, write_lives
 
     named = {"criterion": criterion, "material": material, "averaging_length_um": averaging_length}
     values = {key: value for key, value in named.items() if value is not None} | dict(map(_pair, others))

@@ -61,6 +61,7 @@ def loops_command(
     """Analyse the loops of a CSV file, a record or a result: amplitudes, stiffness, friction, energy, regime."""
     from wirewear.faces.study_script import wide_console
     from wirewear.pictures import require_picture_name
+    from wirewear.records.importing.loop_sources import Spelling, read_loops
     from wirewear.views.loops_report import (
         analyse_loops,
         draw_loops,
@@ -69,7 +70,6 @@ def loops_command(
         real_loops_table,
         remarks,
     )
-    from wirewear.views.loops_sources import Spelling, read_loops
 
     spelling = Spelling(encoding, delimiter, decimal, header_lines, lines_after_names)
     if output is None and not as_json:

@@ -33,9 +33,9 @@ if TYPE_CHECKING:
 @click.option("--json", "as_json", is_flag=True, help="Print tests and lines as JSON.")
 def maps(paths: tuple[Path, ...], output: Path, limit: float | None, as_json: bool) -> None:
     """Set tests side by side: running conditions, material response, sliding criteria, wear against friction energy."""
-    from wirewear.faces.maps_page import maps_json, sentences, tests_table, write_maps
-    from wirewear.faces.maps_reading import fretting_tests
+    from wirewear.comparison.mapped_tests import fretting_tests
     from wirewear.faces.study_script import wide_console
+    from wirewear.views.maps_page import maps_json, sentences, tests_table, write_maps
 
     with group.busy("reading the tests"):
         tests = [test for path in paths for test in fretting_tests(path)]
@@ -65,7 +65,7 @@ def sweep(sweep_path: Path, output: Path | None, jobs: int | None, scheduler: st
     """
     from wirewear.base.engine import engine_of
     from wirewear.sweeps import load_sweep, run_sweep
-    from wirewear.sweeps.page import write_sweep
+    from wirewear.views.sweep_page import write_sweep
 
     asked = load_sweep(sweep_path)
     folder = output or Path("runs") / sweep_path.resolve().stem

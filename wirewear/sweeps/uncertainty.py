@@ -24,10 +24,10 @@ from wirewear.base.writing import write_csv, write_text, writing
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
-from wirewear.sweeps.page import SLIP, depth_among, label_of
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.signature import LATIN_HYPERCUBE
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
+from wirewear.views.sweep_page import SLIP, depth_among, label_of
 
 HERE = Path(__file__).parent
 TABLE, PAGE = "uncertain.csv", "uncertain.html"

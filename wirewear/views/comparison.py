@@ -15,12 +15,7 @@ from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
-from wirewear.records import AnyRecord
-from wirewear.records.checking import problems_told
-from wirewear.records.remarks import unlike_conditions
-from wirewear.records.tables import curved, each_wire
-from wirewear.results import RunResult
-from wirewear.views.differences import (
+from wirewear.comparison.differences import (
     EVOLUTION_FIGURES,
     REPEATS,
     Difference,
@@ -32,7 +27,12 @@ from wirewear.views.differences import (
     scar_differences,
     worst_differences,
 )
-from wirewear.views.registration import ScarPair, scar_pairs
+from wirewear.comparison.registration import ScarPair, scar_pairs
+from wirewear.records import AnyRecord
+from wirewear.records.checking import problems_told
+from wirewear.records.remarks import unlike_conditions
+from wirewear.records.tables import curved, each_wire
+from wirewear.results import RunResult
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 

@@ -11,13 +11,13 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
+from wirewear.comparison.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
+from wirewear.comparison.registration import ScarPair
 from wirewear.loops import LoopFigures, Measured
 from wirewear.pictures import style
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.records import AnyRecord
 from wirewear.results import RunResult
-from wirewear.views.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
-from wirewear.views.registration import ScarPair
 
 SIMULATED, MEASURED, BAND = style.VARIANT_COLOURS[0], style.INK, "#c9c9c9"
 

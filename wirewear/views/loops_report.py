@@ -19,8 +19,8 @@ from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
+from wirewear.records.importing.loop_sources import SampledLoop
 from wirewear.records.loop_checks import DRY, NO_FRICTION
-from wirewear.views.loops_sources import SampledLoop
 
 #: Figures in the order of the table and of JSON: name in `LoopFigures`, heading, factor to the heading's unit.
 FIGURES = (

@@ -12,13 +12,7 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.frame import DEPTH_SHADES, VARIANT_COLOURS, figure, number, numbers
 from wirewear.base.writing import json_text, write_text, writing
-from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
-from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
-from wirewear.results.flat import named_for_users
-from wirewear.results.scar import health, limit_of
-from wirewear.views.run_maps import (
+from wirewear.comparison.maps import (
     LOADS,
     TRANSITION,
     energy_ratio,
@@ -27,6 +21,12 @@ from wirewear.views.run_maps import (
     running_conditions,
     tension_lines,
 )
+from wirewear.loops import LoopError, LoopFigures, analyse_loop
+from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
+from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
+from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
+from wirewear.results.flat import named_for_users
+from wirewear.results.scar import health, limit_of
 
 Course = tuple[str, str, str]  #: A column of the evolution, what it is called, and its dashes in SVG.
 

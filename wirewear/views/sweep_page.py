@@ -238,7 +238,7 @@ def page(result: SweepResult) -> str:
     figures = varying_figures(result)
     found = [i for name in drawn_among(figures) for i in indices(result.sweep.design, result.rows, name)]
     return frame.rendered(
-        HERE / "page.html",
+        HERE / "sweep_page.html",
         {
             "sweep": result.sweep,
             "count": len(result.rows),

@@ -14,8 +14,8 @@ from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.frame import figure, number, numbers
 from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.faces.maps_reading import REGIMES, MappedTest, lines_of
-from wirewear.views.run_maps import TRANSITION, FreshContact, RegressionLine, tension_lines, transition
+from wirewear.comparison.mapped_tests import REGIMES, MappedTest, lines_of
+from wirewear.comparison.maps import TRANSITION, FreshContact, RegressionLine, tension_lines, transition
 from wirewear.views.run_page import HERE as REPORT
 
 #: Rows of the table and of the CSV file of crossed wires: its heading there, here, and its digits here.

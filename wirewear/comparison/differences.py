@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from geometry.arrays import Array
+from wirewear.comparison.registration import ScarPair
 from wirewear.loops import LoopError, LoopFigures, Measured, analyse_loop
 from wirewear.loops.drive import period_of
 from wirewear.records import AnyRecord, MeasuredLoop
 from wirewear.records.remarks import listed
 from wirewear.results import Loop, RunResult, read_loops
-from wirewear.views.registration import ScarPair
 
 NEAR = 1.1  #: A simulated cycle stands for a measured one if neither is more than this many times the other.
 PHASES = 400  #: Points of a loop on one phase, from mid-stroke towards +x.

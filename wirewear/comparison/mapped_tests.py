@@ -12,6 +12,13 @@ import numpy as np
 
 from wirewear.base.errors import RecordError
 from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.comparison.maps import (
+    FreshContact,
+    RegressionLine,
+    fresh_contact,
+    line_through_origin,
+    line_with_threshold,
+)
 from wirewear.diagnosis.fit.fit import tables_of_record
 from wirewear.diagnosis.fit.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
@@ -21,13 +28,6 @@ from wirewear.records.exporting import true_loop
 from wirewear.records.of_test import Source
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
-from wirewear.views.run_maps import (
-    FreshContact,
-    RegressionLine,
-    fresh_contact,
-    line_through_origin,
-    line_with_threshold,
-)
 
 Regime = Literal["partial slip", "mixed", "gross slip"]
 
