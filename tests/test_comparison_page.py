@@ -12,13 +12,14 @@ from matplotlib.text import Annotation
 from tests.browser import TOO_WIDE, browser, needs_browser
 from tests.synthetic_results import result
 from wirewear import record_of_result
+from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures import style
 from wirewear.records import AnyRecord
 from wirewear.records.importing.preview import _mark_motion
 from wirewear.results import RunResult
 from wirewear.study import load_study
-from wirewear.views.comparison import ONE_REPEAT, RecordComparison, compare, differences_table, page, write_comparison
+from wirewear.views.comparison import ONE_REPEAT, differences_table, page, write_comparison
 from wirewear.views.comparison_pictures import every_map
 
 pytestmark = pytest.mark.seconds

@@ -30,7 +30,7 @@ from wirewear.records.tables import RecordTables
 from wirewear.study.keys import table_of
 from wirewear.study.lines import LineTables
 from wirewear.study.tables import StudyTables
-from wirewear.sweeps.signature import SweepTables, Vary
+from wirewear.sweeps.tables import SweepTables, Vary
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted((ROOT / "docs").rglob("*.md"))

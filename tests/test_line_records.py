@@ -13,6 +13,7 @@ from tests.browser import page_faults
 from tests.commands import wirewear
 from tests.studies import line_study
 from wirewear.base.errors import RecordError
+from wirewear.comparison.comparison import compare
 from wirewear.kinds import KINDS
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.pictures.lines import line_variants
@@ -21,7 +22,7 @@ from wirewear.records.remarks import Remark
 from wirewear.records.values import believed_study
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
-from wirewear.views.comparison import compare, write_comparison
+from wirewear.views.comparison import write_comparison
 
 pytestmark = pytest.mark.seconds
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "atlas" / "mccoll2004" / "record"

@@ -17,7 +17,8 @@ from wirewear.results.contact_forces import averaging
 from wirewear.study import Study
 from wirewear.sweeps import uncertainty
 from wirewear.sweeps.sweep import SweepRow, figures_named
-from wirewear.sweeps.uncertainty import fitted, inputs_of, page, run_uncertain, sentence, sweep_of
+from wirewear.sweeps.uncertainty import fitted, inputs_of, run_uncertain, sweep_of
+from wirewear.views.uncertainty_page import page, sentence
 
 HOLDER = "[holder]\ntangential_stiffness_N_per_mm = 300.0\n"
 SCATTER = "[scatter]\nfriction = 0.05\nnormal_load = 0.03\n"

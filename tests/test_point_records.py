@@ -14,13 +14,13 @@ from tests.commands import wirewear
 from tests.synthetic_results import AMPLITUDE_um, bowl, result
 from tests.test_point_contacts import STEEL
 from wirewear import RecordError, read_record, record_of_result, write_record, write_result
+from wirewear.comparison.comparison import compare
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.records import ExperimentRecord, MeasuredScar, RecordTables, check_record
 from wirewear.records.importing import import_record
 from wirewear.reference import Elastic, contact_modulus, hertz_point, mindlin_stiffness, tangential_contact_modulus
 from wirewear.results import Evolution, RunResult, Scar
 from wirewear.study import study_from_tables
-from wirewear.views.comparison import compare
 
 RADIUS_mm, NOISE_um = 1.5, 0.02
 #: Both wear by so much; overlapping by the sum they touch within this radius.

@@ -18,6 +18,7 @@ from tests.commands import wirewear
 from tests.studies import minimal
 from tests.synthetic_results import bowl, earlier_line_result, result
 from wirewear import check_record, read_record, record_of_result, write_record, write_result
+from wirewear.comparison.comparison import compare
 from wirewear.comparison.maps import running_conditions
 from wirewear.comparison.registration import register
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -25,7 +26,6 @@ from wirewear.records import MeasuredScar
 from wirewear.results import Evolution, RunResult, read_result
 from wirewear.results.scar import health
 from wirewear.study import load_study
-from wirewear.views.comparison import compare
 from wirewear.views.run_page import page_data, run_page, write_page
 
 pytestmark = pytest.mark.seconds

@@ -12,6 +12,7 @@ from tests.commands import wirewear
 from tests.studies import line_study
 from tests.synthetic_results import bowl, result
 from wirewear import RecordError, read_record, write_record, write_result
+from wirewear.comparison.comparison import compare
 from wirewear.comparison.registration import register, scar_pairs
 from wirewear.diagnosis.observe.reduction import reduce
 from wirewear.diagnosis.record_diagnosis import concluded
@@ -23,7 +24,6 @@ from wirewear.records.writing import frame_of
 from wirewear.results import RunResult
 from wirewear.simulation import simulate
 from wirewear.study import load_study
-from wirewear.views.comparison import compare
 
 pytestmark = pytest.mark.seconds
 STEEL = Path(__file__).resolve().parent.parent / "studies" / "steel_wires" / "study.toml"

@@ -19,9 +19,10 @@ from wirewear.base.engine import Done, Engine, Result
 from wirewear.base.errors import RunError, StudyError
 from wirewear.simulation import simulate
 from wirewear.sweeps import Sweep, load_sweep, run_sweep
+from wirewear.sweeps.indices import indices
 from wirewear.sweeps.running import JOURNAL
 from wirewear.sweeps.sweep import Design, SweepRow, VariedInput, figures_named, run_case
-from wirewear.views.sweep_page import _lines, front, indices, write_sweep, write_table
+from wirewear.views.sweep_page import _lines, front, write_sweep, write_table
 
 HEAD = 'format = 1\nname = "a sweep"\nstudy = "study.toml"\n'
 STIFFNESS = '[[vary]]\nkey = "holder.tangential_stiffness_N_per_mm"\nlow = 50.0\nhigh = 5000.0\nscale = "logarithmic"\n'

@@ -17,10 +17,10 @@ from tests.diagnosis_cases import diagnosed
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
 from wirewear import RecordError, RunResult, check_record, load_study, read_record
+from wirewear.comparison.comparison import compare
 from wirewear.diagnosis import diagnose
 from wirewear.records import ExperimentRecord, MeasuredLoop
 from wirewear.records.checking import problems_told
-from wirewear.views.comparison import compare
 
 STEEL_WIRES = Path(__file__).parent.parent / "studies" / "steel_wires"
 EXAMPLE = STEEL_WIRES / "example_records" / "no_gap"

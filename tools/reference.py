@@ -22,7 +22,7 @@ from wirewear.study.keys import quantity_of, table_of
 from wirewear.study.lines import LineTables
 from wirewear.study.points import BallOnFlatTables, PointTables
 from wirewear.study.tables import StudyTables
-from wirewear.sweeps.signature import SweepTables, Vary
+from wirewear.sweeps.tables import SweepTables, Vary
 
 #: Files that commands leave, and which page says more.
 FILES = (

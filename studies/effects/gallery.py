@@ -23,7 +23,8 @@ from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
 from wirewear.study import FIDELITIES
-from wirewear.sweeps.signature import CHANGED, NOMINAL, Signature, draw_signature, signature_of, signature_study
+from wirewear.sweeps.signature import Signature, signature_of, signature_study
+from wirewear.views.signature_picture import CHANGED, NOMINAL, draw_signature
 
 HEADINGS = {
     "slip_amplitude_um": "slip_amplitude_change",

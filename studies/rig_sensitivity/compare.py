@@ -21,8 +21,8 @@ from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modul
 from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitude, partial_slip_point, slip_amplitude
 from wirewear.study import Study
 from wirewear.sweeps import Sweep, load_sweep
+from wirewear.sweeps.indices import Index, indices
 from wirewear.sweeps.sweep import FIRST, SweepRow
-from wirewear.views.sweep_page import Index, indices
 
 SWEEP = Path(__file__).with_name("sweep.toml")
 

@@ -113,16 +113,11 @@ def calibrate(study_path: Path, loads: str, near: str, remote_compliance: float,
     from rich.markup import escape
 
     from wirewear.diagnosis.fit.sensor_calibration import calibrate as solve
-    from wirewear.diagnosis.fit.sensor_calibration import (
-        calibration_json,
-        calibration_text,
-        corrected_record,
-        parse_loads,
-        parse_near,
-    )
+    from wirewear.diagnosis.fit.sensor_calibration import corrected_record, parse_loads, parse_near
     from wirewear.faces.study_script import progress_bar
     from wirewear.records import read_record, require_place, write_record
     from wirewear.study import load_study
+    from wirewear.views.calibration_report import calibration_json, calibration_text
 
     if (record_path is None) != (output is None):
         raise RecordError("--record and --output belong together: which record, and where it goes when corrected.")

@@ -267,9 +267,10 @@ def import_command(context: click.Context, mapping_path: Path, output: Path, ove
 def compare_command(result_path: Path, record_path: Path, output: Path, variant: str | None) -> None:
     """Set a simulation beside an experiment record: loops, evolution, scars, and a table of differences."""
     from wirewear.base.locks import occupied
+    from wirewear.comparison.comparison import compare
     from wirewear.faces.study_script import wide_console
     from wirewear.records import read_record
-    from wirewear.views.comparison import compare, differences_table, write_comparison
+    from wirewear.views.comparison import differences_table, write_comparison
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)

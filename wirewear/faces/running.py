@@ -23,11 +23,11 @@ from wirewear.simulation import Moment, Observer, ProgressBar, run_study, simula
 from wirewear.study.any_study import alone
 
 if TYPE_CHECKING:
+    from wirewear.comparison.comparison import RecordComparison
     from wirewear.diagnosis import Diagnosed
     from wirewear.diagnosis.fit import FittedTest
     from wirewear.results import RunResult
     from wirewear.study import AnyStudy
-    from wirewear.views.comparison import RecordComparison
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,7 +59,7 @@ class Record(ExperimentRecord[Any, Any]):
         """The record beside a simulation: loops, evolution, worn surfaces, and what differs.
         Raises RecordError if they have nothing in common, or nothing can be concluded from the record.
         """
-        from wirewear.views.comparison import compare
+        from wirewear.comparison.comparison import compare
 
         return compare(run, self)
 

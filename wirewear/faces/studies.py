@@ -94,7 +94,8 @@ def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, o
     from wirewear.effects import effect_named
     from wirewear.simulation import ProgressBar
     from wirewear.study import load_study
-    from wirewear.sweeps.signature import draw_signature, signature_of, signature_study
+    from wirewear.sweeps.signature import signature_of, signature_study
+    from wirewear.views.signature_picture import draw_signature
 
     study = signature_study() if study_path is None else load_study(study_path)
     if study.variants:

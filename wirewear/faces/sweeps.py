@@ -89,7 +89,8 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     from wirewear.base.engine import engine_of
     from wirewear.faces.study_script import wide_console
     from wirewear.study.any_study import alone
-    from wirewear.sweeps.uncertainty import RUNS, run_uncertain, sentence, table, write_uncertainty
+    from wirewear.sweeps.uncertainty import RUNS, run_uncertain
+    from wirewear.views.uncertainty_page import sentence, table, write_uncertainty
 
     study = alone(study) if variant is None else study.variant(variant)
     with _told_of(RUNS + 1) as told:

@@ -27,7 +27,7 @@ from wirewear.simulation import simulate
 from wirewear.study import AnyStudy
 from wirewear.study.any_study import alone, life_data
 from wirewear.study.messages import validated
-from wirewear.sweeps.signature import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
+from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
 

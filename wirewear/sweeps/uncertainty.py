@@ -1,7 +1,4 @@
-"""Intervals of a run's loops and figures from the scatter of its inputs: some thirty quick runs and polynomials.
-
-They are told by a table for the terminal, CSV, and a page with the loops' bands.
-"""
+"""Intervals of a run's loops and figures from the scatter of its inputs: some thirty quick runs and polynomials."""
 
 from __future__ import annotations
 
@@ -11,105 +8,16 @@ from itertools import combinations_with_replacement
 from pathlib import Path
 
 import numpy as np
-from matplotlib.figure import Figure
-from rich import box
-from rich.table import Table
 from scipy.stats import norm, qmc
 
 from geometry.arrays import Array, IntArray
-from wirewear.base import frame
 from wirewear.base.engine import Engine
-from wirewear.base.errors import ResultError, StudyError, unit_of, words_of
-from wirewear.base.writing import write_csv, write_text, writing
-from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
+from wirewear.base.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.study import Study
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
-from wirewear.sweeps.signature import LATIN_HYPERCUBE
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
-from wirewear.views.sweep_page import SLIP, depth_among, label_of
-
-HERE = Path(__file__).parent
-TABLE, PAGE = "uncertain.csv", "uncertain.html"
-
-
-def write_uncertainty(folder: Path, found: Uncertainty) -> list[Path]:
-    """Write uncertain.csv and uncertain.html; returns the paths. Raises ResultError if a file cannot be written."""
-    rows = [vars(one) | {"unit": unit_of(one.figure)} for one in found.intervals]
-    with writing(ResultError, f"cannot write the intervals to {folder}"):
-        return [write_csv(folder / TABLE, rows), write_text(folder / PAGE, page(found))]
-
-
-def sentence(found: Uncertainty) -> str:
-    """What a reader in a hurry needs to know."""
-    inputs = ", ".join(f"{one.key} ± {frame.figure(one.deviation)}" for one in found.inputs)
-    wanted = (SLIP, depth_among(one.figure for one in found.intervals))
-    told = [one for one in found.intervals if one.figure in wanted]
-    said = "; ".join(
-        f"{words_of(one.figure)} {frame.figure(one.low)} to {frame.figure(one.high)} {unit_of(one.figure)}"
-        for one in told
-    )
-    lost = f" {found.failed} of {found.runs} runs failed." if found.failed else ""
-    return f"With {inputs} (standard deviations), 95 % of tests have: {said}.{lost}"
-
-
-def name_of(interval: Interval) -> str:
-    """A figure for people; those of the first cycle say so."""
-    if interval.figure.startswith(FIRST):
-        return f"{label_of(interval.figure.removeprefix(FIRST))}, first cycle"
-    return label_of(interval.figure)
-
-
-def table(found: Uncertainty) -> Table:
-    """Intervals, to be printed with rich."""
-    made = Table("figure", box=box.SIMPLE_HEAD, pad_edge=False)
-    for heading in ("nominal", "2.5 %", "median", "97.5 %", "surrogate's error"):
-        made.add_column(heading, justify="right", no_wrap=True)
-    for one in found.intervals:
-        numbers = (one.nominal, one.low, one.median, one.high)
-        made.add_row(
-            name_of(one).replace("[", r"\["), *(frame.figure(x, 4) for x in numbers), frame.figure(one.error, 2)
-        )
-    return made
-
-
-def page(found: Uncertainty) -> str:
-    """The page, which needs no other file."""
-    return frame.rendered(
-        HERE / "uncertainty.html",
-        {
-            "found": found,
-            "sentence": sentence(found),
-            "bands": frame.inline_svg(svg(lambda: draw_bands(found.loops)), "bands") if found.loops else "",
-        },
-        {"named": name_of},
-    )
-
-
-def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
-    """Each loop as it is in the middle, and the band of 95 % of tests at equal phases."""
-    figure = new_figure(3.2)
-    panels = figure.subplots(1, len(loops), squeeze=False, sharey=True)[0]
-    for axes, loop in zip(panels, loops, strict=True):
-        half = loop.displacement_um.size // 2
-        rise = int(loop.displacement_um.argmax())
-        # Bands of the two branches, between the reversals, each over its own part of the stroke.
-        order = [(rise + k) % (2 * half) for k in range(2 * half)]
-        for branch in (order[: half + 1], [*order[half:], order[0]]):
-            axes.fill_between(
-                loop.displacement_um[branch],
-                loop.low_N[branch],
-                loop.high_N[branch],
-                color=VARIANT_COLOURS[0],
-                alpha=0.25,
-                linewidth=0.0,
-            )
-        closed = [*range(2 * half), 0]
-        axes.plot(loop.displacement_um[closed], loop.nominal_N[closed], color=VARIANT_COLOURS[0], linewidth=1.4)
-        axes.set(title=f"cycle {cycle_name(loop.cycle)}", xlabel="displacement δ [µm]")
-    panels[0].set_ylabel("tangential force Q [N]")
-    return figure
-
+from wirewear.sweeps.tables import LATIN_HYPERCUBE
 
 RUNS = 30  #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
 FARTHEST = 3.0  #: Inputs farther than so many standard deviations from the middle are not drawn.

@@ -1,7 +1,7 @@
-"""A simulation and an experiment record side by side, and the files that this leaves: a page, pictures, tables."""
+"""The page of a comparison, its pictures, and its differences as a table for the terminal, CSV and JSON."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,24 +15,16 @@ from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
+from wirewear.comparison.comparison import BEYOND, RecordComparison
 from wirewear.comparison.differences import (
     EVOLUTION_FIGURES,
     REPEATS,
     Difference,
     LoopPair,
     common_evolution,
-    evolution_differences,
-    loop_differences,
-    loop_pairs,
-    scar_differences,
     worst_differences,
 )
-from wirewear.comparison.registration import ScarPair, scar_pairs
-from wirewear.records import AnyRecord
-from wirewear.records.checking import problems_told
-from wirewear.records.remarks import unlike_conditions
-from wirewear.records.tables import curved, each_wire
-from wirewear.results import RunResult
+from wirewear.comparison.registration import ScarPair
 
 TABLE_NAME, PAGE_NAME = "differences", "comparison.html"
 
@@ -44,8 +36,6 @@ ONE_REPEAT = (
     "none of them can be judged. Two more repeats would tell which matter."
 )
 
-BEYOND = 3.0  #: A difference of more than this many scatters is no chance.
-
 #: Friction measures of a loop, by the attribute of its figures.
 FRICTION = {
     "friction_max": "largest Q/P",
@@ -54,78 +44,6 @@ FRICTION = {
 }
 
 EVERY_PHASE = 2  #: Of the points of a loop every second is shown.
-
-
-@dataclass(frozen=True, eq=False, repr=False)
-class RecordComparison:
-    """What `compare` found: matched loops and scars, the table of differences, and what was left out.
-
-    `unlike` says in which conditions the run and the record differ, None where they are of the same test.
-    """
-
-    result: RunResult
-    record: AnyRecord
-    loops: tuple[LoopPair, ...]
-    scars: tuple[ScarPair, ...]
-    differences: tuple[Difference, ...]
-    notes: tuple[str, ...]
-    unlike: str | None = None
-
-    def __repr__(self) -> str:
-        return (
-            f"<RecordComparison of {self.result.label!r} and {self.record.name!r}: {len(self.loops)} cycles, "
-            f"{len(self.scars)} scars, {len(self.differences)} differences>"
-        )
-
-    def to_json(self) -> dict[str, Any]:
-        """Table, registrations and notes as plain values."""
-        return {
-            "format": 1,
-            "result": self.result.label,
-            "record": self.record.name,
-            "matched_cycles": [[pair.cycle, pair.simulated_cycle] for pair in self.loops],
-            "differences": [asdict(row) for row in self.differences],
-            "registrations": [
-                {"wire": pair.wire, "repeat": repeat, **asdict(registration)}
-                for pair in self.scars
-                for repeat, registration in zip(pair.repeats, pair.registrations, strict=True)
-            ],
-            "unlike_conditions": self.unlike,
-            "notes": list(self.notes),
-        }
-
-
-def compare(result: RunResult, record: AnyRecord) -> RecordComparison:
-    """Compare a simulation with a record: loops at matching cycles, evolution, and scars after registration.
-
-    Of a line contact both are of its whole length.
-    Raises RecordError if they have no cycle in common, and no scars where a record may be without loops, or if nothing
-    can be concluded from the record.
-    """
-    told = problems_told(record)
-    if result.status != "complete":
-        told = (f"The run {result.label!r} is not complete ({result.message}).", *told)
-    if record.tables.length_mm:
-        result = result.of_length(record.tables.length_mm)
-    loops, loop_notes = loop_pairs(result, record)
-    scars, scar_notes = scar_pairs(result, record)
-    if not loops and (record.tables.needs_loops or not scars):
-        logged = ", ".join(counted(loop.cycle) for loop in result.loops) or "none"
-        raise RecordError(
-            f"the result {result.label!r} and the record {record.name!r} have no analysable loop of a common cycle: "
-            f"the result's cycles are {logged}, the record's {', '.join(map(counted, record.cycles)) or 'none'}."
-        )
-    rows = [*loop_differences(loops), *evolution_differences(result, record), *scar_differences(scars)]
-    notes = (*told, *record.notes, *loop_notes, *scar_notes)
-    return RecordComparison(result, record, loops, scars, tuple(rows), notes, _unlike(result, record))
-
-
-def _unlike(result: RunResult, record: AnyRecord) -> str | None:
-    own = {key: value for name in ("conditions", "pad", "wires") for key, value in result.study.get(name, {}).items()}
-    own |= curved(result.study.get("bodies") or each_wire(result.study.get("wires", {})))
-    asked = record.tables.conditions.cycles
-    pairs = {key: (own.get(key), value) for key, value in record.tables.of_study.items()}
-    return unlike_conditions(pairs, (float(own.get("cycles", asked)), float(asked)))
 
 
 def differences_table(comparison: RecordComparison) -> Table:

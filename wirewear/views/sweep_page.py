@@ -1,9 +1,8 @@
-"""The page of a sweep, the files beside it, and how far each key counts."""
+"""The page of a sweep, and its table beside it."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING, Any
@@ -20,9 +19,9 @@ from wirewear.base.errors import ResultError, counted, unit_of, words_of
 from wirewear.base.frame import figure as written
 from wirewear.base.writing import in_one_step, write_csv, write_text, writing
 from wirewear.pictures.style import GREY, VARIANT_COLOURS, new_figure, svg
+from wirewear.sweeps.indices import Index, indices
 from wirewear.sweeps.running import SweepResult
-from wirewear.sweeps.signature import LATIN_HYPERCUBE, SOBOL
-from wirewear.sweeps.sweep import DEPTH, Design, Sweep, SweepRow, VariedInput
+from wirewear.sweeps.sweep import DEPTH, Sweep, SweepRow, VariedInput
 
 if TYPE_CHECKING:
     import polars as pl
@@ -303,56 +302,3 @@ def _pictures(result: SweepResult, figures: dict[str, Array], found: list[Index]
 def _range(name: str, values: Array) -> dict[str, Any]:
     low, middle, high = np.nanpercentile(values, [2.5, 50.0, 97.5]).tolist()
     return {"name": name, "low": low, "middle": middle, "high": high}
-
-
-FEWEST_RUNS = {LATIN_HYPERCUBE: 40, SOBOL: 8}  #: Fewer complete runs (of Sobol's design: blocks) tell nothing.
-CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are constant.
-
-
-@dataclass(frozen=True)
-class Index:
-    """Share of a figure's variance that a key makes: alone (`first`), and with all others (`total`, of Sobol only).
-
-    Half-widths of 95 % intervals, by bootstrap.
-    """
-
-    figure: str
-    key: str
-    first: float
-    first_error: float
-    total: float | None = None
-    total_error: float | None = None
-
-
-def indices(design: Design, rows: Mapping[int, SweepRow], figure: str, seed: int = 1) -> list[Index]:
-    """The indices of all keys; none of a grid, a constant figure, or where too few runs are complete.
-
-    Sobol's by Saltelli's and Jansen's estimators (Saltelli et al., Comput. Phys. Commun. 181 (2010) 259), of a Latin
-    hypercube first-order ones by RBD-FAST (Plischke, Reliab. Eng. Syst. Saf. 95 (2010) 354).
-    """
-    if design.kind not in FEWEST_RUNS:
-        return []
-    of_runs = [rows[number].figures if number in rows else None for number in range(1, len(design.points) + 1)]
-    numbers = [None if one is None else one.get(figure) for one in of_runs]
-    values = np.array([np.nan if number is None else number for number in numbers], dtype=float)
-    shares = design.shares
-    if design.kind == SOBOL:
-        block = len(design.factors) + 2
-        whole = np.isfinite(values.reshape(-1, block)).all(axis=1)
-        count, keep = int(whole.sum()), np.repeat(whole, block)
-    else:
-        keep = np.isfinite(values)
-        count = int(keep.sum())
-    values, shares = values[keep], shares[keep]
-    if count < FEWEST_RUNS[design.kind] or np.ptp(values) <= CONSTANT * abs(float(np.mean(values))):
-        return []
-    if design.kind == SOBOL:
-        from SALib.analyze import sobol
-
-        found = sobol.analyze(design.problem, values, calc_second_order=False, seed=seed)
-    else:
-        from SALib.analyze import rbd_fast
-
-        found = rbd_fast.analyze(design.problem, shares, values, seed=seed)
-    columns = (np.asarray(found[name]).tolist() for name in ("S1", "S1_conf", "ST", "ST_conf") if name in found)
-    return [Index(figure, key, *numbers) for key, *numbers in zip(design.keys, *columns, strict=True)]
