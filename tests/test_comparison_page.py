@@ -19,7 +19,7 @@ from wirewear.records import AnyRecord
 from wirewear.records.importing.preview import _mark_motion
 from wirewear.results import RunResult
 from wirewear.study import load_study
-from wirewear.views.comparison import ONE_REPEAT, differences_table, page, write_comparison
+from wirewear.views.comparison_page import ONE_REPEAT, differences_table, page, write_comparison
 from wirewear.views.comparison_pictures import every_map
 
 pytestmark = pytest.mark.seconds

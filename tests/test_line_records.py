@@ -22,7 +22,7 @@ from wirewear.records.remarks import Remark
 from wirewear.records.values import believed_study
 from wirewear.results import RunResult, read_result, write_result
 from wirewear.simulation import simulate
-from wirewear.views.comparison import write_comparison
+from wirewear.views.comparison_page import write_comparison
 
 pytestmark = pytest.mark.seconds
 MCCOLL = Path(__file__).resolve().parent.parent / "studies" / "atlas" / "mccoll2004" / "record"

@@ -21,7 +21,7 @@ from wirewear.base.verdicts import Finding, comparison_table, finding_table
 from wirewear.comparison.comparison import RecordComparison, compare
 from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
-from wirewear.views.comparison import write_comparison
+from wirewear.views.comparison_page import write_comparison
 
 if not __package__:
     # Run by its path, as `make run` does: its neighbours are found from the root of the repository.

@@ -270,7 +270,7 @@ def compare_command(result_path: Path, record_path: Path, output: Path, variant:
     from wirewear.comparison.comparison import compare
     from wirewear.faces.study_script import wide_console
     from wirewear.records import read_record
-    from wirewear.views.comparison import differences_table, write_comparison
+    from wirewear.views.comparison_page import differences_table, write_comparison
 
     if (recognised(result_path), recognised(record_path)) == (Held.RECORD, Held.RUN):
         click.echo(f"wirewear: {result_path} is a record and {record_path} a run: they are exchanged.", err=True)
