@@ -17,7 +17,8 @@ from wirewear.diagnosis.infer.inference import Fit, Problem
 from wirewear.diagnosis.infer.search import LEVEL, Search, Updated, plausible, search, updated
 from wirewear.diagnosis.infer.weighing import SCALE, Remainder, Weighed, remainder_of
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.record_diagnosis import judged, require_of_one_rig
+from wirewear.diagnosis.preparation import prepared
+from wirewear.diagnosis.record_diagnosis import judged
 from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.wording import Diagnosed
 from wirewear.records import ExperimentRecord
@@ -227,4 +228,4 @@ def test_a_search_holds_every_further_record_but_the_same_loops_are_none() -> No
         assert len(found.further) == len(found.before) == count
     first = one_loop("none", "sensor", 1, 100)
     with pytest.raises(RecordError, match="is diagnosed alone"):
-        require_of_one_rig(first, [first])
+        prepared(first, further=[first])

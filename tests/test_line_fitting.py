@@ -16,7 +16,7 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.fit import FittedTest, fit_record
 from wirewear.diagnosis.fit.wear import fitted_wear
-from wirewear.diagnosis.record_diagnosis import beginning_of
+from wirewear.diagnosis.preparation import prepared
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.line_wear import WornLineContact, worn_line
 from wirewear.effects import Effect, effect_named
@@ -294,12 +294,12 @@ def test_titanium_at_2_hz_is_explained_by_debris_and_a_lack_of_oxygen(with_oxyge
 @pytest.mark.slow
 def test_the_fast_model_foresees_what_the_full_one_makes_of_debris_and_oxygen(titanium: LineRecord) -> None:
     """README of the study: 81.5 µm with debris, 66.5 µm and 45.1 µm in the middle with both, at standard fidelity."""
-    nominal = beginning_of(titanium, None).run(None)
-    bed = nominal.setup.with_effect(effect("third_body", retained_fraction=0.913, modulus_MPa=17350.0))
+    states, nominal, _ = prepared(titanium)[0].nominal()
+    bed = nominal.with_effect(effect("third_body", retained_fraction=0.913, modulus_MPa=17350.0))
     both = bed.with_effect(effect("contact_oxygenation", supply_W=0.307, starved_factor=0.23))
     end = np.array([5000.0])
-    _, deep = simulate(nominal.states, bed, end).profiles["specimen"]
-    x, starved = simulate(nominal.states, both, end).profiles["specimen"]
+    _, deep = simulate(states, bed, end).profiles["specimen"]
+    x, starved = simulate(states, both, end).profiles["specimen"]
     assert deep.max() == pytest.approx(81.5, rel=0.07)
     assert starved.max() == pytest.approx(66.5, rel=0.07)
     assert np.interp(0.0, x, starved) == pytest.approx(45.1, rel=0.07)

@@ -15,13 +15,13 @@ from wirewear import record_of_result
 from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import diagnose
 from wirewear.diagnosis.fit import fit_record
-from wirewear.diagnosis.record_diagnosis import beginning_of
+from wirewear.diagnosis.preparation import prepared
 from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_study
+from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, elastic, equilibrium, wearing
-from wirewear.kinds import kind_of
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records import AnyRecord
 from wirewear.simulation import run_study
@@ -80,7 +80,7 @@ def test_a_model_of_another_ball_is_refused() -> None:
     other = deepcopy(nominal_study(record).resolved())
     other["bodies"]["ball"]["diameter_mm"] = 6.0
     with pytest.raises(RecordError, match=r"diameter_mm of the ball is 6 in the model .* but 3 in the record"):
-        beginning_of(record, study_from_tables(other, "s"))
+        prepared(record, study_from_tables(other, "s"))
 
 
 BALL = {"kind": "ball-on-flat", "bodies": {"ball": {"diameter_mm": 12.7, **STEEL}, "flat": STEEL}}
@@ -122,4 +122,4 @@ def test_a_pad_without_a_radius_is_refused_before_anything_is_run() -> None:
     bodies = {"lower": {"shape": "flat", **STEEL}, "upper": pad}
     study = study_from_tables(deepcopy(TEST) | {"kind": "point-contact", "bodies": bodies}, "s")
     with pytest.raises(StudyError, match="it has no radius of its own"):
-        kind_of(study).states(study, None, None)
+        nominal_model(study).states(None, None)

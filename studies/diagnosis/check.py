@@ -17,12 +17,13 @@ from rich import box
 from rich.table import Table
 
 from wirewear import ExperimentRecord, RecordError, WirewearError, read_record
-from wirewear.diagnosis import Diagnosis, diagnose, write_diagnosis
+from wirewear.diagnosis import Diagnosis, diagnose
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result
 from wirewear.simulation import ProgressBar
+from wirewear.views.diagnosis_page import write_diagnosis
 
 #: Sensors that read a simulation: noise of a sample in µm and N, of a scar's map in µm.
 NOISE, DEPTH_NOISE_um = SensorNoise(0.15, 0.008, 0.01), 0.1

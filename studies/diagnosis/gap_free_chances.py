@@ -22,10 +22,10 @@ from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
 from wirewear.base.reading import read_json
+from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.weighing import chance
-from wirewear.diagnosis.record_diagnosis import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
@@ -76,11 +76,11 @@ def gap_free_cases(score: Path) -> set[str]:
 
 
 def _chance(path: Path) -> Chance:
-    nominal, observed = reduced_record(read_record(path))
-    covariance = estimate(nominal.states, nominal.setup, observed)
-    problem = Problem.of(nominal.states, nominal.setup, observed.layout, covariance)
-    whitened = problem.whitened(nominal.setup)
-    residual = problem.mean - problem.predicted(nominal.setup)
+    read = prepared(read_record(path))[0].reduced()
+    covariance = estimate(read.states, read.setup, read.observed)
+    problem = Problem.of(read.states, read.setup, read.observed.layout, covariance)
+    whitened = problem.whitened(read.setup)
+    residual = problem.mean - problem.predicted(read.setup)
     by_observable = {}
     for part in problem.layout:
         block = covariance.total[part.rows, part.rows]

@@ -15,8 +15,8 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, WirewearError, read_record
+from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import Told, estimate, told_by_repeats
-from wirewear.diagnosis.record_diagnosis import reduced_record
 from wirewear.faces.study_script import StudyScript, wide_console
 
 
@@ -24,8 +24,8 @@ def told_by(path: Path) -> dict[str, Told]:
     """What the repeats of one record tell of each observable.
     Raises WirewearError if the record cannot be read or its nominal model not be run.
     """
-    nominal, observed = reduced_record(read_record(path))
-    return told_by_repeats(observed, estimate(nominal.states, nominal.setup, observed).between)
+    read = prepared(read_record(path))[0].reduced()
+    return told_by_repeats(read.observed, estimate(read.states, read.setup, read.observed).between)
 
 
 @click.command(cls=StudyScript)

@@ -20,7 +20,7 @@ from wirewear import read_record
 from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
-from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose, write_diagnosis
+from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
 from wirewear.diagnosis.infer.shrink import physical_gap
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
@@ -28,6 +28,7 @@ from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
 from wirewear.simulation import ProgressBar
+from wirewear.views.diagnosis_page import write_diagnosis
 
 EXAMPLE_RECORD = Path(__file__).parent / "example_records" / "rigid_stated_compliant_rig"
 

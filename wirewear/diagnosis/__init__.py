@@ -7,13 +7,13 @@ from geometry.late import loaded_late
 if TYPE_CHECKING:
     from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate
     from wirewear.diagnosis.confirmation import calibrated, confirmed
-    from wirewear.diagnosis.record_diagnosis import diagnose
+    from wirewear.diagnosis.preparation import PreparedRecord, prepared
+    from wirewear.diagnosis.record_diagnosis import diagnose, diagnose_prepared
     from wirewear.diagnosis.wording import Diagnosed
-    from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
 
 __all__ = [
-    "Cause", "Diagnosed", "Diagnosis", "Estimate", "calibrated", "confirmed", "diagnose", "ten_lines",
-    "write_diagnosis",
+    "Cause", "Diagnosed", "Diagnosis", "Estimate", "PreparedRecord", "calibrated", "confirmed", "diagnose",
+    "diagnose_prepared", "prepared",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -19,8 +19,8 @@ from wirewear.diagnosis.infer.shrink import achieved
 from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.diagnosis.surrogate.nominal import ObserverOf
+from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.effects import Age, Seam, applied
-from wirewear.kinds import kind_of
 from wirewear.loops.branches import lean_of
 from wirewear.loops.sensor import Sensor
 from wirewear.results import read_loops
@@ -50,7 +50,7 @@ def confirmed(diagnosed: Diagnosed, *, observer_of: ObserverOf | None = None) ->
     if diagnosed.diagnosis.verdict == "no_gap" or not best.candidates:
         return diagnosed
     shrink = diagnosed.diagnosis.shrink
-    if shrink.scar_held_out and not kind_of(diagnosed.study).foresees_scars:
+    if shrink.scar_held_out and not nominal_model(diagnosed.study).predicts_scars:
         notes = (*diagnosed.diagnosis.notes, SCARS_ALONE)
         return replace(diagnosed, diagnosis=replace(diagnosed.diagnosis, notes=notes))
     share, after = achieved(
@@ -68,16 +68,16 @@ def _course(diagnosed: Diagnosed, observer_of: ObserverOf | None) -> Callable[[A
     """Loops that a run of the study with the leading effects leaves, and profiles where these are foreseen."""
     from wirewear.simulation import Observer, run_study
 
-    kind, nominal = kind_of(diagnosed.study), diagnosed.study
-    last = nominal.conditions.cycles
+    nominal = nominal_model(diagnosed.study)
+    last = diagnosed.study.conditions.cycles
     logged = sorted({loop.cycle for loop in diagnosed.observed.loops if loop.cycle <= last})
     amplitude_um = _true_amplitude_um(diagnosed, np.array(logged or [last], dtype=float))
     leading = [candidate.effect(coordinates) for candidate, coordinates, _ in diagnosed.search.best.parts()]
-    study = kind.with_effects(nominal, leading, amplitude_um, _INCREMENTS).logging(tuple(sorted({*logged, last})))
+    study = nominal.with_effects(leading, amplitude_um, _INCREMENTS).logging(tuple(sorted({*logged, last})))
     quiet = observer_of or (lambda _: nullcontext(Observer()))
     with temporary_folder("wirewear-confirm-") as folder:
         (result,) = run_study(study, fidelity="quick", output=folder, observer_of=quiet)
-    ends = [result.scar(last, body) for body in result.bodies] if kind.foresees_scars else []
+    ends = [result.scar(last, body) for body in result.bodies] if nominal.predicts_scars else []
     profiles = {own.body: (own.axial_um, own.depth_um[:, 0]) for own in ends}
     return lambda cycles: course_of_loops(read_loops(result), cycles, profiles)
 

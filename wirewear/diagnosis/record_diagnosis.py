@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from contextlib import nullcontext
+from dataclasses import replace
 from typing import Any, cast
 
-import numpy as np
-
-from wirewear.base.errors import RecordError, StudyError
+from wirewear.base.errors import StudyError
 from wirewear.diagnosis.answer import Cause, Diagnosis, Partial, estimates, forms
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.infer.distortions import gains_of
@@ -27,105 +25,16 @@ from wirewear.diagnosis.infer.search import (
 from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
-from wirewear.diagnosis.observe.observed_record import mended
-from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.observe.reduction import Observations
+from wirewear.diagnosis.preparation import PreparedRecord, Stage, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of, nominal_setup
 from wirewear.diagnosis.surrogate.inputs import Setup
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 from wirewear.effects import all_effects, measurements
-from wirewear.kinds import kind_of
-from wirewear.records import AnyRecord, Remark
-from wirewear.records.checking import remarks_told
+from wirewear.records import AnyRecord
 from wirewear.study import AnyStudy, Study
-
-
-def reduced_record(record: AnyRecord) -> tuple[Nominal, Observations]:
-    """What is believed of a record's test without any effect, under the drive that was measured, and what is observed.
-    Raises RecordError if the record states too little, or has no loops in gross slip; StudyError or SolverError if the
-    nominal model cannot be run.
-    """
-    record = record.of_block()
-    observed = reduce(mended(record)[0])
-    nominal = beginning_of(record, None).run(None)
-    return replace(nominal, setup=replace(nominal.setup, motion=observed.motion)), observed
-
-
-@dataclass(frozen=True, eq=False)
-class Nominal:
-    """What is believed of a record's test: the fast model's states and circumstances, and what limits them."""
-
-    states: WearStates
-    setup: Setup
-    limits: tuple[str, ...] = ()
-
-
-_NOT_STATED = (
-    "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "
-    "seen there; state what you believed before the test to have it judged."
-)
-
-
-@dataclass(frozen=True, eq=False)
-class Beginning:
-    """A nominal model that is yet to be run: the record with what it states, or its loops instead, and its study."""
-
-    record: AnyRecord
-    study: AnyStudy[Any]
-    run: Callable[[ObserverOf | None], Nominal]
-    assumed: str = ""  #: A sentence that says what is not stated; empty where nothing is missing.
-
-
-def beginning_of(record: AnyRecord, model: AnyStudy[Any] | None) -> Beginning:
-    """The nominal model of a record, or `model` if it is of the same test.
-    Raises RecordError if the record states too little, or the model is of another test, or of another kind of contact.
-    """
-    if model is not None and model.contact_kind != record.contact_kind:
-        raise RecordError(
-            f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
-            f"kind {record.contact_kind}."
-        )
-    unknown: dict[str, float] = {}
-    if model is None and record.tables.missing:
-        from wirewear.diagnosis.fit import completed
-
-        record, unknown = completed(record)
-    kind, tables = kind_of(record), record.tables
-    assumed = _NOT_STATED.format(" and ".join(unknown)) if unknown else ""
-    study = nominal_study(record) if model is None else kind.checked_model(record, model)
-
-    def run(observer_of: ObserverOf | None) -> Nominal:
-        states: Any
-        states, limits = kind.states(study, tables, observer_of)
-        if model is None and tables.doubts_bodies:
-            states = replace(states, described=False)
-            told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance"
-            limits = (f"{told} are in doubt, which height_mm of [pad] and [specimen] would settle.",)
-        if unknown:
-            states = replace(states, unknown=unknown)
-            limits = (assumed, *limits)
-        return Nominal(states, kind.setup(study, tables), limits)
-
-    return Beginning(record, study, run, assumed)
-
-
-def require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
-    """Further records must be of the same kind of contact, and measurements of their own.
-    Raises RecordError if one is not.
-    """
-    for other in further:
-        if other.contact_kind != record.contact_kind:
-            raise RecordError(
-                f"{other.name!r} is a record of kind {other.contact_kind}, {record.name!r} of kind "
-                f"{record.contact_kind}: a further record must be of the same rig."
-            )
-        if any(np.array_equal(a.tangential_force_N, b.tangential_force_N) for a in record.loops for b in other.loops):
-            raise RecordError(
-                f"{other.name!r} holds loops of {record.name!r}: a record with what was measured later of the same "
-                "test is diagnosed alone."
-            )
-
 
 _KNOWN = constants("diagnose")
 
@@ -148,7 +57,7 @@ def diagnose(
     further: Sequence[AnyRecord] = (),
     observer_of: ObserverOf | None = None,
     left_out: Sequence[str] = (),
-    stage: Callable[[str], AbstractContextManager[object]] = nullcontext,
+    stage: Stage = nullcontext,
 ) -> Diagnosed:
     """Diagnose a record against the model built from it, or against `model`; `left_out` names effects not considered.
 
@@ -159,14 +68,24 @@ def diagnose(
     further one is of another kind of contact or holds the first one's own loops; StudyError or SolverError if a nominal
     model cannot be run, or there is no effect of a name left out.
     """
+    return diagnose_prepared(prepared(record, model, further), observer_of=observer_of, left_out=left_out, stage=stage)
+
+
+def diagnose_prepared(
+    records: Sequence[PreparedRecord],
+    *,
+    observer_of: ObserverOf | None = None,
+    left_out: Sequence[str] = (),
+    stage: Stage = nullcontext,
+) -> Diagnosed:
+    """Diagnose the first of the records that `prepared` returns, the answer updated by those after it.
+    Raises as `diagnose` does.
+    """
     known = all_effects()
     for name in left_out:
         if name not in known:
             raise StudyError(f"there is no effect {name!r} to be left out: the effects are {', '.join(known)}.")
-    record, further = record.of_block(), [other.of_block() for other in further]
-    require_of_one_rig(record, further)
-    first = _begun(record, model, observer_of, stage)
-    others = [_begun(other, None, observer_of, stage) for other in further]
+    first, *others = (one.reduced(observer_of, stage) for one in records)
     with stage("searching for causes"):
         found = search(first.states, first.setup, first.observed, left_out)
         for other in others:
@@ -176,37 +95,6 @@ def diagnose(
     told = tuple(remark.text for remark in first.checked if remark.level == "problem")
     answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=first.checked)
     return replace(diagnosed, diagnosis=answer)
-
-
-@dataclass(frozen=True, eq=False)
-class _Begun:
-    """A record as it is read, what its check says, and what is observed of it; its study, on its nominal run."""
-
-    record: AnyRecord
-    checked: tuple[Remark, ...]
-    observed: Observations
-    study: AnyStudy[Any]
-    states: WearStates
-    setup: Setup
-
-
-def _begun(
-    record: AnyRecord,
-    model: AnyStudy[Any] | None,
-    observer_of: ObserverOf | None,
-    stage: Callable[[str], AbstractContextManager[object]],
-) -> _Begun:
-    require_foreseen(record)
-    beginning = beginning_of(record, model)
-    with stage("checking the record"):
-        checked = remarks_told(record)
-    with stage("reducing the loops"):
-        record, notes = mended(beginning.record)
-        observed = reduce(record)
-    nominal = beginning.run(observer_of)
-    observed = replace(observed, notes=(*nominal.limits, *notes, *observed.notes))
-    setup = replace(nominal.setup, motion=observed.motion)
-    return _Begun(record, checked, observed, beginning.study, nominal.states, setup)
 
 
 def concluded(

@@ -57,28 +57,22 @@ def diagnose_command(
     from threadpoolctl import threadpool_limits
 
     from wirewear.base.locks import occupied
-    from wirewear.diagnosis import confirmed, diagnose, ten_lines, write_diagnosis
-    from wirewear.diagnosis.record_diagnosis import beginning_of, require_of_one_rig
-    from wirewear.diagnosis.surrogate.nominal import require_foreseen
+    from wirewear.diagnosis import confirmed, diagnose_prepared, prepared
     from wirewear.kinds import load_any_study
     from wirewear.records import read_record
     from wirewear.simulation import ProgressBar
+    from wirewear.views.diagnosis_page import ten_lines, write_diagnosis
 
     study = None if model is None else load_any_study(model)
     with busy("reading the record"):
         record = read_record(record_path).of_block(block)
         # Before a folder is made that nothing would come into.
-        require_foreseen(record)
-        beginning = beginning_of(record, study)
-        others = [read_record(path) for path in further]
-        require_of_one_rig(record, others)
-    if beginning.assumed:
-        click.echo(f"wirewear: {beginning.assumed}", err=True)
+        records = prepared(record, study, [read_record(path) for path in further])
+    if records[0].assumed:
+        click.echo(f"wirewear: {records[0].assumed}", err=True)
     with occupied(output, f"diagnose {record_path}"):
         with threadpool_limits(limits=None if jobs is None else min(jobs, os.cpu_count() or 1), user_api="blas"):
-            diagnosed = diagnose(
-                record, model=study, further=others, observer_of=ProgressBar, left_out=without, stage=stage
-            )
+            diagnosed = diagnose_prepared(records, observer_of=ProgressBar, left_out=without, stage=stage)
             if confirm:
                 diagnosed = confirmed(diagnosed, observer_of=ProgressBar)
         with busy("writing the report"):

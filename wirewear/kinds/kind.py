@@ -10,9 +10,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from wirewear.diagnosis.surrogate.inputs import Setup
-    from wirewear.diagnosis.surrogate.nominal import ObserverOf
-    from wirewear.diagnosis.surrogate.wear_states import WearStates
     from wirewear.interior.state import Inside
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessed_conditions import Touching
@@ -43,8 +40,6 @@ class Kind:
     inside_options: ClassVar[frozenset[str]]  #: Options of `wirewear fields` and `strength` that not all kinds know.
     scatters: ClassVar[bool]  #: Whether studies state the scatter of their inputs.
     options: ClassVar[frozenset[str]]  #: Keys of its records alone that `wirewear new --mapping` takes as options.
-    #: Whether the fast model's worn bodies are as those of a run, so that both are compared.
-    foresees_scars: ClassVar[bool]
     rigid_N_per_mm: ClassVar[float]  #: A rig as stiff as this takes nothing of any stroke.
     template: Template  #: What a new study begins with.
     refined: Any  #: What a study of convergence refines and watches.
@@ -53,8 +48,6 @@ class Kind:
     write_meshes: Callable[[Any, str, Path], list[Path]]
     #: Writes what the folder of a study's runs holds beside their results.
     write_beside: Callable[[Sequence[Any], Path], None]
-    #: A study that is to be diagnosed against a record; RecordError where it is of another test.
-    checked_model: Callable[[Any, Any], Any]
     #: The bodies of a mapping by what is known of the test, and the elastic constants of both.
     touching: Callable[[Mapping[str, Any], Mapping[str, float], Mapping[str, float]], Touching]
     #: Worn bodies as a profilometer with noise in µm and a seed sees them, by names of files.
@@ -62,13 +55,6 @@ class Kind:
     write_fields: Callable[..., list[Path]]  #: Stresses inside both bodies; knows what `inside_options` say as well.
     #: What can be drawn of results, by file name.
     drawings: Callable[[Sequence[Any]], Mapping[str, Callable[[], Figure]]]
-    #: Wear states of a finite element run of a study and the tables of a record, which an observer may watch, and what
-    #: that run says against them; StudyError or SolverError if the study cannot be run, RunError if no loop of the run
-    #: slides as a whole.
-    states: Callable[[Any, Any, ObserverOf | None], tuple[WearStates, tuple[str, ...]]]
-    setup: Callable[[Any, Any], Setup]  #: The circumstances that a study states of a record's test, for the fast model.
-    #: A study with further effects, and another amplitude in µm, of loops of so many increments.
-    with_effects: Callable[[Any, Sequence[Any], float, int], Any]
 
     def guessed_mapping(
         self, files: Sequence[Path], known: Mapping[str, Any], own: Mapping[str, float], pad: Mapping[str, float]

@@ -10,12 +10,7 @@ from wirewear.base.errors import RecordError
 from wirewear.kinds.kind import Kind, elsewhere
 
 if TYPE_CHECKING:
-    from wirewear.diagnosis.surrogate.inputs import Setup
-    from wirewear.diagnosis.surrogate.nominal import ObserverOf
-    from wirewear.diagnosis.surrogate.wear_states import WearStates
-    from wirewear.records.tables import PointRecordTables
     from wirewear.results import RunResult
-    from wirewear.study import Study
 
 
 class AtAPoint(Kind):
@@ -23,11 +18,9 @@ class AtAPoint(Kind):
 
     inside_options: ClassVar[frozenset[str]] = frozenset(("--integration-points", "--no-pictures", "--animate"))
     scatters: ClassVar[bool] = True
-    foresees_scars: ClassVar[bool] = False
     refined = elsewhere("wirewear.simulation:POINTS")
     inside = elsewhere("wirewear.interior.bodies:INSIDE_POINTS")
     write_meshes = elsewhere("wirewear.simulation:write_meshes")
-    checked_model = elsewhere("wirewear.diagnosis.surrogate.nominal:checked_model")
     surfaces = elsewhere("wirewear.records.exporting:scar_surfaces")
     write_fields = elsewhere("wirewear.interior.writing:write_fields")
     drawings = elsewhere("wirewear.pictures:drawings")
@@ -38,33 +31,6 @@ class AtAPoint(Kind):
 
         for result in results:
             write_time_series(result, (folder if result.path is None else result.path.parent) / FOLDER_NAME)
-
-    def states(
-        self, study: Study, _tables: PointRecordTables, observer_of: ObserverOf | None
-    ) -> tuple[WearStates, tuple[str, ...]]:
-        """Runs the nominal study; its wear states, and what limits them. The run may end early."""
-        from wirewear.diagnosis.surrogate.nominal import limits_of, nominal_run
-        from wirewear.diagnosis.surrogate.wear_states import WearStates
-        from wirewear.study.bodies import Gap
-
-        Gap.of(*study.bodies)  # refused before it is run
-        result = nominal_run(study, observer_of)
-        return WearStates.of_run(result), limits_of(result, study)
-
-    def setup(self, study: Study, tables: PointRecordTables) -> Setup:
-        from wirewear.diagnosis.surrogate.candidates import nominal_setup
-
-        return nominal_setup(study, tables.conditions.drive)
-
-    def with_effects(self, study: Study, effects: Sequence[Any], amplitude_um: float, increments: int) -> Study:
-        """Loops have the increments that quick runs state, if any."""
-        stated = study.fidelity("quick").increments_per_cycle or increments
-        return study.with_effects(*study.effects, *effects).changed(
-            {
-                "fidelity": {"quick": {"increments_per_cycle": stated}},
-                "conditions": {"displacement_amplitude_um": amplitude_um},
-            }
-        )
 
 
 class CrossedWires(AtAPoint):

@@ -18,6 +18,7 @@ from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_foreseen
+from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError
 from wirewear.records import AnyRecord
@@ -125,8 +126,9 @@ def fit_record(
         contact = contact_stiffness(record, _friction_of(tests), some_wear)
         found |= _stiffnesses(contact, tests, kind.rigid_N_per_mm)
     rough = _rough_study(record, contact, tests, worn)
-    states, limits = kind.states(rough, tables, observer_of)
-    setup = kind.setup(rough, tables)
+    model = nominal_model(rough)
+    states, limits = model.states(tables, observer_of)
+    setup = model.inputs(tables)
     with stage("fitting all cycles"):
         states, spring = with_spring(states, setup, record, tests)
         fitted = fast_fit(states, setup, tests)

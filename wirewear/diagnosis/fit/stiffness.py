@@ -17,8 +17,8 @@ from wirewear.diagnosis.fit.fast_fit import EVIDENCE, FITTED, LoopsOfTests, figu
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
-from wirewear.kinds import kind_of
 from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
 from wirewear.records.normal_force import median_load_N
@@ -101,15 +101,15 @@ class ContactStiffness:
 
 def contact_stiffness(record: AnyRecord, friction: float, some_wear: Mapping[str, float]) -> ContactStiffness:
     """By closed form, or, where none tells it, of loops of a run on a rigid rig; `some_wear` is for that run."""
-    kind, tables = kind_of(record), record.tables
+    tables = record.tables
     if tables.contact_stiffness_N_per_um is not None:
         return ContactStiffness(tables.contact_stiffness_N_per_um, slips=True)
     rigid_rig = dict.fromkeys(("tangential_stiffness_N_per_mm", "rotational_stiffness_N_mm_per_rad"), "rigid")
     data = fitted_tables(record, {"friction": friction, **rigid_rig, **some_wear}, [], [1])
     data["conditions"]["cycles"] = _FIRST_CYCLES
-    study = study_from_tables(data, f"the contact of {record.name!r}")
-    states, _ = kind.states(study, tables, None)
-    found = figures_of_model(states, kind.setup(study, tables), np.array([np.log(friction), 0.0]), np.ones(1))
+    model = nominal_model(study_from_tables(data, f"the contact of {record.name!r}"))
+    states, _ = model.states(tables, None)
+    found = figures_of_model(states, model.inputs(tables), np.array([np.log(friction), 0.0]), np.ones(1))
     measured = float(found[0, list(FITTED).index("measured_stiffness_N_per_um")])
     # A loop that hardly slides shows no straight part: the stiffness at its reversal then stands in.
     stiffness = measured if np.isfinite(measured) else float(states.stiffness_N_per_um[0])

@@ -15,13 +15,12 @@ from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import RecordError, ResultError, RunError, StudyError, counted
 from wirewear.base.writing import temporary_folder, write_bytes
 from wirewear.diagnosis.calibration import constants
-from wirewear.records import AnyRecord, ExperimentRecord, LineRecord
+from wirewear.records import AnyRecord
 from wirewear.records.values import believed_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
-from wirewear.results.scar import called
 from wirewear.study import AnyStudy, LineStudy, Study
 from wirewear.study.bodies import Gap
-from wirewear.study.programme import held_by, held_keys
+from wirewear.study.programme import held_by
 from wirewear.study.tables import Wear
 
 Result = TypeVar("Result")
@@ -114,26 +113,7 @@ def nominal_study(record: AnyRecord) -> Any:
     return believed_study(record.tables)
 
 
-def checked_model(record: ExperimentRecord, study: Study) -> Study:
-    """A study that is to be diagnosed against a record.
-    Raises RecordError if it is of other bodies, load or amplitude than the record's test.
-    """
-    believed, asked = study.conditions, record.tables.conditions
-    bodies = zip(study.bodies, record.tables.bodies_of_test, strict=True)
-    pairs = {
-        **{
-            f"diameter_mm of the {called(own.name)}": (min(own.diameters_mm), min(other.diameters_mm))
-            for own, other in bodies
-        },
-        "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
-        "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
-        **{key: (getattr(believed, key) or 0.0, getattr(asked, key) or 0.0) for key in held_keys(asked)},
-    }
-    _require_the_same(record, study, pairs)
-    return study
-
-
-def _require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
+def require_the_same(record: AnyRecord, study: AnyStudy[Any], pairs: Mapping[str, tuple[float, float]]) -> None:
     """Refuse a model of another test, or one that wears as the fast model does not foresee.
 
     pairs: numbers of model and record by their keys.
@@ -298,25 +278,3 @@ def _identity(nominal: NominalRun) -> Identity:
     asked = {**stated, "conditions": stated["conditions"] | timing, **how}
     plan = {name: constant.value for name, constant in _KNOWN.known.items()} | {"added": added_code(study.laws)}
     return identity_of(asked, (*RUN_CODE, "wirewear/diagnosis/surrogate/nominal.py"), plan)
-
-
-def checked_line_model(record: LineRecord, study: LineStudy) -> LineStudy:
-    """A study that is to be diagnosed against a line contact's record, of the record's length.
-    Raises RecordError if it has variants, or is of another face, load or amplitude than the record's test.
-    """
-    if study.variant_names:
-        names = ", ".join(study.variant_names)
-        raise RecordError(f"the model {study.name!r} has variants ({names}): give a study of one of them.")
-    study = study.of_length(record.tables.contact.length_mm)
-    believed, asked = study.conditions, record.tables.conditions
-    pairs = {
-        "normal_load_N": (believed.normal_load_N, asked.normal_load_N),
-        "displacement_amplitude_um": (believed.displacement_amplitude_um, asked.displacement_amplitude_um),
-        "cycles": (believed.cycles, asked.cycles),
-    }
-    for key in ("radius_mm", "face_half_width_mm", "edge_radius_mm"):
-        own, recorded = getattr(study.pad, key), getattr(record.tables.pad, key, None)
-        if own is not None or recorded is not None:
-            pairs[key] = (own or 0.0, recorded or 0.0)
-    _require_the_same(record, study, pairs)
-    return study

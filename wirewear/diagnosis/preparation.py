@@ -1,0 +1,131 @@
+"""A record prepared once: checked for what can be diagnosed, with its nominal model, then reduced to observables."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+
+from wirewear.base.errors import RecordError
+from wirewear.diagnosis.observe.observed_record import mended
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.nominal_model import nominal_model
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.records import AnyRecord, Remark
+from wirewear.records.checking import remarks_told
+from wirewear.study import AnyStudy
+
+Stage = Callable[[str], AbstractContextManager[object]]
+
+_NOT_STATED = (
+    "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "
+    "seen there; state what you believed before the test to have it judged."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedRecord:
+    """A record as it is read, what its check says, and its observables; its study, with the nominal run of that."""
+
+    record: AnyRecord
+    study: AnyStudy[Any]
+    states: WearStates
+    setup: Setup
+    observed: Observations
+    checked: tuple[Remark, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedRecord:
+    """A record that can be diagnosed, and the study of its test, which is yet to be run."""
+
+    record: AnyRecord  #: With what its loops and scars give of friction and wear where its owner states none.
+    study: AnyStudy[Any]
+    is_stated: bool  #: Whether the study is what the record states; else it was given beside it.
+    unknown: Mapping[str, float] = field(default_factory=dict)  #: Relative deviations of what is not stated.
+
+    @property
+    def assumed(self) -> str:
+        """A sentence that says what is not stated; empty where nothing is missing."""
+        return _NOT_STATED.format(" and ".join(self.unknown)) if self.unknown else ""
+
+    def nominal(self, observer_of: ObserverOf | None = None) -> tuple[WearStates, Setup, tuple[str, ...]]:
+        """The surrogate's wear states, by the one finite element run of the study, its inputs, and what limits both.
+        Raises StudyError or SolverError if the study cannot be run.
+        """
+        tables, model = self.record.tables, nominal_model(self.study)
+        states: Any
+        states, limits = model.states(tables, observer_of)
+        if self.is_stated and tables.doubts_bodies:
+            states = replace(states, described=False)
+            told = f"Where pad or specimen are held is not stated: {states.doubts['compliance']:.2g} µm/N of compliance"
+            limits = (f"{told} are in doubt, which height_mm of [pad] and [specimen] would settle.",)
+        if self.unknown:
+            states = replace(states, unknown=self.unknown)
+            limits = (self.assumed, *limits)
+        return states, model.inputs(tables), limits
+
+    def reduced(self, observer_of: ObserverOf | None = None, stage: Stage = nullcontext) -> ReducedRecord:
+        """Observables of the record beside its nominal model, under the drive that was measured.
+        Raises RecordError if nothing can be concluded from the record, or no loop slides as a whole; StudyError or
+        SolverError if the study cannot be run.
+        """
+        with stage("checking the record"):
+            checked = remarks_told(self.record)
+        with stage("reducing the loops"):
+            record, notes = mended(self.record)
+            observed = reduce(record)
+        states, setup, limits = self.nominal(observer_of)
+        observed = replace(observed, notes=(*limits, *notes, *observed.notes))
+        return ReducedRecord(record, self.study, states, replace(setup, motion=observed.motion), observed, checked)
+
+
+def prepared(
+    record: AnyRecord, model: AnyStudy[Any] | None = None, further: Sequence[AnyRecord] = ()
+) -> tuple[PreparedRecord, ...]:
+    """A record with the study that it states, or with `model`, and after it further records of the same rig.
+
+    Of a programme each is of the block with the longest stroke, unless it is of one block already.
+    Raises RecordError if a record states too little, or its loops are beyond the surrogate; if the model is of another
+    test or kind of contact; if a further record is of another kind of contact, or holds the first one's own loops.
+    """
+    record, further = record.of_block(), [other.of_block() for other in further]
+    first = _prepared(record, model)
+    _require_of_one_rig(record, further)
+    return first, *(_prepared(other, None) for other in further)
+
+
+def _prepared(record: AnyRecord, model: AnyStudy[Any] | None) -> PreparedRecord:
+    require_foreseen(record)
+    if model is None:
+        unknown: dict[str, float] = {}
+        if record.tables.missing:
+            from wirewear.diagnosis.fit import completed
+
+            record, unknown = completed(record)
+        return PreparedRecord(record, nominal_study(record), is_stated=True, unknown=unknown)
+    if model.contact_kind != record.contact_kind:
+        raise RecordError(
+            f'the model {model.name!r} is a study of kind "{model.kind}", but the record {record.name!r} is of '
+            f"kind {record.contact_kind}."
+        )
+    return PreparedRecord(record, nominal_model(model).of_record(record), is_stated=False)
+
+
+def _require_of_one_rig(record: AnyRecord, further: Sequence[AnyRecord]) -> None:
+    for other in further:
+        if other.contact_kind != record.contact_kind:
+            raise RecordError(
+                f"{other.name!r} is a record of kind {other.contact_kind}, {record.name!r} of kind "
+                f"{record.contact_kind}: a further record must be of the same rig."
+            )
+        if any(np.array_equal(a.tangential_force_N, b.tangential_force_N) for a in record.loops for b in other.loops):
+            raise RecordError(
+                f"{other.name!r} holds loops of {record.name!r}: a record with what was measured later of the same "
+                "test is diagnosed alone."
+            )

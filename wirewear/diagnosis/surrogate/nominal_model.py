@@ -1,0 +1,150 @@
+"""The nominal model of a test: its wear states, the surrogate's inputs, and which studies may stand in its place.
+
+Contacts at a point and line contacts differ here, and nowhere above.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar, Protocol, cast
+
+from wirewear.base.errors import RecordError
+from wirewear.diagnosis.surrogate import nominal
+from wirewear.diagnosis.surrogate.candidates import nominal_line_setup, nominal_setup
+from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.line_states import LineStates
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_the_same
+from wirewear.diagnosis.surrogate.wear_states import WearStates
+from wirewear.effects import Effect
+from wirewear.records import ExperimentRecord, LineRecord
+from wirewear.results.scar import called
+from wirewear.study import AnyStudy, LineStudy, Study
+from wirewear.study.bodies import Gap
+from wirewear.study.programme import held_keys
+
+
+class NominalModel(Protocol):
+    """What a diagnosis and a fit ask of the study of a record's test."""
+
+    @property
+    def predicts_scars(self) -> bool:
+        """Whether the surrogate's worn bodies are as those of a run, so that both are compared."""
+        ...
+
+    def of_record(self, record: Any) -> Any:
+        """The study, of as long a contact as the record's.
+        Raises RecordError if it is of other bodies, load or amplitude than the record's test.
+        """
+        ...
+
+    def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
+
+        tables: of the record.
+        Raises StudyError or SolverError if the study cannot be run, RunError if no loop of it slides as a whole.
+        """
+        ...
+
+    def inputs(self, tables: Any) -> Setup:
+        """The circumstances that the study states of the record's test."""
+        ...
+
+    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Any:
+        """The study with further effects and another amplitude.
+
+        increments: of a loop, where the study states none and does not plan them itself.
+        """
+        ...
+
+
+def nominal_model(study: AnyStudy[Any]) -> NominalModel:
+    """The nominal model that a study describes."""
+    return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))
+
+
+@dataclass(frozen=True)
+class PointModel:
+    """Of two bodies that touch at a point."""
+
+    study: Study
+    predicts_scars: ClassVar[bool] = False
+
+    def of_record(self, record: ExperimentRecord) -> Study:
+        """The study. Raises RecordError unless diameters, load and what the drive holds are the record's."""
+        own, asked = self.study.conditions, record.tables.conditions
+        bodies = zip(self.study.bodies, record.tables.bodies_of_test, strict=True)
+        pairs = {
+            **{
+                f"diameter_mm of the {called(one.name)}": (min(one.diameters_mm), min(other.diameters_mm))
+                for one, other in bodies
+            },
+            "normal_load_N": (own.normal_load_N, asked.normal_load_N),
+            "displacement_amplitude_um": (own.displacement_amplitude_um, asked.displacement_amplitude_um),
+            **{key: (getattr(own, key) or 0.0, getattr(asked, key) or 0.0) for key in held_keys(asked)},
+        }
+        require_the_same(record, self.study, pairs)
+        return self.study
+
+    def states(self, _tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """Wear states of the nominal run, which may end early."""
+        Gap.of(*self.study.bodies)  # refused before it is run
+        result = nominal.nominal_run(self.study, observer_of)
+        return WearStates.of_run(result), nominal.limits_of(result, self.study)
+
+    def inputs(self, tables: Any) -> Setup:
+        """Inputs with the surrogate's numerical freedoms as expected."""
+        return nominal_setup(self.study, tables.conditions.drive)
+
+    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Study:
+        """Loops have the increments that quick runs state, if any."""
+        stated = self.study.fidelity("quick").increments_per_cycle or increments
+        return self.study.with_effects(*self.study.effects, *effects).changed(
+            {
+                "fidelity": {"quick": {"increments_per_cycle": stated}},
+                "conditions": {"displacement_amplitude_um": amplitude_um},
+            }
+        )
+
+
+@dataclass(frozen=True)
+class LineModel:
+    """Of a pad on a specimen in plane strain."""
+
+    study: LineStudy
+    predicts_scars: ClassVar[bool] = True
+
+    def of_record(self, record: LineRecord) -> LineStudy:
+        """The study, of the record's length. Raises RecordError unless face, load and amplitude are the record's, or it
+        has variants.
+        """
+        study = self.study.of_length(record.tables.contact.length_mm)
+        if study.variant_names:
+            names = ", ".join(study.variant_names)
+            raise RecordError(f"the model {study.name!r} has variants ({names}): give a study of one of them.")
+        own, asked = study.conditions, record.tables.conditions
+        pairs = {
+            "normal_load_N": (own.normal_load_N, asked.normal_load_N),
+            "displacement_amplitude_um": (own.displacement_amplitude_um, asked.displacement_amplitude_um),
+            "cycles": (own.cycles, asked.cycles),
+        }
+        for key in ("radius_mm", "face_half_width_mm", "edge_radius_mm"):
+            stated, recorded = getattr(study.pad, key), getattr(record.tables.pad, key, None)
+            if stated is not None or recorded is not None:
+                pairs[key] = (stated or 0.0, recorded or 0.0)
+        require_the_same(record, study, pairs)
+        return study
+
+    def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
+        """Wear states of the whole length, of the nominal run."""
+        result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
+        states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
+        return states, nominal.limits_of(result, self.study)
+
+    def inputs(self, tables: Any) -> Setup:
+        return nominal_line_setup(self.study, tables.conditions.drive)
+
+    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, _increments: int) -> LineStudy:
+        """Loops have the increments of the plan."""
+        every = (*self.study.effects, *effects)
+        return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
