@@ -4,7 +4,8 @@
 
 prints a column of figures for each tree of this repository, the present one without arguments: unpack another version
 with `git archive VERSION | tar x -C FOLDER` to set it beside. Imports inside functions and those for typing alone count
-as any other. A room is a folder of wirewear/, or a module at its root.
+as any other. A room is a folder at the root of wirewear/ with all that it holds, or a
+module there.
 """
 
 import ast
@@ -90,22 +91,17 @@ def circles(graph: Mapping[str, Iterable[str]]) -> list[list[str]]:
     return sorted(found, key=len, reverse=True)
 
 
-def room_of(name: str, modules: Mapping[str, Path]) -> str:
-    """The folder in which a module stands, or the module itself at the root."""
-    if modules[name].name == "__init__.py":
-        return name
-    above = name.rpartition(".")[0]
-    return above if "." in above else name
+def room_of(name: str) -> str:
+    """The folder at the root in which a module stands, or the module itself there."""
+    return ".".join(name.split(".")[:2])
 
 
 def rooms_among(modules: Mapping[str, Path]) -> Graph:
-    """For each room those whose modules it imports; what a folder offers of the folders in it is no arrow."""
-    rooms: Graph = {room_of(name, modules): set() for name in modules}
+    """For each room those whose modules it imports; what the package offers of its rooms is no arrow."""
+    rooms: Graph = {room_of(name): set() for name in modules}
     for name, targets in imports_among(modules).items():
-        own = room_of(name, modules)
-        inner = f"{own}." if modules[name].name == "__init__.py" else None
-        others = {room_of(target, modules) for target in targets} - {own}
-        rooms[own] |= {room for room in others if inner is None or not room.startswith(inner)}
+        if "." in name:
+            rooms[room_of(name)] |= {room_of(target) for target in targets} - {room_of(name)}
     return rooms
 
 
@@ -159,7 +155,7 @@ def weights(root: Path) -> dict[str, float]:
         "rooms of wirewear": len(rooms),
         "arrows between rooms": sum(map(len, rooms.values())),
         "questions for the kind of contact": branches_on_kinds(
-            file for file in code["wirewear"] if "kinds" not in file.parts
+            file for file in code["wirewear"] if not {"kinds", "surrogate"} & {*file.parts}
         ),
         "lines of wirewear that import, per cent": round(100.0 * importing / lines["wirewear"], 1),
     }
