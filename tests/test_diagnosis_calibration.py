@@ -16,9 +16,9 @@ from wirewear.effects import all_effects, registry
 from wirewear.effects.holder import FreePlay, RotationalCompliance
 
 FOLDER = Path(wirewear.diagnosis.__file__).parent
-#: Modules whose numbers are resolutions of the fast model, or of effects; and colours.
+#: Modules whose numbers are resolutions of the surrogate, or of effects; and colours. Those of `fit/` decide no answer.
 ELSEWHERE = {
-    "forward.py", "readings.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
+    "forward.py", "sensing.py", "line_wear.py", "layered_wires.py", "worn_wires.py", "candidates.py",
     "diagnosis_page.py",
 }  # fmt: skip
 
@@ -40,7 +40,11 @@ class Foreign(FreePlay):
 
 def code() -> list[Path]:
     shown = FOLDER.parent.joinpath("views").glob("diagnos*.py")
-    return [file for file in sorted([*FOLDER.rglob("*.py"), *shown]) if file.name not in ELSEWHERE]
+    return [
+        file
+        for file in sorted([*FOLDER.rglob("*.py"), *shown])
+        if file.name not in ELSEWHERE and file.parent.name != "fit"
+    ]
 
 
 def numbers_of_modules(file: Path) -> Iterator[str]:
