@@ -3,16 +3,18 @@
 The states look like those of the steel wires (slopes of a scar grow with its length, friction is constant).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from scipy.signal import lfilter
 
 from geometry.arrays import Array
+from wirewear.diagnosis.infer.search import search
 from wirewear.diagnosis.observe.channels import half_width, loop_area
-from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.record_diagnosis import concluded
+from wirewear.diagnosis.observe.reduction import Observations, reduce
+from wirewear.diagnosis.record_diagnosis import judged
 from wirewear.diagnosis.surrogate.candidates import nominal_setup
 from wirewear.diagnosis.surrogate.forward import LoopCourse, simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
@@ -20,7 +22,7 @@ from wirewear.diagnosis.surrogate.nominal import nominal_study
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed
 from wirewear.effects import effect_named
-from wirewear.records import ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
+from wirewear.records import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop, RecordTables
 
 CYCLES = (100, 1000, 10_000, 100_000)
 EVOLUTION_CYCLES = (20, 50, 300, 3000, 30_000)
@@ -164,3 +166,16 @@ def _evolution(course: LoopCourse, repeat: int) -> MeasuredEvolution:
 def diagnosed(one: ExperimentRecord, *left_out: str) -> Diagnosed:
     """The diagnosis of a record on these states."""
     return concluded(one, nominal_study(one), states(), reduce(one), left_out)
+
+
+def concluded(
+    record: AnyRecord,
+    study: Any,
+    states: WearStates,
+    observed: Observations,
+    left_out: Sequence[str] = (),
+    setup: Setup | None = None,
+) -> Diagnosed:
+    """The diagnosis of a reduced record on the wear states of its nominal model, in circumstances as it states them."""
+    inputs = replace(setup or nominal_setup(study, record.tables.conditions.drive), motion=observed.motion)
+    return judged(record, study, states, observed, search(states, inputs, observed, left_out))

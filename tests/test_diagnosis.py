@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from geometry.arrays import Array
-from tests.diagnosis_cases import CYCLES, NOISE_N, nominal, record
+from tests.diagnosis_cases import CYCLES, NOISE_N, concluded, nominal, record
 from tests.frozen_states import frozen_states, present_states
 from tests.independent_records import independent_record
 from tests.synthetic_results import result
@@ -26,7 +26,6 @@ from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.observe.along_branches import PlateauForce
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.diagnosis.surrogate.candidates import nominal_setup
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.loop_states import scar_skew

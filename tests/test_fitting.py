@@ -21,7 +21,9 @@ from wirewear.records.course_checks import accumulated_energy_J
 @pytest.fixture(autouse=True)
 def _frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     """Wear states of the article's test in place of a finite element run."""
-    monkeypatch.setattr("wirewear.kinds.CrossedWires.states", lambda *_: (frozen_states(), ()))
+    monkeypatch.setattr(
+        "wirewear.diagnosis.surrogate.nominal_model.PointModel.states", lambda *_: (frozen_states(), ())
+    )
 
 
 RIGS: dict[str, dict[str, Mapping[str, float]]] = {

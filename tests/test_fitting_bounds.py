@@ -30,7 +30,7 @@ CYCLES = (100, 1000, 10_000)
 
 @pytest.fixture(autouse=True)
 def _closed_form_states(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("wirewear.kinds.CrossedWires.states", lambda *_: (states(), ()))
+    monkeypatch.setattr("wirewear.diagnosis.surrogate.nominal_model.PointModel.states", lambda *_: (states(), ()))
 
 
 def changed(one: ExperimentRecord, change: Callable[[MeasuredLoop], MeasuredLoop]) -> ExperimentRecord:

@@ -30,7 +30,7 @@ MAY_IMPORT = {
 }
 #: Those that write effects of their own, as other packages do (docs/extending.md), name what the solver takes.
 EFFECTS_OF_STUDIES = ("studies/blind/generators/",)
-#: Rooms of wirewear, folders at its root, from the ground up: a file imports only from its own room and from those named
+#: Rooms of wirewear, folders at its root, from the ground up: a file imports only from its own and from those named
 #: before it.
 ROOMS = (
     "base",

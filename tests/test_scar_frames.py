@@ -9,13 +9,13 @@ import polars as pl
 import pytest
 
 from tests.commands import wirewear
+from tests.diagnosis_cases import concluded
 from tests.studies import line_study
 from tests.synthetic_results import bowl, result
 from wirewear import RecordError, read_record, write_record, write_result
 from wirewear.comparison.comparison import compare
 from wirewear.comparison.registration import register, scar_pairs
 from wirewear.diagnosis.observe.reduction import reduce
-from wirewear.diagnosis.record_diagnosis import concluded
 from wirewear.diagnosis.surrogate.candidates import nominal_line_setup
 from wirewear.diagnosis.surrogate.line_states import LineStates
 from wirewear.records import ExperimentRecord, MeasuredScar, record_of_result

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from contextlib import nullcontext
 from dataclasses import replace
-from typing import Any, cast
+from typing import Any
 
 from wirewear.base.errors import StudyError
 from wirewear.diagnosis.answer import Cause, Diagnosis, Partial, estimates, forms
@@ -27,14 +27,13 @@ from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, r
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
 from wirewear.diagnosis.observe.reduction import Observations
 from wirewear.diagnosis.preparation import PreparedRecord, Stage, prepared
-from wirewear.diagnosis.surrogate.candidates import effect_of, nominal_setup
-from wirewear.diagnosis.surrogate.inputs import Setup
+from wirewear.diagnosis.surrogate.candidates import effect_of
 from wirewear.diagnosis.surrogate.nominal import ObserverOf
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord
-from wirewear.study import AnyStudy, Study
+from wirewear.study import AnyStudy
 
 _KNOWN = constants("diagnose")
 
@@ -95,21 +94,6 @@ def diagnose_prepared(
     told = tuple(remark.text for remark in first.checked if remark.level == "problem")
     answer = replace(diagnosed.diagnosis, notes=(*told, *diagnosed.diagnosis.notes), checked=first.checked)
     return replace(diagnosed, diagnosis=answer)
-
-
-def concluded(
-    record: AnyRecord,
-    study: AnyStudy[Any],
-    states: WearStates,
-    observed: Observations,
-    left_out: Sequence[str] = (),
-    setup: Setup | None = None,
-) -> Diagnosed:
-    """The diagnosis of a reduced record on the wear states of its nominal model, in circumstances as it states them."""
-    if setup is None:
-        setup = nominal_setup(cast("Study", study), record.tables.conditions.drive)
-    setup = replace(setup, motion=observed.motion)
-    return judged(record, study, states, observed, search(states, setup, observed, left_out))
 
 
 def judged(

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ from wirewear.diagnosis.fit import wear
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
+from wirewear.diagnosis.preparation import Stage
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_foreseen
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.kinds import kind_of
@@ -92,8 +92,6 @@ WEAR_KEYS = (
 )  # fmt: skip
 
 _STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
-
-Stage = Callable[[str], AbstractContextManager[object]]
 
 
 def fit_record(

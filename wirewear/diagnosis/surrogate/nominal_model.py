@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar, Protocol, cast
+from typing import Any, ClassVar, cast
 
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.surrogate import nominal
@@ -24,54 +24,15 @@ from wirewear.study.bodies import Gap
 from wirewear.study.programme import held_keys
 
 
-class NominalModel(Protocol):
-    """What a diagnosis and a fit ask of the study of a record's test."""
-
-    @property
-    def predicts_scars(self) -> bool:
-        """Whether the surrogate's worn bodies are as those of a run, so that both are compared."""
-        ...
-
-    def of_record(self, record: Any) -> Any:
-        """The study, of as long a contact as the record's.
-        Raises RecordError if it is of other bodies, load or amplitude than the record's test.
-        """
-        ...
-
-    def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
-
-        tables: of the record.
-        Raises StudyError or SolverError if the study cannot be run, RunError if no loop of it slides as a whole.
-        """
-        ...
-
-    def inputs(self, tables: Any) -> Setup:
-        """The circumstances that the study states of the record's test."""
-        ...
-
-    def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Any:
-        """The study with further effects and another amplitude.
-
-        increments: of a loop, where the study states none and does not plan them itself.
-        """
-        ...
-
-
-def nominal_model(study: AnyStudy[Any]) -> NominalModel:
-    """The nominal model that a study describes."""
-    return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))
-
-
 @dataclass(frozen=True)
 class PointModel:
-    """Of two bodies that touch at a point."""
+    """The study of a test in which two bodies touch at a point."""
 
     study: Study
-    predicts_scars: ClassVar[bool] = False
+    predicts_scars: ClassVar[bool] = False  #: Whether worn bodies are as those of a run, so that both are compared.
 
     def of_record(self, record: ExperimentRecord) -> Study:
-        """The study. Raises RecordError unless diameters, load and what the drive holds are the record's."""
+        """The study. Raises RecordError if it is of other bodies, load or amplitude than the record's test."""
         own, asked = self.study.conditions, record.tables.conditions
         bodies = zip(self.study.bodies, record.tables.bodies_of_test, strict=True)
         pairs = {
@@ -87,17 +48,19 @@ class PointModel:
         return self.study
 
     def states(self, _tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of the nominal run, which may end early."""
+        """Wear states of the quick run of the study, which an observer may watch, and what limits them, in sentences.
+        Raises StudyError or SolverError if the study cannot be run, RunError if no loop of it slides as a whole.
+        """
         Gap.of(*self.study.bodies)  # refused before it is run
         result = nominal.nominal_run(self.study, observer_of)
         return WearStates.of_run(result), nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> Setup:
-        """Inputs with the surrogate's numerical freedoms as expected."""
+        """The circumstances that the study states, with the surrogate's numerical freedoms as expected."""
         return nominal_setup(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, increments: int) -> Study:
-        """Loops have the increments that quick runs state, if any."""
+        """The study with further effects and another amplitude. increments: of a loop, where quick runs state none."""
         stated = self.study.fidelity("quick").increments_per_cycle or increments
         return self.study.with_effects(*self.study.effects, *effects).changed(
             {
@@ -109,14 +72,14 @@ class PointModel:
 
 @dataclass(frozen=True)
 class LineModel:
-    """Of a pad on a specimen in plane strain."""
+    """The study of a test of a pad on a specimen in plane strain."""
 
     study: LineStudy
     predicts_scars: ClassVar[bool] = True
 
     def of_record(self, record: LineRecord) -> LineStudy:
-        """The study, of the record's length. Raises RecordError unless face, load and amplitude are the record's, or it
-        has variants.
+        """The study, of the record's length.
+        Raises RecordError if it has variants, or another face, load or amplitude than the record's test.
         """
         study = self.study.of_length(record.tables.contact.length_mm)
         if study.variant_names:
@@ -136,15 +99,24 @@ class LineModel:
         return study
 
     def states(self, tables: Any, observer_of: ObserverOf | None) -> tuple[WearStates, tuple[str, ...]]:
-        """Wear states of the whole length, of the nominal run."""
+        """As of a point contact; wear states are of the whole contact."""
         result = nominal.nominal_run(self.study, observer_of, nominal.line_run)
         states = LineStates.of_line(result, self.study.pad.profile, tables.length_mm)
         return states, nominal.limits_of(result, self.study)
 
     def inputs(self, tables: Any) -> Setup:
+        """The circumstances that the study states."""
         return nominal_line_setup(self.study, tables.conditions.drive)
 
     def with_effects(self, effects: Sequence[Effect[Any]], amplitude_um: float, _increments: int) -> LineStudy:
-        """Loops have the increments of the plan."""
+        """The study with further effects and another amplitude."""
         every = (*self.study.effects, *effects)
         return self.study.changed({"effects": every, "conditions": {"displacement_amplitude_um": amplitude_um}})
+
+
+NominalModel = PointModel | LineModel
+
+
+def nominal_model(study: AnyStudy[Any]) -> NominalModel:
+    """What a diagnosis and a fit ask of the study of a record's test."""
+    return LineModel(study) if isinstance(study, LineStudy) else PointModel(cast("Study", study))
