@@ -13,6 +13,8 @@ from tests.commands import wirewear
 from tests.test_import import HEAD
 from tests.test_point_records import run_of_wires
 from wirewear import RecordError, read_record, write_record, write_result
+from wirewear.records.importing import import_record
+from wirewear.results.flat import write_flat_tables
 
 HAND_WRITTEN = Path(__file__).parents[1] / "studies" / "steel_wires" / "example_records" / "no_gap"
 LOOPS = """[loops]
@@ -219,6 +221,19 @@ def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_was_begun_i
     (home / "empty").mkdir()
     monkeypatch.chdir(home / "empty")
     assert "was begun in" in wirewear("import", "../mapping.toml", "--output", ".", code=2).stderr
+
+
+def test_names_that_are_no_text_in_utf_8_are_names_of_outputs_and_inputs(home: Path) -> None:
+    folder = Path(os.fsdecode(b"bad\xff"))
+    folder.mkdir()
+    for name in ("mapping.toml", "raw.csv"):
+        shutil.copy(name, folder)
+    mapping = folder / "mapping.toml"
+    for output in (folder / "record", folder / "record", home / "record"):
+        write_record(output, import_record(mapping), made_of=[mapping])
+        assert read_record(output).loops
+    for form in ("csv", "parquet"):
+        assert write_flat_tables(run_of_wires(), folder / form, form)[0].is_file()
 
 
 def test_a_link_to_a_record_stays_a_link(home: Path) -> None:

@@ -43,8 +43,9 @@ def write_csv(path: Path, table: pl.DataFrame | Sequence[Mapping[str, Any]]) -> 
     import polars as pl
 
     frame = table if isinstance(table, pl.DataFrame) else pl.DataFrame(table, infer_schema_length=None)
-    with in_one_step(path) as partial:
-        frame.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(partial)
+    # Polars takes no name that is not in UTF-8, but takes any open file.
+    with in_one_step(path) as partial, partial.open("wb") as file:
+        frame.with_columns(pl.col(pl.String).str.replace(_BEGINS_FORMULA, "'$0")).write_csv(file)
     return path
 
 

@@ -74,7 +74,7 @@ def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
     """What would be lost in a folder, in words; empty where a record there was made in the same way."""
     path = folder / reading.TABLE_FILE_NAME
     if not path.is_file():
-        return next((name for name in _FILES if (folder / name).exists()), None)
+        return next((name for name in _FILES if os.path.lexists(folder / name)), None)
     text = reading.read_bytes(path, RecordError, "TOML file").decode("utf-8", "replace")
     try:
         unchanged = "# sha256 " in text and not require_unchanged(path)
@@ -91,7 +91,8 @@ def _origin(folder: Path, made_of: Sequence[Path]) -> str:
     """The line of experiment.toml that says what a record was made of; nothing where that is not known."""
     if not made_of:
         return ""
-    return _MADE_OF + reading.spelled(os.path.relpath(made_of[0].resolve(), folder.resolve()))
+    place = os.fsencode(os.path.relpath(made_of[0].resolve(), folder.resolve()))
+    return _MADE_OF + reading.spelled(place.decode("utf-8", "backslashreplace"))
 
 
 def write_record(

@@ -285,8 +285,8 @@ def write_flat_tables(result: RunResult, folder: Path, ending: str, *, overwrite
 def _written(path: Path, table: pl.DataFrame) -> Path:
     if path.suffix == ".csv":
         return write_csv(path, table)
-    with in_one_step(path) as partial:
-        table.write_parquet(partial)
+    with in_one_step(path) as partial, partial.open("wb") as file:
+        table.write_parquet(file)
     return path
 
 

@@ -203,8 +203,8 @@ def write_table(folder: Path, sweep: Sweep, rows: Mapping[int, SweepRow]) -> lis
     table = table_of(sweep, rows)
     parquet, text = folder / f"{TABLE}.parquet", folder / f"{TABLE}.csv"
     with writing(ResultError, f"cannot write the table to {folder}"):
-        with in_one_step(parquet) as partial:
-            table.write_parquet(partial)
+        with in_one_step(parquet) as partial, partial.open("wb") as file:
+            table.write_parquet(file)
         write_csv(text, table)
     failed = [row for _, row in sorted(rows.items()) if row.failed]
     if not failed:
