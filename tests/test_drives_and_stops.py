@@ -21,7 +21,7 @@ from wirewear.diagnosis.surrogate.candidates import library, nominal_setup
 from wirewear.diagnosis.surrogate.forward import LoopCourse
 from wirewear.diagnosis.surrogate.forward import simulate as simulate_fast
 from wirewear.diagnosis.surrogate.nominal import nominal_study, require_foreseen
-from wirewear.diagnosis.surrogate.nominal_model import nominal_model
+from wirewear.diagnosis.surrogate.nominal_model import PointModel
 from wirewear.effects.holder import HeldDisplacement
 from wirewear.effects.sensors import DisplacementGain
 from wirewear.loops.sensor import Sensor, SensorNoise
@@ -176,7 +176,7 @@ def test_a_drive_is_suspected_to_hold_its_displacement_only_where_it_is_stated_t
 def test_a_model_that_wears_as_the_fast_model_does_not_foresee_is_refused(key: str, value: Any, told: str) -> None:
     measured = record(repeats=1)
     with pytest.raises(RecordError, match=told):
-        nominal_model(nominal_study(measured).with_values({key: value})).of_record(measured)
+        PointModel(nominal_study(measured).with_values({key: value})).of_record(measured)
 
 
 @pytest.mark.parametrize(
