@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,14 +13,12 @@ from wirewear.base.errors import RecordError
 from wirewear.diagnosis.observe.observed_record import mended
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.inputs import Setup
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, nominal_study, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_foreseen
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
 from wirewear.study import AnyStudy
-
-Stage = Callable[[str], AbstractContextManager[object]]
 
 _NOT_STATED = (
     "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "

@@ -26,9 +26,9 @@ from wirewear.diagnosis.infer.shrink import physical_gap, shrink_of
 from wirewear.diagnosis.infer.weighing import Weighed, classes_of, force_zero, relevant, undetectable, weigh
 from wirewear.diagnosis.infer.where import Place, Resemblance, changes, findings, places, relevance_of, resemblances
 from wirewear.diagnosis.observe.reduction import Observations
-from wirewear.diagnosis.preparation import PreparedRecord, Stage, prepared
+from wirewear.diagnosis.preparation import PreparedRecord, prepared
 from wirewear.diagnosis.surrogate.candidates import effect_of
-from wirewear.diagnosis.surrogate.nominal import ObserverOf
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 from wirewear.effects import all_effects, measurements

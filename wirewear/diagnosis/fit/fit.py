@@ -16,8 +16,7 @@ from wirewear.diagnosis.fit import wear
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
-from wirewear.diagnosis.preparation import Stage
-from wirewear.diagnosis.surrogate.nominal import ObserverOf, require_foreseen
+from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_foreseen
 from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.kinds import kind_of
 from wirewear.loops import LoopError

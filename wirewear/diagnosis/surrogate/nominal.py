@@ -34,6 +34,7 @@ _WITHOUT_BULK = "loops are foreseen without the bulk stresses of the bodies, who
 _FOLDER = "wirewear-nominal-"
 
 ObserverOf = Callable[[str], "AbstractContextManager[Any]"]
+Stage = Callable[[str], "AbstractContextManager[object]"]  #: Entered for each part of the work, with what it is.
 
 _KNOWN = constants("model.nominal")
 
