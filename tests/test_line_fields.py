@@ -106,7 +106,7 @@ def test_a_stated_grip_lets_the_pad_give_way() -> None:
         for stiffness, steel in ((1e3, STEEL), (None, STEEL))
     )
     # A load on the whole patch meets the springs of the grip in series.
-    pressed = np.zeros((held.shape[0], 3))
+    pressed = np.zeros((len(held.dense) // 3, 3))
     pressed[:, 2] = 1.0 / len(pressed)
     gives = [float(pressed.ravel() @ one.dense @ pressed.ravel()) for one in (held, firm)]
     width = build_planar(geometry).mesh.surface_lengths("grip").sum()
