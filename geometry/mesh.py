@@ -30,6 +30,12 @@ _CORNER_EDGES = np.array(
     [[0, 1, 3, 4], [1, 2, 0, 5], [2, 3, 1, 6], [3, 0, 2, 7], [4, 7, 5, 0], [5, 4, 6, 1], [6, 5, 7, 2], [7, 6, 4, 3]]
 )
 
+_EDGES = np.array(
+    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
+)
+_STIFFENING = 2.0  #: Stiffness of an edge's spring over 1 / length^_STIFFENING.
+_TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places need not be exact.
+
 
 @dataclass(frozen=True)
 class ElementMesh(ABC):
@@ -214,13 +220,6 @@ class QuadMesh(ElementMesh):
 
         points = np.column_stack([self.points[:, 0], np.zeros(len(self.points)), self.points[:, 1]])
         meshio.Mesh(points, [("quad", self.cells)]).write(path, file_format="vtu")
-
-
-_EDGES = np.array(
-    [[0, 1], [1, 2], [2, 3], [3, 0], [4, 5], [5, 6], [6, 7], [7, 4], [0, 4], [1, 5], [2, 6], [3, 7]], dtype=np.int64
-)
-_STIFFENING = 2.0  #: Stiffness of an edge's spring over 1 / length^_STIFFENING.
-_TOLERANCE = 1e-9  #: Residual of the inner nodes' equilibrium; their places need not be exact.
 
 
 def mirror_images(mesh: HexMesh | QuadMesh, axis: int) -> IntArray | None:

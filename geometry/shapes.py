@@ -14,6 +14,8 @@ from geometry.patch import ContactPatch
 from geometry.profiles import Barrel, Cylinder, Profile, Turned
 from geometry.sections import block_section, wire_section
 
+_LEAST_QUALITY = 0.2
+
 
 @dataclass(frozen=True)
 class WireGeometry(BodyGeometry):
@@ -147,9 +149,6 @@ class BlockGeometry(BodyGeometry):
         x, y, z = centres_mm.T
         aside = np.maximum(np.abs(x) / self.half_width_along_mm, np.abs(y) / self.half_width_across_mm)
         return np.asarray((aside > 1.0 - 1e-9) | (z < -self.height_mm * (1.0 - 1e-9)))
-
-
-_LEAST_QUALITY = 0.2
 
 
 @dataclass(frozen=True)

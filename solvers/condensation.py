@@ -34,6 +34,8 @@ _LEAF_NODES = 120  #: Substructures of at most so many nodes are eliminated as o
 #: Pivots below this share of their diagonal entry are round-off of zero: the body can move freely.
 _LEAST_PIVOT = 1e-12
 
+_MOST_TREES = 4
+
 
 @dataclass(frozen=True)
 class Substructure:
@@ -111,7 +113,6 @@ def node_graph(matrix: csr_matrix, d: int) -> csr_matrix:
 
 
 _TREES: dict[bytes, Substructure] = {}  #: Of the graphs that were divided last.
-_MOST_TREES = 4
 
 
 def divided(graph: csr_matrix, nodes: IntArray) -> Substructure:

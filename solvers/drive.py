@@ -21,6 +21,15 @@ from geometry import Elastic
 from geometry.arrays import Array
 from solvers.errors import SolverError
 
+_SAME = 1e-9  # Shares that differ by less are the same.
+_LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to one where the load bends give way to it.
+_SAMPLES = 720  # Places of a stroke at which loads are compared.
+_NO_STROKES = (
+    "a displacement over time must go from 1 to -1 and back once in a cycle, without turning or resting on its way: it "
+    "is that from mid-stroke, where the bodies are pressed together, over its amplitude"
+)
+_FINER = 4  # Increments of a cycle whose load changes, over those of one whose load does not.
+
 
 @dataclass(frozen=True)
 class BulkStress:
@@ -73,10 +82,6 @@ def section_stress(nominal: Array, points_mm: Array, axis_depth_mm: float, acros
 
 
 Points = tuple[tuple[float, float], ...]
-
-_SAME = 1e-9  # Shares that differ by less are the same.
-_LEAST_STEP = 1e-3  # Of the amplitude: places nearer than that to one where the load bends give way to it.
-_SAMPLES = 720  # Places of a stroke at which loads are compared.
 
 
 def _curve(points: Sequence[tuple[float, float]], what: str) -> tuple[Array, Array]:
@@ -164,12 +169,6 @@ class _Stroke(NamedTuple):
     times: Array
     places: Array
     leaves: float
-
-
-_NO_STROKES = (
-    "a displacement over time must go from 1 to -1 and back once in a cycle, without turning or resting on its way: it "
-    "is that from mid-stroke, where the bodies are pressed together, over its amplitude"
-)
 
 
 def triangular() -> Waveform:
@@ -263,9 +262,6 @@ class Path:
     @property
     def _arrays(self) -> tuple[Array, Array, Array, Array, Array]:
         return self.drive, self.phase, self.time, self.load, self.bulk
-
-
-_FINER = 4  # Increments of a cycle whose load changes, over those of one whose load does not.
 
 
 @dataclass(frozen=True)

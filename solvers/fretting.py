@@ -26,6 +26,11 @@ _MOST_REPEATS = 4
 Watch = Callable[[ContactState, IncrementReport], None]  #: Called after every increment.
 
 
+# Forces below this share of the largest tell nothing of a spring.
+_LEAST_FORCE = 0.05
+_LEAST_SHARE_OF_LOAD = 1e-6
+
+
 @dataclass(frozen=True)
 class CycleTrace:
     """A simulated cycle, or part of one, of n increments; arrays (n,) hold the ends of increments."""
@@ -237,11 +242,6 @@ def _follow(
         states=tuple(states),
     )
     return state, trace
-
-
-# Forces below this share of the largest tell nothing of a spring.
-_LEAST_FORCE = 0.05
-_LEAST_SHARE_OF_LOAD = 1e-6
 
 
 @dataclass(frozen=True)

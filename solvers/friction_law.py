@@ -23,6 +23,11 @@ from solvers.plugins import law_called, laws_by_name, require_positive
 _SETTLED = 1e-4
 
 
+#: Entry point group in which a package names its subclasses of `FrictionLaw`.
+ENTRY_POINT_GROUP = "wirewear.friction_laws"
+_SMALLEST_PRESSURE = 1e-3  # Of the reference: below it powers of the pressure stay nearly as they are.
+
+
 @dataclass(frozen=True)
 class FrictionLaw(ABC):
     """A law as a study describes it: its parameters are the fields of a frozen dataclass.
@@ -139,10 +144,6 @@ class Friction:
         return slope, self.limit(pressure) - slope * pressure
 
 
-#: Entry point group in which a package names its subclasses of `FrictionLaw`.
-ENTRY_POINT_GROUP = "wirewear.friction_laws"
-
-
 @dataclass(frozen=True)
 class ShearLimited(FrictionLaw):
     """tau = k (1 - exp(-mu p / k)): Coulomb's law at low pressure, the shear strength k at high.
@@ -196,9 +197,6 @@ class PowerOfPressure(FrictionLaw):
         bent = bend_of_power(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
         coefficient = power_of_pressure(pressure_MPa, self.reference_pressure_MPa, self.exponent - 1)
         return friction * coefficient * (1.0 + bent)
-
-
-_SMALLEST_PRESSURE = 1e-3  # Of the reference: below it powers of the pressure stay nearly as they are.
 
 
 def power_of_pressure(pressure_MPa: Array, reference_MPa: float, exponent: float) -> Array:

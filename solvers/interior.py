@@ -28,6 +28,8 @@ from solvers.contact_state import ContactState
 from solvers.errors import SolverError
 from solvers.strain import IntegrationPoints, stiffness_matrix
 
+_ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
+
 
 @dataclass(frozen=True)
 class Factor:
@@ -77,9 +79,6 @@ def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
     result = np.zeros((loads.shape[1], len(points.mesh.points), loads.shape[2]))
     result[:, used] = np.moveaxis(factor.solved(loads.reshape(len(used), -1)).reshape(loads.shape), 0, 1)
     return result
-
-
-_ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
 
 
 @dataclass

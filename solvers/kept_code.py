@@ -34,6 +34,8 @@ F = TypeVar("F", bound=Callable[..., object])
 
 _IMPORT = re.compile(r"^from ([\w.]+) import (\([^)]*\)|.*)$", re.MULTILINE)
 
+_CHECK_BYTES = hashlib.sha256().digest_size
+
 
 def compiled(function: F) -> F:
     """The function compiled by numba when it is first called; the code is kept on disk for later processes.
@@ -100,9 +102,6 @@ register("numba:compile", _CLOCK)
 def working_cpu_s() -> float:
     """CPU time of this process so far without what it has spent on compiling: later processes load what is compiled."""
     return time.process_time() - _CLOCK.spent_s
-
-
-_CHECK_BYTES = hashlib.sha256().digest_size
 
 
 def chosen_cache() -> Path:

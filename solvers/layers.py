@@ -22,6 +22,10 @@ from solvers.local_state import LocalState
 _LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough layer is as it is at first touch.
 
 
+# Over the last part of a layer's thickness its friction passes linearly to that of what lies below it.
+_FADING = 0.1
+
+
 class ContactLayer(Protocol):
     """A layer between the surfaces. retained_fraction: share of the worn depth that it fills on each body."""
 
@@ -131,10 +135,6 @@ def open_share(layers: Sequence[ContactLayer]) -> float:
     if not 0.0 <= filled < 1.0:
         raise SolverError(f"the layers fill {filled:g} of the worn depth; together they must fill less than all of it")
     return 1.0 - filled
-
-
-# Over the last part of a layer's thickness its friction passes linearly to that of what lies below it.
-_FADING = 0.1
 
 
 @dataclass(frozen=True)

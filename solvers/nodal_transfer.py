@@ -17,6 +17,8 @@ from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.kept_code import compiled, inlined
 
+ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as on it.
+
 
 class NodalTransfer(NamedTuple):
     """Weights of a patch's nodes at each of k contact nodes, row after row."""
@@ -132,9 +134,6 @@ def _at_heaviest(
                 new_columns[used - 1] = columns[entry]
         starts[row + 1] = used
     return starts, new_columns[:used].copy(), new_weights[:used].copy()
-
-
-ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as on it.
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,8 @@ _NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
 #: Corners of a brick along each axis, in the order of its nodes; the first four are below.
 _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
 
+_ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the innermost loop.
+
 
 @dataclass(frozen=True)
 class Bricks:
@@ -157,9 +159,6 @@ def _between_sides(size: Pair, thickness_mm: Array, material: Elastic) -> Array:
     # Axes: side, corner and component moved; layer; side, corner and component of the force.
     forces = columns.reshape(2, 4, 3, count, 2, 4, 3).transpose(3, 5, 1, 4, 0, 6, 2)
     return np.ascontiguousarray(forces.reshape(count, 16, 36))
-
-
-_ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the innermost loop.
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,9 @@ from solvers.body import Compliance, ContactBody
 from solvers.patch_compliance import Bricks, PatchCompliance, missing_displacement
 from solvers.quadrature import gradient
 
+_ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
+_KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
+
 
 @dataclass(frozen=True)
 class SurfaceSample:
@@ -152,10 +155,6 @@ def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
 def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:
     """A nodal field at points whose nodes and weights are (n, c), shape (n,)."""
     return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))
-
-
-_ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
-_KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
 
 
 def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:

@@ -29,6 +29,16 @@ if TYPE_CHECKING:
 
 _SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
 
+_CORNERS = {
+    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
+    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
+}
+_PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
+_TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
+_BESIDE = 2.0  #: Local coordinates are kept within this.
+_LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
+TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
+
 
 def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
     """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
@@ -68,17 +78,6 @@ def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
         return Basis(quads, ElementQuad1(), intorder=3), (0, 2)
     bricks = MeshHex(points, np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS]), sort_t=False, validate=False)
     return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)
-
-
-_CORNERS = {
-    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
-    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
-}
-_PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
-_TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
-_BESIDE = 2.0  #: Local coordinates are kept within this.
-_LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
-TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
 
 
 def von_mises(stress: Array) -> Array:

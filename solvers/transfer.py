@@ -28,6 +28,10 @@ from solvers.pairing import PrimarySurface, primary_surface, vertical_gap
 _LARGEST_SHARE_LOST = 1e-11  #: The share of a field's integral that may lie beside the new grid: round-off.
 
 
+# Positions along the stroke at which the other body presses, per half-width of the flattened spot.
+_PER_HALF_WIDTH = 4.0
+
+
 def remeshed(
     problem: ContactProblem, state: ContactState, onto: ContactProblem
 ) -> tuple[ContactState, IncrementReport]:
@@ -137,10 +141,6 @@ def hats(lines: Array, points: Array) -> Array:
     rows = np.arange(len(points))
     values[rows, cell], values[rows, cell + 1] = 1.0 - along, along
     return values
-
-
-# Positions along the stroke at which the other body presses, per half-width of the flattened spot.
-_PER_HALF_WIDTH = 4.0
 
 
 def flattened(

@@ -34,6 +34,10 @@ if TYPE_CHECKING:
 _FADING = 0.3  #: That part, of the whole way.
 
 
+# Wear work over which a rate is taken: beside what is done, and of it.
+_LITTLE_mJ_per_mm2, _LITTLE = 1e-3, 1e-6
+
+
 @dataclass(frozen=True)
 class OxygenSupply:
     """How far oxygen gets, and what its lack does: little is left of it over the last part of the way, where the wear
@@ -61,9 +65,6 @@ class OxygenSupply:
         breathes = np.clip((1.0 - distance_mm / reach) / _FADING, 0.0, 1.0)
         return np.asarray(self.starved_factor + (1.0 - self.starved_factor) * breathes)
 
-
-# Wear work over which a rate is taken: beside what is done, and of it.
-_LITTLE_mJ_per_mm2, _LITTLE = 1e-3, 1e-6
 
 Rate = float | Array  #: A wear coefficient, one for all nodes of a patch or one for each, (n_a, n_t).
 

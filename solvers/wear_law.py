@@ -23,6 +23,9 @@ from solvers.errors import SolverError
 from solvers.friction_law import Friction, FrictionLaw, bend_of_power, power_of_pressure
 from solvers.plugins import law_called, laws_by_name, require_positive
 
+#: Entry point group in which a package names its subclasses of `WearLaw`.
+ENTRY_POINT_GROUP = "wirewear.wear_laws"
+
 
 class WornCycle(Protocol):
     """What a law may know of the cycle that wears, at N places within the elements of its positions."""
@@ -204,9 +207,6 @@ class OxygenDistance(WearLaw):
 
 
 LIBRARY: tuple[type[WearLaw], ...] = (EnergyLaw, Archard, EnergyThreshold, PowerReduced, OxygenDistance)
-
-#: Entry point group in which a package names its subclasses of `WearLaw`.
-ENTRY_POINT_GROUP = "wirewear.wear_laws"
 
 
 @cache

@@ -22,6 +22,21 @@ from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcom
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
 from solvers.errors import NotConvergedError, SolverError
 
+# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
+# error is of second order in that distance.
+_PAIRING_TOLERANCE = 0.01
+_MOST_PAIRINGS = 12
+_RELAXED = 0.7  # Share of the way that a print takes to what forces leave, from one pairing to the next.
+_PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
+_FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
+
+# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
+_CANDIDATE_MARGIN = 1.15
+_LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
+_MOST_CUTS = 8
+_BARELY = 0.01  # Of a held approach.
+_NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
+
 
 def press(problem: ContactProblem, state: ContactState) -> tuple[ContactState, IncrementReport]:
     """Apply the normal load without friction and without motion."""
@@ -69,18 +84,6 @@ def _height_under_load(problem: ContactProblem, state: ContactState) -> float:
             return -touch - approach * float((load / force) ** (2.0 / 3.0))
         approach *= 1.6
     raise SolverError("the bodies could not be pressed together: no contact found under the normal load")
-
-
-# The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's
-# error is of second order in that distance.
-_PAIRING_TOLERANCE = 0.01
-_MOST_PAIRINGS = 12
-_RELAXED = 0.7  # Share of the way that a print takes to what forces leave, from one pairing to the next.
-_PRINTED = 1e-4  # Prints have settled when they change by no more than this share of the holder's height.
-_FOLLOWED = 6  # Pairings in which friction follows the speed of sliding.
-# Nodes searched for contact make up this multiple of the area on which the undeformed bodies overlapped before.
-_CANDIDATE_MARGIN = 1.15
-_LEAST, _FEW = 12, 128  # Nodes searched at the least, and how many are put in order at first to find them.
 
 
 class IncrementFailedError(Exception):
@@ -247,12 +250,6 @@ def _closest(gap: Array, areas: Array, area: float) -> IntArray:
             chosen = order[:count]
             return chosen[np.isfinite(gap[chosen])]
         few *= 4
-
-
-_MOST_CUTS = 8
-
-_BARELY = 0.01  # Of a held approach.
-_NO_LOAD = 0.01  # Of the normal load: less presses nothing, for a fresh contact of so little is less than an element.
 
 
 def parted(problem: ContactProblem, state: ContactState, drive: float) -> tuple[ContactState, IncrementReport]:

@@ -27,6 +27,10 @@ _PENALTY_SHARE = 0.02  # Of the nodes' own compliance; penetration is then about
 Formulation = Literal["augmented-lagrangian", "penalty"]  #: How contact conditions are imposed.
 
 
+# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
+_STICK_MARGIN = 0.02
+
+
 @dataclass(frozen=True)
 class ContactProblem:
     """Two bodies, the holder of the upper one, and the laws between them.
@@ -240,10 +244,6 @@ def levers(problem: ContactProblem, drive: float, holder_x: float) -> Array:
     """Distance of the primary's nodes ahead of the holder's pivot, along x, shape (n,)."""
     along = problem.primary.node_positions[:, 0]
     return along if problem.primary_is_upper else along - problem.offset(drive, holder_x)[0]
-
-
-# Nodes this close to the friction limit, relative to it, count as slipping: normals turn a little between increments.
-_STICK_MARGIN = 0.02
 
 
 def paired_before(problem: ContactProblem, state: ContactState) -> Pairing:

@@ -16,6 +16,24 @@ from solvers.newton.terms import Iterate
 
 _ROUND_OFF = 1e-9  #: Slips shorter than this share of the bodies' elastic closure are round-off, and have no direction.
 
+_MOST_ITERATIONS = 60
+_PATIENCE = 15  # Iterations without progress after which the increment is given up.
+_ROUND = 8  # The same after which it seems to go round: see `ContactConditions`.
+
+#: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
+_GAP_TOLERANCE = 1e-5
+
+#: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
+_DIRECTION_TOLERANCE, _SLANTED = 1e-4, 1e-3
+
+# Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
+# Friction that bends with it is too steep where it is low: linearised there, it is too much where it should be high.
+_LARGEST_FALL = 0.2
+
+# Fewer nodes than this do not describe a contact.
+_FEW_NODES = 10
+_MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
+
 
 def converged_outcome(
     conditions: ContactConditions, before: Iterate, state: Iterate, iterations: int
@@ -109,21 +127,6 @@ def failed_outcome(conditions: ContactConditions, state: Iterate, iterations: in
         slip_direction_error=np.inf,
         elastic_slip=np.inf,
     )
-
-
-_MOST_ITERATIONS = 60
-_PATIENCE = 15  # Iterations without progress after which the increment is given up.
-_ROUND = 8  # The same after which it seems to go round: see `ContactConditions`.
-#: Allowed gap of loaded nodes over the largest elastic displacement, and unbalanced force over the load.
-_GAP_TOLERANCE = 1e-5
-#: Allowed turn of friction in a step, rad, and the angle between friction and slip beyond which one more is taken.
-_DIRECTION_TOLERANCE, _SLANTED = 1e-4, 1e-3
-# Layers stiffen with the pressure: linearised where it is high, they ask for less than nothing where it should be low.
-# Friction that bends with it is too steep where it is low: linearised there, it is too much where it should be high.
-_LARGEST_FALL = 0.2
-# Fewer nodes than this do not describe a contact.
-_FEW_NODES = 10
-_MESH_TOO_COARSE = "most likely the mesh is too coarse for this contact: take a smaller contact_mesh_um"
 
 
 def _bend(conditions: ContactConditions, before: Iterate, state: Iterate, about: Array) -> float:

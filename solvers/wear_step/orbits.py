@@ -20,6 +20,8 @@ from solvers.wear_step.influence import displaced
 from solvers.wear_step.places import WearStop
 from solvers.wear_step.symmetry import Mirror, Symmetry
 
+_ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on it, mm.
+
 
 @dataclass(frozen=True)
 class Position:
@@ -199,9 +201,6 @@ def _relative_motion(
         after, before = (layers_at_nodes(problem.layers, worn, of.traction[nodes], normals) for of in (new, old))
         motion += after.old_displacement - before.old_displacement
     return np.asarray(motion)
-
-
-_ON_THE_PLANE = 1e-10  # Nodes nearer than this to the plane of symmetry lie on it, mm.
 
 
 class Opening(NamedTuple):

@@ -37,6 +37,23 @@ from solvers.wear_step.surfaces import Cycle, Depths, Facing
 _LEAST, _LARGEST = 0.25, 4.0
 _LEAST_SLIP = 0.02  # Of the largest slip of a stroke: nodes that slide less keep the slip that they have.
 
+_MOST_ITERATIONS = 60
+
+# Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
+_FOLLOWED = 8
+
+# Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its normals
+# so far in one step that the two go on in turns.
+_UNDAMPED = 12
+
+# Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
+# by no more than the second.
+_SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
+
+# Relative motion of the bodies over an increment, as a share of the largest, below which slip is not rescaled.
+_LEAST_MOTION = 0.05
+_LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
+
 
 def released_slip(
     problem: ContactProblem, cycle: Cycle, facing: Facing, pressure: Array, worn: Depths, friction: Friction
@@ -146,20 +163,6 @@ def _stretched(cycle: Cycle, stroke: range, end: int, face: Facing, released: Ar
     chosen = nodes[slides]
     factors[chosen] = np.clip(1.0 + more[slides] / slip[chosen], _LEAST, _LARGEST)
     return factors
-
-
-_MOST_ITERATIONS = 60
-# Iterations in which the cycles follow the pressures; they stay from then on, for the two might go on in turns.
-_FOLLOWED = 8
-# Iterations after which normals follow the wear by half: where a flat's edge wears a wall, pressures turn its normals
-# so far in one step that the two go on in turns.
-_UNDAMPED = 12
-# Pressures have settled when they change by no more than this share of the largest; where layers stiffen with them,
-# by no more than the second.
-_SETTLED, _SETTLED_LAYERS = 1e-3, 1e-6
-# Relative motion of the bodies over an increment, as a share of the largest, below which slip is not rescaled.
-_LEAST_MOTION = 0.05
-_LEAST_STRETCH, _LARGEST_STRETCH = 0.5, 2.0
 
 
 @dataclass(frozen=True)

@@ -28,6 +28,23 @@ _KEPT = ("body-*.npz", "wire-*.npz", "nominal-*.h5")  #: What is kept, by the na
 WARNED: set[str] = set()  #: What was warned of, in this process or in the one that started it.
 _ABANDONED_s = 86_400.0  #: Nothing that is kept takes a day to be made: what is unfinished after one belongs to nobody.
 
+_ROOT = Path(__file__).resolve().parents[2]
+_ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
+_BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions change numbers.
+
+#: What makes meshes and condenses bodies, relative to the folder that holds the packages.
+CONDENSATION_CODE = (
+    "geometry", "solvers/condensation.py", "solvers/errors.py", "solvers/kept_code.py", "solvers/patch_compliance.py",
+    "solvers/strain.py",
+)  # fmt: skip
+
+#: What a run comes from.
+RUN_CODE = (
+    "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
+    "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
+)  # fmt: skip
+ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
+
 
 def cache_directory() -> Path | None:
     """The folder, made if need be: WIREWEAR_CACHE, else the user's cache folder; None where neither can be used.
@@ -108,25 +125,7 @@ def _warn_once(what: str) -> None:
         warnings.warn(KeptNothingWarning(said), stacklevel=3)
 
 
-_ROOT = Path(__file__).resolve().parents[2]
-
-_ENDINGS = (".py", ".toml", ".csv", ".json")  #: Files beside Python's that hold what is computed with.
-_BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions change numbers.
 installed = cache(version)  #: The version of a package; each is read from a file of its own.
-
-#: What makes meshes and condenses bodies, relative to the folder that holds the packages.
-CONDENSATION_CODE = (
-    "geometry", "solvers/condensation.py", "solvers/errors.py", "solvers/kept_code.py", "solvers/patch_compliance.py",
-    "solvers/strain.py",
-)  # fmt: skip
-
-#: What a run comes from.
-RUN_CODE = (
-    "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
-    "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
-)  # fmt: skip
-
-ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
 
 
 @dataclass(frozen=True)

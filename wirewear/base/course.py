@@ -10,6 +10,10 @@ import numpy as np
 
 from geometry.arrays import Array
 
+#: Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
+_FIRST_ORDER = 1e-6
+_FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
+
 
 @dataclass(frozen=True)
 class Course:
@@ -53,12 +57,6 @@ class Course:
     def times(self, factor: float) -> "Course":
         """The course with both values multiplied."""
         return replace(self, initial=factor * self.initial, final=factor * self.final)
-
-
-#: Kinetics of an order nearer to the first are those of the first, as their law has no digits left.
-_FIRST_ORDER = 1e-6
-
-_FLAT = 1e-9  #: An energy that falls as the reciprocal of the cycles within this has a logarithm for its integral.
 
 
 def enclosed_energy(cycles: Sequence[float] | Array, per_cycle: Sequence[float] | Array) -> float:

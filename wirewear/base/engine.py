@@ -30,6 +30,9 @@ LOST_PROCESS = (
 
 TASKS_PER_PROCESS = 20  #: New processes now and then: what libraries keep of one task does not add up over a night.
 
+PATIENCE_s = 20.0  #: How long a scheduler may take to answer, and its first worker to come.
+AHEAD = 2  #: Tasks that are sent ahead for each worker, so that none waits for the next.
+
 
 @dataclass(frozen=True)
 class Done(Generic[Result]):
@@ -156,9 +159,6 @@ def _begin(warned: frozenset[str]) -> None:
 
 if TYPE_CHECKING:
     from distributed import Client
-
-PATIENCE_s = 20.0  #: How long a scheduler may take to answer, and its first worker to come.
-AHEAD = 2  #: Tasks that are sent ahead for each worker, so that none waits for the next.
 
 
 def engine_of(jobs: int | None = None, scheduler: str | None = None) -> Engine:

@@ -13,6 +13,67 @@ from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH
 _LETTERS = str.maketrans({"ł": "l", "ø": "o", "đ": "d", "ı": "i", "æ": "ae", "œ": "oe"})
 
 
+#: Units of what a sensor gives before it is scaled, or of nothing but a count.
+RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
+
+#: Units that loggers write, as they write them; those of channels that no record takes among them.
+KNOWN_UNITS = RAW_UNITS.union(
+    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
+    ("W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%RH", "rad", "deg", "°", "mm3"),
+    ("mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos"),
+    ("hh:mm:ss", "hh:mm:ss.sss", "s.ms"),
+)
+
+#: Unit of the record in which each channel is kept.
+UNIT_OF = {
+    **dict.fromkeys(("displacement", "x", "y", "height", "depth", "displacement amplitude", "slip amplitude"), "um"),
+    **dict.fromkeys(("force", "normal load", "largest force"), "N"),
+    "time": "s",
+    "energy": "mJ",
+}
+
+#: What stands beside a usual name and does not change what is measured: a sensor, a channel's number, "measured".
+_BESIDE = frozenset(
+    ("ch", "channel", "kanal", "canal", "voie", "ai", "sensor", "transducer", "capteur", "aufnehmer", "signal", "gauge")
+    + ("measured", "measurement", "actual", "running", "ist", "mesure", "gemessen", "gemessene", "medido", "medida")
+    + ("scaled", "calibrated", "filtered", "skaliert", "gefiltert")
+)
+
+#: What stands beside the name of a channel whose zero was set.
+_TARED = frozenset(
+    ("tared", "zeroed", "net", "netto", "corrected", "compensated", "tariert", "genullt", "korrigiert", "tarado")
+    + ("tarada", "taree", "tare", "corrigee", "corrige", "corregida", "corregido", "tarowana")
+)
+
+#: What stands beside the name of what is counted.
+_COUNTED = frozenset(
+    ("label", "no", "nr", "num", "number", "nummer", "numero", "index", "id", "count", "counter", "zahler", "total")
+    + ("elapsed", "current", "block", "of", "de", "name", "n°", "№", "番号", "编号", "번호")
+)
+_RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
+
+#: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
+MISSING = re.compile(
+    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
+    r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
+    r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
+    re.IGNORECASE,
+)
+
+#: A line that begins with a word, which is none of those for what is missing.
+WORDS = re.compile(
+    rf"^[ \t]*[\"#%/;*\[=<({{-]*[ ]*(?!(?:{MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
+    re.IGNORECASE | re.MULTILINE,
+)
+
+#: Encodings of texts that are none in UTF-8, the likeliest first where the words of none are known.
+_ENCODINGS = (
+    *("cp1252", "cp932", "cp1251", "cp1250", "gb18030", "cp949", "big5", "euc_jp", "iso8859_2", "koi8_r"),
+    *("cp1254", "cp1253", "cp866", "cp850", "cp852"),
+)
+_HEAD_bytes = 20_000  #: In which the names of columns stand.
+
+
 def plain(text: str) -> str:
     """A text in small letters without accents."""
     signs = unicodedata.normalize("NFKD", unicodedata.normalize("NFKD", text).casefold()).translate(_LETTERS)
@@ -27,16 +88,6 @@ USUAL_NAMES: dict[str, list[str]] = {
     ).items()
 }
 
-#: Units of what a sensor gives before it is scaled, or of nothing but a count.
-RAW_UNITS = frozenset(("V", "mV", "A", "mA", "%", "counts", "count", "pts", "a.u.", "Ohm", "Ω", "µm/m"))
-
-#: Units that loggers write, as they write them; those of channels that no record takes among them.
-KNOWN_UNITS = RAW_UNITS.union(
-    (unit for table in (FIELD_UNITS, UNITS_PER_LENGTH) for units in table.values() for unit in units),
-    ("W", "Pa", "kPa", "MPa", "GPa", "bar", "mbar", "Hz", "kHz", "°C", "C", "K", "%RH", "rad", "deg", "°", "mm3"),
-    ("mm/s", "um/s", "µm/s", "m/s", "rpm", "1/min", "U/min", "min-1", "1/s", "cycles", "Zyklen", "ciclos"),
-    ("hh:mm:ss", "hh:mm:ss.sss", "s.ms"),
-)
 
 #: Units that are written out or in other letters, in the singular and without accents, and how a mapping writes them.
 _WRITTEN_OUT = {
@@ -64,15 +115,6 @@ def usual_unit(unit: str) -> str:
     return joined if joined in KNOWN_UNITS else _WRITTEN_OUT.get(plain(unit).removesuffix("s"), unit)
 
 
-#: Unit of the record in which each channel is kept.
-UNIT_OF = {
-    **dict.fromkeys(("displacement", "x", "y", "height", "depth", "displacement amplitude", "slip amplitude"), "um"),
-    **dict.fromkeys(("force", "normal load", "largest force"), "N"),
-    "time": "s",
-    "energy": "mJ",
-}
-
-
 def units_of(channel: str) -> dict[str, float]:
     """Units in which loggers write a channel, those per length of a line contact among them."""
     unit = UNIT_OF.get(channel, "")
@@ -90,25 +132,6 @@ def stem_and_unit(name: str, known: dict[str, float]) -> tuple[str, str | None]:
         stem = bracketed[1]
     stem = re.sub(r"[\s_.\-]+", "_", plain(stem).strip())
     return stem.removesuffix("_in") if unit else stem, unit
-
-
-#: What stands beside a usual name and does not change what is measured: a sensor, a channel's number, "measured".
-_BESIDE = frozenset(
-    ("ch", "channel", "kanal", "canal", "voie", "ai", "sensor", "transducer", "capteur", "aufnehmer", "signal", "gauge")
-    + ("measured", "measurement", "actual", "running", "ist", "mesure", "gemessen", "gemessene", "medido", "medida")
-    + ("scaled", "calibrated", "filtered", "skaliert", "gefiltert")
-)
-#: What stands beside the name of a channel whose zero was set.
-_TARED = frozenset(
-    ("tared", "zeroed", "net", "netto", "corrected", "compensated", "tariert", "genullt", "korrigiert", "tarado")
-    + ("tarada", "taree", "tare", "corrigee", "corrige", "corregida", "corregido", "tarowana")
-)
-#: What stands beside the name of what is counted.
-_COUNTED = frozenset(
-    ("label", "no", "nr", "num", "number", "nummer", "numero", "index", "id", "count", "counter", "zahler", "total")
-    + ("elapsed", "current", "block", "of", "de", "name", "n°", "№", "番号", "编号", "번호")
-)
-_RATE = re.compile(r"_(?:default_sample_rate|standardmessrate)$")
 
 
 def recognised(names: Sequence[str], channel: str, units: Sequence[str] = ()) -> list[int]:
@@ -149,32 +172,9 @@ def _alone(stem: str, beside: frozenset[str]) -> str:
     return "_".join(dict.fromkeys(word for word in words if word not in beside and not re.fullmatch(r"\W*\d*", word)))
 
 
-#: What loggers, profilometers, spreadsheets and C's libraries write where nothing was measured, or more than a range.
-MISSING = re.compile(
-    r"\*+|[-–—]+|no ?data|[-+]?nan(?:\(\w*\))?|<?n\.?/?a\.?>?|null|none|bad|invalid|missing|error|burn-?out|"
-    r"#[^\W\d_][\w/]*[!?]?|#{2,}|[-+]?1[.,]#[a-z]+\d*|[-+]?inf(?:inity)?|"
-    r"[-+<>]*(?:(?:over|under)[ _-]?(?:flow|range|load)?|ovl?d?|ovr(?:ng|flow)?|ofl|ufl|o\.?l\.?)",
-    re.IGNORECASE,
-)
-
-#: A line that begins with a word, which is none of those for what is missing.
-WORDS = re.compile(
-    rf"^[ \t]*[\"#%/;*\[=<({{-]*[ ]*(?!(?:{MISSING.pattern})\"?[ ]*(?:[\t;,]|$|[ ][-+.\d]))[^\W\d_]",
-    re.IGNORECASE | re.MULTILINE,
-)
-
-
-#: Encodings of texts that are none in UTF-8, the likeliest first where the words of none are known.
-_ENCODINGS = (
-    *("cp1252", "cp932", "cp1251", "cp1250", "gb18030", "cp949", "big5", "euc_jp", "iso8859_2", "koi8_r"),
-    *("cp1254", "cp1253", "cp866", "cp850", "cp852"),
-)
-
 _WORDS = frozenset(
     word for names in USUAL_NAMES.values() for name in names for word in re.findall(r"[^\W\d_]+", name) if len(word) > 1
 )
-
-_HEAD_bytes = 20_000  #: In which the names of columns stand.
 
 
 def encoding_of(data: bytes) -> str:

@@ -17,6 +17,37 @@ from wirewear.base.errors import WirewearError, shown
 TABLE_FILE_NAME, RESULT_FILE_NAME = "experiment.toml", "result.h5"
 
 
+#: Tables of a mapping that say where measured numbers are.
+_SOURCES = ("loops", "evolution", "scars", "profiles")
+_HDF5 = b"\x89HDF\r\n\x1a\n"
+
+#: Beginnings of loggers' files that are no text: of xlsx and x3p, of MATLAB, of LabVIEW.
+_PACKED = (b"PK\x03\x04", b"MATLAB 5.0", b"TDSm")
+_NUMBER = r'"?[-+]?\d[\d.,]*(?:e[-+]?\d+)?"?'
+_ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORECASE)
+
+#: What is written in a value's place by those who do not know TOML, and what it should be.
+_HINTS = {
+    r"([-+]?\d+),(\d+(?:e[-+]?\d+)?)": r"the decimal sign is a point: \1.\2",
+    r"([-+]?)(\.\d+)": r"a number begins with a digit: \g<1>0\2",
+    r"T(rue)": r"it is spelled so: t\1",
+    r"F(alse)": r"it is spelled so: f\1",
+    r"([-+]?\d[\d.]*(?:e[-+]?\d+)?)\s*[^\W\d][^#,]*": r"the unit stands in the key's name: \1",
+    r"([^\W\d][\w.-]*(?: [\w.-]+)*)": r'a text stands in quotes: "\1"',
+}
+
+#: Delimiters by name; None is any white space.
+DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
+_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
+_TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
+STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
+RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
+_HERE = Path(__file__).resolve()
+
+#: Where they are: `setup.py` puts them beside the installed modules; a checkout has them among its studies.
+_FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
+
+
 class Held(StrEnum):
     """What a path may hold."""
 
@@ -38,14 +69,6 @@ _TAKEN = {
     Held.NUMBERS: "`wirewear new --mapping PATH` begins a mapping that says how to read it, and `wirewear loops PATH` "
     "analyses friction loops",
 }
-
-#: Tables of a mapping that say where measured numbers are.
-_SOURCES = ("loops", "evolution", "scars", "profiles")
-_HDF5 = b"\x89HDF\r\n\x1a\n"
-#: Beginnings of loggers' files that are no text: of xlsx and x3p, of MATLAB, of LabVIEW.
-_PACKED = (b"PK\x03\x04", b"MATLAB 5.0", b"TDSm")
-_NUMBER = r'"?[-+]?\d[\d.,]*(?:e[-+]?\d+)?"?'
-_ROW = re.compile(rf"\s*{_NUMBER}(?:\s*[\s;,|]\s*{_NUMBER})+[\s;,|]*", re.IGNORECASE)
 
 
 def require_no_other(path: Path, kind: type[WirewearError], *wanted: Held) -> None:
@@ -93,24 +116,6 @@ def _told_by(tables: Mapping[str, Any]) -> Held | None:
         return Held.SWEEP
     contact = tables.get("contact")
     return Held.STUDY if "kind" in tables or (isinstance(contact, Mapping) and "friction" in contact) else None
-
-
-#: What is written in a value's place by those who do not know TOML, and what it should be.
-_HINTS = {
-    r"([-+]?\d+),(\d+(?:e[-+]?\d+)?)": r"the decimal sign is a point: \1.\2",
-    r"([-+]?)(\.\d+)": r"a number begins with a digit: \g<1>0\2",
-    r"T(rue)": r"it is spelled so: t\1",
-    r"F(alse)": r"it is spelled so: f\1",
-    r"([-+]?\d[\d.]*(?:e[-+]?\d+)?)\s*[^\W\d][^#,]*": r"the unit stands in the key's name: \1",
-    r"([^\W\d][\w.-]*(?: [\w.-]+)*)": r'a text stands in quotes: "\1"',
-}
-
-#: Delimiters by name; None is any white space.
-DELIMITERS = {"comma": ",", "semicolon": ";", "tab": "\t", "whitespace": None}
-
-_NO_TEXTS = ("idna", "punycode", "unicode-escape", "raw-unicode-escape", "undefined")
-
-_TOML = ("study file", "sweep file", "TOML file")  #: What is called so is a TOML file.
 
 
 def read_toml(path: Path, kind: type[WirewearError], what: str = "TOML file") -> dict[str, Any]:
@@ -264,14 +269,6 @@ def utf8(data: bytes, path: Path, kind: type[WirewearError]) -> str:
     except UnicodeDecodeError as problem:
         line = data.count(b"\n", 0, problem.start) + 1
         raise kind(f"{path}, line {line}: this is not text in UTF-8.") from None
-
-
-STUDIES = ("steel_wires", "ball_on_flat", "cylinder_on_flat")
-RECORDS = ("no_gap", "free_play_rig", "rigid_stated_compliant_rig")
-
-_HERE = Path(__file__).resolve()
-#: Where they are: `setup.py` puts them beside the installed modules; a checkout has them among its studies.
-_FOLDERS = (_HERE.parents[1] / "examples", _HERE.parents[2] / "studies")
 
 
 def example(name: str) -> Path | None:

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
 _BEGINS_FORMULA = r"^[=+\-@\t\r]"  #: Signs with which spreadsheets let a formula begin: OWASP, "CSV injection".
 _MOST_LINKS = 40  #: As many as Linux follows.
 
+_BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
+_AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
+
 
 def json_text(value: Any, indent: int | None = 2) -> str:
     """A value as JSON, which knows no number that is not finite: null stands for one."""
@@ -221,10 +224,6 @@ def _link(source: Path, target: Path) -> None:
         os.link(source, target, follow_symlinks=False)
     except OSError:
         shutil.copy2(source, target, follow_symlinks=False)
-
-
-_BEFORE = ".before."  #: In the name of a folder that is exchanged in two steps.
-_AT_WORKING_FOLDER, _SWAP = -100, 2  #: Of renameat2, in Linux's fcntl.h and fs.h.
 
 
 def _exchange(new: Path, old: Path) -> None:

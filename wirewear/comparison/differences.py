@@ -17,6 +17,28 @@ from wirewear.results import Loop, RunResult, read_loops
 NEAR = 1.1  #: A simulated cycle stands for a measured one if neither is more than this many times the other.
 PHASES = 400  #: Points of a loop on one phase, from mid-stroke towards +x.
 
+ROUND_OFF = 1e-9  #: Differences below this share of the value are round-off, whatever the scatter.
+REPEATS = "repeats"  #: What a scatter between tests is taken from.
+
+#: Quantity, unit, attribute of the figures, factor to the unit.
+_FIGURES = (
+    ("displacement amplitude δa", "µm", "displacement_amplitude_um", 1.0),
+    ("slip amplitude δ0", "µm", "slip_amplitude_um", 1.0),
+    ("dissipated energy", "mJ", "dissipated_energy_mJ", 1.0),
+    ("measured stiffness", "N/mm", "measured_stiffness_N_per_um", 1e3),
+    ("friction, largest Q/P", "", "friction_max", 1.0),
+    ("friction, from energy", "", "friction_energy", 1.0),
+    ("friction, geometry-independent", "", "friction_geometry_independent", 1.0),
+)
+
+#: Quantity, unit and column of the evolution.
+EVOLUTION_FIGURES = (
+    ("displacement amplitude δa", "µm", "displacement_amplitude_um"),
+    ("slip amplitude δ0", "µm", "slip_amplitude_um"),
+    ("largest tangential force", "N", "max_tangential_force_N"),
+    ("dissipated energy", "mJ", "dissipated_energy_mJ"),
+)
+
 
 @dataclass(frozen=True, eq=False)
 class LoopPair:
@@ -113,29 +135,6 @@ def _on_phase(loop: Loop | MeasuredLoop, figures: LoopFigures) -> Array:
     start = -float(np.arctan2(cosine, sine))
     wanted = start + 2.0 * np.pi * np.arange(PHASES) / PHASES
     return np.stack([np.interp(wanted, angle, channel, period=2.0 * np.pi) for channel in (displacement, force)])
-
-
-ROUND_OFF = 1e-9  #: Differences below this share of the value are round-off, whatever the scatter.
-REPEATS = "repeats"  #: What a scatter between tests is taken from.
-
-#: Quantity, unit, attribute of the figures, factor to the unit.
-_FIGURES = (
-    ("displacement amplitude δa", "µm", "displacement_amplitude_um", 1.0),
-    ("slip amplitude δ0", "µm", "slip_amplitude_um", 1.0),
-    ("dissipated energy", "mJ", "dissipated_energy_mJ", 1.0),
-    ("measured stiffness", "N/mm", "measured_stiffness_N_per_um", 1e3),
-    ("friction, largest Q/P", "", "friction_max", 1.0),
-    ("friction, from energy", "", "friction_energy", 1.0),
-    ("friction, geometry-independent", "", "friction_geometry_independent", 1.0),
-)
-
-#: Quantity, unit and column of the evolution.
-EVOLUTION_FIGURES = (
-    ("displacement amplitude δa", "µm", "displacement_amplitude_um"),
-    ("slip amplitude δ0", "µm", "slip_amplitude_um"),
-    ("largest tangential force", "N", "max_tangential_force_N"),
-    ("dissipated energy", "mJ", "dissipated_energy_mJ"),
-)
 
 
 @dataclass(frozen=True)

@@ -33,6 +33,12 @@ LOADS = np.geomspace(0.1, 10.0, 41)  #: Loads of the map, relative to the test's
 TRANSITION = 0.2
 
 
+#: Shares of the sliding force at which the tension is computed; it begins with a vertical tangent.
+SHARES = np.linspace(0.0, 1.0, 61) ** 3
+FROM_SHARE = 0.5  #: Where none is asked for, lines begin at the tension of this share under the lowest load.
+POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, where none is asked for.
+
+
 @dataclass(frozen=True)
 class FreshContact:
     """What a study states of two bodies before they wear: materials, gap [1/mm], friction, rig [µm/N], load [N]."""
@@ -102,13 +108,6 @@ def energy_ratio(energy_mJ: Array, amplitude_um: Array, force_N: Array) -> Array
     """A = E_d/(4 δa Q*): 1 for a rectangle, 0.2 at the transition, 0 for a line; NaN where there is no box."""
     box = 4e-3 * amplitude_um * force_N
     return np.divide(energy_mJ, box, out=np.full_like(energy_mJ, np.nan), where=box > 0.0)
-
-
-#: Shares of the sliding force at which the tension is computed; it begins with a vertical tangent.
-SHARES = np.linspace(0.0, 1.0, 61) ** 3
-
-FROM_SHARE = 0.5  #: Where none is asked for, lines begin at the tension of this share under the lowest load.
-POINTS, MOST_LINES = 41, 5  #: Loads of a line in partial slip; lines at most, where none is asked for.
 
 
 @dataclass(frozen=True)

@@ -35,6 +35,11 @@ SEAMS = {
     "specimens": "shape and mounting of the specimens",
 }
 
+_KNOWN = constants("diagnose")
+
+#: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
+AS_MUCH = _KNOWN.number("as_much")
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Diagnosed:
@@ -243,12 +248,6 @@ def _one(cause: Cause, equivalent: Sequence[Sequence[str]]) -> str:
         names = ", ".join(plain(name) for name in members[:-1]) + " or " + plain(members[-1])
         return f"one of {names}, which this record cannot tell apart (as {told(cause)}: {values})"
     return f"{told(cause)}, {values}"
-
-
-_KNOWN = constants("diagnose")
-
-#: A wrong effect that shrinks the gap by this share of what the named one does deserves a note.
-AS_MUCH = _KNOWN.number("as_much")
 
 
 def of_zero(zero: ForceZero) -> tuple[str, ...]:

@@ -25,6 +25,18 @@ from wirewear.effects.parameter import (
 )
 from wirewear.effects.seams import Age, Ageing, ContactLaw, Seam
 
+# Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
+_TANGENTIAL_TO_NORMAL = 1.21
+_WORN_AWAY = 1e-6  # Of a rough layer that has worn in, less than this share is as good as none.
+
+# Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
+_SHEAR_TO_CONFINED = 0.286
+
+# Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
+_SPREADING = 0.5
+_GROWN = 100.0  # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
+_NO_LIMIT = 1e-9  # A bed that is filled by less than this share of what it holds knows no limit.
+
 
 def _friction(meaning: str, *, easy: float, hard: float, least: float, most: float) -> Any:
     quantity, stated = Quantity("1", 0.0, 2.0), "contact.friction"
@@ -99,12 +111,6 @@ class FrictionEvolution(Effect[ContactLaw]):
         return replace(described, friction=course.at(age.cycles))
 
 
-# Mindlin: tangential over normal compliance of a rough interface, (2 − ν)/(2(1 − ν)) at ν = 0.3.
-_TANGENTIAL_TO_NORMAL = 1.21
-
-_WORN_AWAY = 1e-6  # Of a rough layer that has worn in, less than this share is as good as none.
-
-
 @dataclass(frozen=True)
 class RoughnessCompliance(Effect[ContactLaw]):
     """Asperities that give way before they are worn in.
@@ -165,16 +171,6 @@ class RoughnessCompliance(Effect[ContactLaw]):
     @property
     def _height_um(self) -> Course:
         return Course(self.layer_um, 0.0, self.cycles, self.steepness, self.order, self.lasting)
-
-
-# Shear modulus over the modulus of a laterally confined bed, (1 − 2ν)/(2(1 − ν)) at ν = 0.3.
-_SHEAR_TO_CONFINED = 0.286
-
-# Part of the bed's compliance that the full simulation shows (40 % retained, 500 MPa): it spreads the contact.
-_SPREADING = 0.5
-
-_GROWN = 100.0  # Square of the scar's area over that of the fresh contact at which beds of another growth shear alike.
-_NO_LIMIT = 1e-9  # A bed that is filled by less than this share of what it holds knows no limit.
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,10 @@ from wirewear.loops.sensor import Sensor
 T = TypeVar("T")
 Size = Literal["easy", "hard"]
 
+_OF_SENSORS = (
+    "displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s", "force_lag_s",
+)  # fmt: skip
+
 
 class UnforeseenError(StudyError):
     """An effect changes something of its seam that a chain does not hold."""
@@ -109,10 +113,6 @@ def _other(description: type[Any], *read: str) -> tuple[str, ...]:
     """Names of a description's fields but for those that are read."""
     return tuple(field.name for field in fields(description) if field.name not in read)
 
-
-_OF_SENSORS = (
-    "displacement_gain", "linear_um_per_N", "quadratic_um_per_N2", "force_crosstalk", "lag_s", "force_lag_s",
-)  # fmt: skip
 
 _VIEWS: dict[Seam, _SeamView] = {
     Seam.HOLDER: _SeamView(

@@ -25,6 +25,10 @@ _ENDS = 1.96  # Standard deviations from the middle to either end of a range tha
 _LARGEST_LOGARITHM = math.log(sys.float_info.max)
 
 
+#: Kinds of contact at a point, whose bodies wear a scar that is as wide as it is long.
+AT_A_POINT = ("crossed-wires", "ball-on-flat", "point-contact")
+
+
 @dataclass(frozen=True)
 class Parameter:
     """One number of an effect."""
@@ -139,10 +143,6 @@ def cycles_of_change(meaning: str, typical: float) -> Any:
 def choice(*words: str) -> Any:
     """A field of an effect's data class that is one of a few words, the first unless given."""
     return field(default=words[0], metadata={"choice": words})
-
-
-#: Kinds of contact at a point, whose bodies wear a scar that is as wide as it is long.
-AT_A_POINT = ("crossed-wires", "ball-on-flat", "point-contact")
 
 
 def form(described: Parameter, *, contacts: tuple[str, ...] = ()) -> Any:

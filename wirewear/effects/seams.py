@@ -12,6 +12,8 @@ from solvers import ContactLayer
 if TYPE_CHECKING:
     from solvers import ContactProblem
 
+T = TypeVar("T")
+
 
 class Seam(StrEnum):
     """Where an effect enters, and the description that it changes there."""
@@ -120,6 +122,3 @@ def problem_with(problem: ContactProblem, effects: Sequence[ChangesASeam], age: 
         layers=law.layers,
         wear=applied(effects, Seam.WEAR, problem.wear, age),
     )
-
-
-T = TypeVar("T")

@@ -32,6 +32,23 @@ _QUIET = "WIREWEAR_QUIET"  #: The variable that has commands say no more than wh
 SILENCE_s = 1.5  #: A command that has said nothing for so long says that it is at work.
 
 
+#: Signs that Unicode itself has no plain spelling of.
+_PLAIN = {
+    "–": "-",
+    "—": "-",
+    "−": "-",
+    "±": "+-",
+    "·": "*",
+    "×": "x",
+    "→": "->",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "µ": "u",
+    "°": " deg",
+}
+
+
 def main() -> None:
     """Entry point of the console script."""
     prepare_streams()
@@ -92,23 +109,6 @@ def _place_of(error: BaseException) -> str:
         f"this should not have happened ({type(error).__name__} in {where}: {said}); "
         f"the same command with {_SHOWS_TRACEBACK}=1 shows all of it: please report that."
     )
-
-
-#: Signs that Unicode itself has no plain spelling of.
-_PLAIN = {
-    "–": "-",
-    "—": "-",
-    "−": "-",
-    "±": "+-",
-    "·": "*",
-    "×": "x",
-    "→": "->",
-    "≤": "<=",
-    "≥": ">=",
-    "≈": "~",
-    "µ": "u",
-    "°": " deg",
-}
 
 
 def prepare_streams() -> None:

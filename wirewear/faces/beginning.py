@@ -18,6 +18,21 @@ if TYPE_CHECKING:
     from pydantic.fields import FieldInfo
 
 
+#: Keys of a record that options tell.
+_TOLD = {
+    "diameter": "diameter_mm",
+    "crossing_angle": "crossing_angle_deg",
+    "length": "length_mm",
+    "radius": "radius_mm",
+    "face_half_width": "face_half_width_mm",
+    "edge_radius": "edge_radius_mm",
+    "normal_load": "normal_load_N",
+    "amplitude": "displacement_amplitude_um",
+    "frequency": "frequency_Hz",
+    "cycles": "cycles",
+}
+
+
 @cli.command()
 @click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--kind", type=click.Choice([name for own in KINDS.values() for name in own.names]),
@@ -83,21 +98,6 @@ def _require_sensible(option: str, value: float, kind: Kind) -> None:
             quantity(value)
     except ValueError as problem:
         raise RecordError(as_sentence(f"--{option.replace('_', '-')} {problem}")) from None
-
-
-#: Keys of a record that options tell.
-_TOLD = {
-    "diameter": "diameter_mm",
-    "crossing_angle": "crossing_angle_deg",
-    "length": "length_mm",
-    "radius": "radius_mm",
-    "face_half_width": "face_half_width_mm",
-    "edge_radius": "edge_radius_mm",
-    "normal_load": "normal_load_N",
-    "amplitude": "displacement_amplitude_um",
-    "frequency": "frequency_Hz",
-    "cycles": "cycles",
-}
 
 
 def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:

@@ -41,6 +41,16 @@ _SHOWN = (".html", ".png")
 _COMING = ".coming."  #: Begins the name of a file until all of it is there.
 CHUNK = 1 << 20
 
+_AS_STEP = """
+try:
+    from wirewear.faces import desk, main
+    desk.end_with_input()
+except KeyboardInterrupt:
+    print("wirewear: interrupted; nothing was written.")
+    raise SystemExit(130)
+main()
+"""
+
 
 @dataclass(frozen=True)
 class Step:
@@ -303,17 +313,6 @@ def _require_taken(option: click.Option, value: str) -> None:
         option.type.convert(value, option, None)
     except click.BadParameter as problem:
         raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
-
-
-_AS_STEP = """
-try:
-    from wirewear.faces import desk, main
-    desk.end_with_input()
-except KeyboardInterrupt:
-    print("wirewear: interrupted; nothing was written.")
-    raise SystemExit(130)
-main()
-"""
 
 
 def end_with_input() -> None:

@@ -33,6 +33,15 @@ GOES_ON = {
 WHOLE = "no file is left half written"
 
 
+#: What stands for click's names of the kinds of numbers.
+_NUMBERS = {"float": "number: a point is the decimal sign, as in 0.45", "integer": "whole number, such as 20"}
+
+#: What shows the help of a group that is given no command, from click 8.2 on.
+_SHOWS_HELP: tuple[type[Exception], ...] = tuple(
+    kind for kind in (getattr(click.exceptions, "NoArgsIsHelpError", None),) if kind is not None
+)
+
+
 class Finite(click.FloatRange):
     """A finite number within a range: comparisons alone would let NaN pass."""
 
@@ -115,10 +124,6 @@ class _OneSentence(click.ClickException):
         click.echo(f"wirewear: {self.message}", err=True)
 
 
-#: What stands for click's names of the kinds of numbers.
-_NUMBERS = {"float": "number: a point is the decimal sign, as in 0.45", "integer": "whole number, such as 20"}
-
-
 class _Misused(_OneSentence):
     """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
 
@@ -139,12 +144,6 @@ class _Misused(_OneSentence):
             usage, path = self._context.get_usage(), self._context.command_path
             click.echo(f"{usage}\nTry '{path} --help' for help.\n", err=True)
         super().show(file)
-
-
-#: What shows the help of a group that is given no command, from click 8.2 on.
-_SHOWS_HELP: tuple[type[Exception], ...] = tuple(
-    kind for kind in (getattr(click.exceptions, "NoArgsIsHelpError", None),) if kind is not None
-)
 
 
 @contextmanager

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from wirewear.results import RunResult
     from wirewear.study import AnyStudy
 
+LEAST_PAUSE_s = 0.3  #: Seconds between two drawings of the bar.
+
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Record(ExperimentRecord[Any, Any]):
@@ -116,9 +118,6 @@ def read_record(folder: str | Path) -> Record:
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read.
     """
     return Record.of(read_plain(folder))
-
-
-LEAST_PAUSE_s = 0.3  #: Seconds between two drawings of the bar.
 
 
 def in_notebook() -> bool:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from wirewear.sweeps.running import Forecast, SweepObserver
     from wirewear.sweeps.sweep import SweepRow
 
+_BETWEEN_LINES_s = 2.0  #: Off a terminal, lines on the progress of many runs are no closer.
+
 
 @group.cli.command()
 @click.argument("paths", metavar="RECORD_OR_RESULT...", nargs=-1, required=True, type=click.Path(path_type=Path))
@@ -99,9 +101,6 @@ def run_scattered(study: Study, variant: str | None, folder: Path, jobs: int | N
     click.echo(sentence(found))
     for path in write_uncertainty(folder, found):
         click.echo(path)
-
-
-_BETWEEN_LINES_s = 2.0  #: Off a terminal, lines on the progress of many runs are no closer.
 
 
 @contextmanager

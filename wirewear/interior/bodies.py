@@ -21,6 +21,11 @@ from wirewear.results import ContactForces, RunResult
 _DEEPER = 1.4
 
 
+#: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
+_BESIDE_um = 1e-4
+T = TypeVar("T")
+
+
 class WornBody(SolvedBody[BodyMesh]):
     """A wire, or another body of a contact at a point."""
 
@@ -97,12 +102,6 @@ _fresh = lru_cache(maxsize=2)(build_body)
 
 if TYPE_CHECKING:
     import pyvista
-
-
-#: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
-_BESIDE_um = 1e-4
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)

@@ -28,6 +28,8 @@ from wirewear.study import LineStudy, study_from_tables
 if TYPE_CHECKING:
     import pyvista
 
+_LEVELS = 11
+
 
 class LineBody(SolvedBody[PlanarMesh]):
     """Pad or specimen."""
@@ -67,9 +69,6 @@ def _study(tables: str) -> LineStudy:
 def _geometry(study: LineStudy, fidelity: str, body: str) -> PlanarGeometry:
     meshes = line_plan(study, fidelity)
     return meshes.pad if body == "pad" else meshes.specimen
-
-
-_LEVELS = 11
 
 
 def state_grid(state: InnerState[LineBody]) -> pyvista.UnstructuredGrid:

@@ -29,6 +29,13 @@ if TYPE_CHECKING:
 
 M = TypeVar("M", BodyMesh, PlanarMesh)
 
+_DIRECTIONS = 240
+
+#: Angles by which planes are tilted about the best one so far, rad.
+_TILTS = (0.08, 0.04, 0.02, 0.01)
+_BALL_STEPS = 60
+_AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
+
 
 @dataclass(frozen=True, eq=False)
 class SolvedBody(Generic[M]):
@@ -200,12 +207,6 @@ def _beneath(points: Array) -> Array:
     """Points (n, 2) of a planar body at y = 0, (n, 3)."""
     return np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]])
 
-
-_DIRECTIONS = 240
-#: Angles by which planes are tilted about the best one so far, rad.
-_TILTS = (0.08, 0.04, 0.02, 0.01)
-_BALL_STEPS = 60
-_AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
 
 #: A parameter (n, k) of stress tensors (s, n, 3, 3) over a cycle on planes of k normals each, (n, k, 3).
 OnPlanes = Callable[[Array, Array], Array]

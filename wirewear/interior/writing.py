@@ -32,6 +32,16 @@ from wirewear.interior.strength import Strength
 from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
 from wirewear.results import RunResult
 
+_MAPS = {
+    "largest_von_mises_MPa": "largest von Mises stress",
+    "smith_watson_topper_MPa": "Smith–Watson–Topper",
+    "crossland_MPa": "Crossland",
+}
+
+#: Height of all but the panels, and width of a panel, of a line contact's picture, in inches.
+_FRAME, _PANEL = 1.6, 2.3
+_LEVELS = 11
+
 
 def write_fields(
     result: RunResult,
@@ -117,16 +127,6 @@ def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
             ET.SubElement(collection, "DataSet", timestep=time, group="", part=str(part), file=f"{_name(state)}.vtu")
     ET.indent(root)
     return write_bytes(path, ET.tostring(root, xml_declaration=True, encoding="utf-8"))
-
-
-_MAPS = {
-    "largest_von_mises_MPa": "largest von Mises stress",
-    "smith_watson_topper_MPa": "Smith–Watson–Topper",
-    "crossland_MPa": "Crossland",
-}
-#: Height of all but the panels, and width of a panel, of a line contact's picture, in inches.
-_FRAME, _PANEL = 1.6, 2.3
-_LEVELS = 11
 
 
 def strength_table(strengths: Sequence[Strength]) -> Table:

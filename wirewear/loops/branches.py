@@ -36,6 +36,8 @@ LEANS, PASSED = (0.02, 0.04, 0.08, 0.16, 0.32), 1.5
 
 SLIDING_PERCENTILES = (10.0, 90.0)  #: Forces beyond these percentiles say at what force a loop slides.
 
+_PARAMETER = np.linspace(1.0, 0.0, 200)
+
 
 def upright(loop: CleanLoop) -> CleanLoop:
     """The loop with as much displacement in proportion to its force as makes its reading turn where the drive does.
@@ -203,9 +205,6 @@ def remaining_force(travel: Array, share: float) -> Array:
     """
     s = _PARAMETER
     return np.interp(travel, (1.0 - share) * (1.0 - s**3) + share * (1.0 - s**2), s**3)
-
-
-_PARAMETER = np.linspace(1.0, 0.0, 200)
 
 
 @cache

@@ -38,6 +38,16 @@ LEVEL, LEVELLER = 0.35, 0.75
 SAME_FORCE, SAME_WIDTH = 0.12, 0.4
 
 
+#: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
+CERTAIN_SLIP, LEAST_DROP = 7.0, 0.03
+FEWEST_SLIPS = 4  #: So many slips of a cycle are no chance.
+MOST_STEPS = 3  #: A slip takes no more steps between samples than this; a longer fall is a slope.
+
+#: Slips are resolved where at least this share of those is seen that the stick branches' stiffness lets expect.
+RESOLVED = 0.6
+EARLY = 0.12  #: Where a static force is sought: from the onset on over this share of the plateau.
+
+
 @dataclass(frozen=True)
 class Shelf:
     """The shelf of one branch: its width with its standard deviation, where it begins, and its force.
@@ -255,17 +265,6 @@ def courses_of(loop: CleanLoop) -> Courses:
 def _course(branch: Branch, middle_N: float) -> Course:
     crossing = balance(branch.travel_um, branch.force_N - branch.direction * middle_N)
     return branch, settled(branch, fit_micro_slip(branch), crossing)
-
-
-#: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
-CERTAIN_SLIP, LEAST_DROP = 7.0, 0.03
-FEWEST_SLIPS = 4  #: So many slips of a cycle are no chance.
-MOST_STEPS = 3  #: A slip takes no more steps between samples than this; a longer fall is a slope.
-
-#: Slips are resolved where at least this share of those is seen that the stick branches' stiffness lets expect.
-RESOLVED = 0.6
-
-EARLY = 0.12  #: Where a static force is sought: from the onset on over this share of the plateau.
 
 
 def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:

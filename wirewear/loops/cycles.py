@@ -31,6 +31,18 @@ WHOLE, LEAST_WHOLE = 0.9, 0.7
 
 Places = NDArray[np.intp]
 
+FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no chance.
+
+#: A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the plateaus.
+OF_PLATEAU = 0.5
+MOST_POINTS = 3000  #: More points than this are no digitised loop, and would take long.
+
+#: A loop in order of time is no longer than so many outlines; a log of several cycles is one outline a cycle.
+DISORDER = 3.0
+LEAST_STEP = 0.2  #: Points in any order are so far from the next ones, on average, in shares of the box around them.
+WIDEST_GAP = 0.4  #: Neighbours on the outline are no farther apart along the stroke.
+LEAST_AREA = 0.05  #: The outline encloses at least this share of the box around it, as points on one curve do not.
+
 
 def turns_of(displacement_um: Array) -> Places:
     """First sample, every sample at which the drive turns round, and last sample of samples (n,) in order, n ≥ 2."""
@@ -181,21 +193,6 @@ def _without_spikes(values: Array) -> Array:
     reach = 3.0 * float(np.percentile(np.abs(np.diff(middle)), 90)) if middle.size > 1 else 0.0
     ends = [middle[at] + np.clip(part - middle[at], -reach, reach) for at, part in ((0, values[:2]), (-1, values[-2:]))]
     return np.concatenate([ends[0], middle, ends[1]])
-
-
-FEWEST_SLIPS = 4  #: So many single samples that fall alike are slips, and no chance.
-
-#: A way from one side of the loop to the other is a reversal if it begins and ends beyond this share of the plateaus.
-OF_PLATEAU = 0.5
-
-MOST_POINTS = 3000  #: More points than this are no digitised loop, and would take long.
-
-#: A loop in order of time is no longer than so many outlines; a log of several cycles is one outline a cycle.
-DISORDER = 3.0
-
-LEAST_STEP = 0.2  #: Points in any order are so far from the next ones, on average, in shares of the box around them.
-WIDEST_GAP = 0.4  #: Neighbours on the outline are no farther apart along the stroke.
-LEAST_AREA = 0.05  #: The outline encloses at least this share of the box around it, as points on one curve do not.
 
 
 def signal_among(flagged: BoolArray, force: Array, time: Array, noise: float) -> BoolArray:

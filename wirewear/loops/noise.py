@@ -19,6 +19,28 @@ STATED_WITHIN, STATED_FREEDOM = 0.3, 3.0
 LEAST_ROUNDING = 0.1
 
 
+#: The cubic through two neighbours on either side, at even times: a sample is their mean with these weights.
+NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
+
+#: By what a sample's distance to that cubic scatters more than the sample itself.
+_SCATTER = float(np.sqrt(1.0 + np.sum(WEIGHTS**2)))
+_DENSE = 100  #: Samples of a cycle from which on those next to a reversal's hook resolve it.
+
+#: So large a share of the samples lies on the steps, within that share of one and half a digit as written: others were
+#: put in between. Numbers are written with so many digits after the point at most.
+ON_STEPS, WITHIN, DIGITS = 0.95, 1e-3, 9
+
+#: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
+FEWEST, LEAST_SHARE = 4, 0.02
+FEWEST_PAIRS, FEWEST_LOOP = 10, 32  #: So many neighbours, of a loop of so many samples, tell scatter from a course.
+ALTERNATING = -0.4  #: Neighbours' fourth differences that correlate by less than this are noise.
+CONSTANT = 1e-5  #: What varies by a smaller share than sixteen bits resolve is constant.
+OUTSIDE, NEAR = 3, 3.5  #: An outlier or two may lie beyond the range's end, but not by so few steps, as noise does.
+
+#: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
+LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
+
+
 def correlated_noise(
     parts: Sequence[tuple[Array, Array]], stated: float | None, rounding: float = 0.0
 ) -> tuple[float, float]:
@@ -141,15 +163,6 @@ def noise_of_neighbours(correlation: float) -> float:
     return float(np.linalg.norm(weights)) / noise_factor(weights, np.array([*NEIGHBOURS, 0]), correlation)
 
 
-#: The cubic through two neighbours on either side, at even times: a sample is their mean with these weights.
-NEIGHBOURS, WEIGHTS = (-2, -1, 1, 2), np.array([-1.0, 4.0, 4.0, -1.0]) / 6.0
-
-#: By what a sample's distance to that cubic scatters more than the sample itself.
-_SCATTER = float(np.sqrt(1.0 + np.sum(WEIGHTS**2)))
-
-_DENSE = 100  #: Samples of a cycle from which on those next to a reversal's hook resolve it.
-
-
 def through_neighbours(loops: Array) -> Array:
     """For each sample of closed loops (m, n) at even times the cubic through its four neighbours there."""
     parts = (weight * np.roll(loops, -shift, axis=1) for shift, weight in zip(NEIGHBOURS, WEIGHTS, strict=True))
@@ -222,22 +235,6 @@ def outside_neighbours(loops: Array, allowed: Callable[[Array], Array]) -> BoolA
     allowance = allowed(np.sort(steps, axis=0))
     outside: BoolArray = (loops < np.minimum(one, other) - allowance) | (loops > np.maximum(one, other) + allowance)
     return outside
-
-
-#: So large a share of the samples lies on the steps, within that share of one and half a digit as written: others were
-#: put in between. Numbers are written with so many digits after the point at most.
-ON_STEPS, WITHIN, DIGITS = 0.95, 1e-3, 9
-
-#: So many samples in a row, and so large a share of all, that read the same extreme are no chance.
-FEWEST, LEAST_SHARE = 4, 0.02
-
-FEWEST_PAIRS, FEWEST_LOOP = 10, 32  #: So many neighbours, of a loop of so many samples, tell scatter from a course.
-ALTERNATING = -0.4  #: Neighbours' fourth differences that correlate by less than this are noise.
-CONSTANT = 1e-5  #: What varies by a smaller share than sixteen bits resolve is constant.
-OUTSIDE, NEAR = 3, 3.5  #: An outlier or two may lie beyond the range's end, but not by so few steps, as noise does.
-
-#: Noise and steps of a channel in shares of its extent: without noise a plateau may be flat, within a step it seems so.
-LEAST_NOISE, COARSE, FINE = 2e-4, 0.01, 2e-3
 
 
 def step_of(values: Array) -> float:

@@ -30,6 +30,18 @@ ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77  #: Values at the transiti
 MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
 
 
+#: Levels of the force's rise at which travels are compared, below a play's shelf; the travel at the second over that at
+#: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
+LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
+BEFORE = 8  #: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
+READING = 0.15  #: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
+LEAST_LAG, CERTAIN = 1.0, 3.0  #: A lag is one from so many samples on, and from so many of its standard deviations.
+
+#: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
+SMOOTH = 0.02
+FULL = 0.5  #: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
+
+
 def mean_force(loop: CleanLoop) -> Measured:
     """∮Q|dδ| / ∮|dδ| in N: every displacement counts once on each branch, whatever the sampling."""
     step = np.abs(np.roll(loop.displacement_um, -1) - loop.displacement_um)
@@ -173,20 +185,6 @@ def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured)
     if amplitude_um.value * force_N.value <= 0.0:
         return None
     return energy_mJ.over(amplitude_um, force_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
-
-
-#: Levels of the force's rise at which travels are compared, below a play's shelf; the travel at the second over that at
-#: the first is the one behind a spring, and the other for evenly spread limits (Iwan); Mindlin contacts lie between.
-LEVELS, RATIOS = (0.2, 0.4), (2.0, 2.135)
-
-BEFORE = 8  #: Samples of the branch before, with which the reversal is passed: a force may come so many too early.
-READING = 0.15  #: Standard deviation of what samples on either side of a reversal tell of its time, in samples.
-LEAST_LAG, CERTAIN = 1.0, 3.0  #: A lag is one from so many samples on, and from so many of its standard deviations.
-
-#: A force whose third harmonic is this small a share of its first has no plateau; Coulomb friction alone makes it 1/3.
-SMOOTH = 0.02
-
-FULL = 0.5  #: Loops this full, of the box around them, are opened by more than micro-slip; an ellipse fills π/4.
 
 
 def lag_of(loop: CleanLoop) -> Measured | None:

@@ -12,6 +12,12 @@ from wirewear.base.errors import SensorError
 
 _EVEN = 1e-6  # Spacings that differ by less than this share count as even.
 
+LEAST_PASSED = 0.01  #: A filter that lets less than this share of the fastest oscillation through cannot be undone.
+
+# Uneven samples are carried over to an even grid this many times as fine.
+_REFINEMENT = 4
+_LAGS = ("first-order", "delay")
+
 
 @dataclass(frozen=True, eq=False)
 class LoopSignals:
@@ -87,11 +93,6 @@ def enclosed_areas(x: Array, y: Array) -> Array:
 LagKind = Literal["first-order", "delay"]
 
 Transfer = Callable[[Array], ComplexArray]  #: Factors (n,) of the oscillations of given frequencies in Hz.
-LEAST_PASSED = 0.01  #: A filter that lets less than this share of the fastest oscillation through cannot be undone.
-
-# Uneven samples are carried over to an even grid this many times as fine.
-_REFINEMENT = 4
-_LAGS = ("first-order", "delay")
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,17 @@ from wirewear.results import Loop, RunResult, read_results
 
 DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the held body where colours stand for runs.
 
+PANELS_IN_A_ROW = 3
+WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
+FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
+HEIGHT_in = 3.2
+FOLDER_NAME = "pictures"
+
+#: Wear is well seen beside other wear from this share of its depth on.
+WELL_SEEN = 0.25
+MOST_IN_SERIES = 5
+MOST_CONTACTS = 4
+
 
 def amplitude_evolution(results: Sequence[RunResult]) -> Figure:
     """Displacement amplitude δa and slip amplitude δ0 over the cycles, all runs overlaid."""
@@ -130,11 +141,6 @@ def _widen(axes: Axes) -> None:
         axes.set_ylim(middle - least / 2, middle + least / 2)
 
 
-PANELS_IN_A_ROW = 3
-
-WIDEST, THINNEST = 1.1, 0.7  #: Line widths of the first and the last loop, as shares of other lines'.
-
-
 def loops_by_run(results: Sequence[RunResult], unit: str = "N") -> Figure:
     """One panel for each run, its loops at chosen cycles in colour; all panels on the same axes. unit: of forces."""
     figure, panels = _panels(len(results))
@@ -212,18 +218,6 @@ def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
         axes.label_outer()
     if len(panels) > 1:
         style.panel_letters(panels)
-
-
-FRAME_ms, LAST_ms, DOTS_PER_INCH = 700, 2500, 100  #: Milliseconds of a frame and of the last one; dots per inch.
-
-HEIGHT_in = 3.2
-
-FOLDER_NAME = "pictures"
-
-#: Wear is well seen beside other wear from this share of its depth on.
-WELL_SEEN = 0.25
-MOST_IN_SERIES = 5
-MOST_CONTACTS = 4
 
 
 def overview(results: Sequence[RunResult]) -> Figure:

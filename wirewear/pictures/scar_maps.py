@@ -23,6 +23,15 @@ from wirewear.results import RunResult, Scar
 TALLEST_PANEL = 0.75  #: Height over width that a panel should not exceed.
 
 
+#: Field, label of its colour bar, colours: the rows of the picture.
+_ROWS = (
+    ("pressure_MPa", "pressure [MPa]", style.PRESSURE_COLOURS),
+    ("slip_distance_um", "slip [µm]", style.SLIP_COLOURS),
+)
+RESOLUTION = 420  #: Pixels along the longer side of a map.
+LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour bar, as a share of its length.
+
+
 def scar_sections(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
     """Unworn and worn profile on y = 0: one row for each cycle, one column for each body, the runs overlaid.
 
@@ -90,13 +99,6 @@ def _half_extent(scar: Scar) -> float:
     x, depth = scar.section_along_motion()
     worn = depth > 0.01 * scar.max_depth_um
     return float(abs(x[worn]).max()) if worn.any() else float(abs(x).max())
-
-
-#: Field, label of its colour bar, colours: the rows of the picture.
-_ROWS = (
-    ("pressure_MPa", "pressure [MPa]", style.PRESSURE_COLOURS),
-    ("slip_distance_um", "slip [µm]", style.SLIP_COLOURS),
-)
 
 
 def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
@@ -176,10 +178,6 @@ def _draw(axes: Axes, scar: Scar, field: str, norm: Normalize, colours: Colormap
 
 def _short(value: float) -> str:
     return f"{value:.0f}" if value >= 100.0 else f"{value:.3g}"
-
-
-RESOLUTION = 420  #: Pixels along the longer side of a map.
-LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour bar, as a share of its length.
 
 
 def scars_from_above(results: Sequence[RunResult]) -> Figure:

@@ -18,6 +18,10 @@ _ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 12, "shrinkA"
 _MOST_LINES = 15  #: At most so many lines are drawn from a reference node to what it holds.
 
 
+#: A section lies so far beside its plane [mm]: mirror planes are full of facets that would be cut twice.
+_BESIDE_mm = 1e-6
+
+
 @dataclass(frozen=True, eq=False)
 class HeldBody:
     """A body in one section: its edge and the part of it that is held, as lines (k, 2, 2) in mm."""
@@ -134,10 +138,6 @@ def _draw_lines(axes: Axes, lines: Array, **style: object) -> None:
     gaps = np.full((len(lines), 1), np.nan)
     x, z = (np.hstack([lines[:, :, k], gaps]).ravel() for k in (0, 1))
     axes.plot(x, z, solid_capstyle="round", **style)  # type: ignore[arg-type]
-
-
-#: A section lies so far beside its plane [mm]: mirror planes are full of facets that would be cut twice.
-_BESIDE_mm = 1e-6
 
 
 def supports(study: Study, moving: BodyMesh, fixed: BodyMesh) -> Figure:

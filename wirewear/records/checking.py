@@ -24,6 +24,40 @@ RESOLVED = 4  #: Samples on half of a micro-slip branch from which on its stiffn
 Verdict = tuple[bool, str]
 
 
+#: Loops that are analysed in full; in a larger record the others are checked by their statistics alone.
+MOST_ANALYSED = 30
+
+#: What is checked of maps of scars, and of profiles.
+_OF_SURFACES: Mapping[str, Callable[[CheckedRecord], Iterator[Remark]]] = {
+    SCARS.name: scar_remarks,
+    PROFILES.name: profile_remarks,
+}
+_CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
+    loop_checks.too_short,
+    loop_checks.times,
+    loop_checks.order,
+    loop_checks.units,
+    loop_checks.folded,
+    loop_checks.normal_force,
+    course_checks.cycle_lists,
+    course_checks.repeats,
+    loop_checks.outlying_samples,
+    loop_checks.sensors,
+    loop_checks.resolution,
+    loop_checks.play_and_stick_slip,
+    loop_checks.told_by_analysis,
+    loop_checks.closure,
+    course_checks.drift,
+    course_checks.evolution,
+    course_checks.impossible_evolution,
+    exchanges.renumbered,
+    exchanges.exchanged_evolutions,
+    exchanges.exchanged_loops,
+    exchanges.copied_loops,
+    exchanges.copied_evolution,
+)
+
+
 def support(checked: CheckedRecord, spoilt: bool) -> Iterator[Verdict]:
     """Verdicts on what the record supports: whether it does, and a sentence why."""
     record = checked.record
@@ -136,10 +170,6 @@ def _model(record: AnyRecord) -> Verdict:
     return True, f"A simulation from the record alone, {taken}."
 
 
-#: Loops that are analysed in full; in a larger record the others are checked by their statistics alone.
-MOST_ANALYSED = 30
-
-
 def check_record(record: AnyRecord) -> RecordReport:
     """Check units, times, channels, cycle lists, outliers, repeats, drift, saturation and closure of a record."""
     record = record.of_block()
@@ -200,38 +230,6 @@ def analysed(loops: Sequence[MeasuredLoop]) -> list[MeasuredLoop]:
     count = len(loops)
     places = sorted(set(np.linspace(0, count - 1, min(count, MOST_ANALYSED)).round().astype(int).tolist()))
     return [loops[place] for place in places]
-
-
-#: What is checked of maps of scars, and of profiles.
-_OF_SURFACES: Mapping[str, Callable[[CheckedRecord], Iterator[Remark]]] = {
-    SCARS.name: scar_remarks,
-    PROFILES.name: profile_remarks,
-}
-
-_CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
-    loop_checks.too_short,
-    loop_checks.times,
-    loop_checks.order,
-    loop_checks.units,
-    loop_checks.folded,
-    loop_checks.normal_force,
-    course_checks.cycle_lists,
-    course_checks.repeats,
-    loop_checks.outlying_samples,
-    loop_checks.sensors,
-    loop_checks.resolution,
-    loop_checks.play_and_stick_slip,
-    loop_checks.told_by_analysis,
-    loop_checks.closure,
-    course_checks.drift,
-    course_checks.evolution,
-    course_checks.impossible_evolution,
-    exchanges.renumbered,
-    exchanges.exchanged_evolutions,
-    exchanges.exchanged_loops,
-    exchanges.copied_loops,
-    exchanges.copied_evolution,
-)
 
 
 def report_text(report: RecordReport) -> Group:

@@ -35,6 +35,9 @@ REACH, FLANK = 1.6, 0.9
 #: Heights of a body's surface anew for every repeat, as columns x_um, y_um and height_um (or without y_um).
 Surface = Callable[[], Mapping[str, Array]]
 
+BYTES_PER_SAMPLE = 250  #: Memory that a sample of a record takes until it is written; measured.
+_IDEAL = Sensor()
+
 
 def write_as_heights(
     folder: Path, loops: Sequence[MeasuredLoop], surfaces: Mapping[str, Surface], repeats: int, *, overwrite: bool
@@ -106,11 +109,6 @@ def _lines(half_um: float, step_um: float = SCAR_STEP_um) -> Array:
     """Places as far as a map of a scar that reaches so far to either side."""
     count = int(np.ceil(REACH * half_um / step_um))
     return np.arange(-count, count + 1) * np.float64(step_um)
-
-
-BYTES_PER_SAMPLE = 250  #: Memory that a sample of a record takes until it is written; measured.
-
-_IDEAL = Sensor()
 
 
 def record_of_result(

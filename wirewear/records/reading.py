@@ -52,6 +52,9 @@ EVOLUTION_COLUMNS = (
 #: Of all tables, by name.
 RECORD_COLUMNS = {column.name: column for column in (*LOOP_COLUMNS, *EVOLUTION_COLUMNS, *SCARS.columns)}
 
+_LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
+_LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)
+
 
 def tables_of_file(path: Path) -> type[AnyTables]:
     """The tables of a record's folder, its experiment.toml or a mapping, by the kind of contact that it describes."""
@@ -217,9 +220,6 @@ def _frozen(values: Array) -> Array:
     values.setflags(write=False)
     return values
 
-
-_LINE = re.compile(rb"^# sha256 ([0-9a-f]{64}) (\S+)\n", re.MULTILINE)
-_LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTILINE)
 
 Model = TypeVar("Model", bound=OfTest)
 

@@ -31,6 +31,9 @@ GAP_NOISES = 8.0
 
 CHUNK = 256  #: Loops that are worked on at once; bounds the memory needed.
 
+MOST_LISTED = 8
+ALIKE = 0.01  #: Conditions are rounded to this share of themselves, and alike within it.
+
 
 def of_equal_times(loops: Iterable[MeasuredLoop]) -> list[list[MeasuredLoop]]:
     """Groups of complete loops whose samples lie at the same times within a microsecond, largest group first."""
@@ -216,11 +219,6 @@ def _rises(share: Array) -> int:
     ends = np.where(share > 2.0 / 3.0, 1, np.where(share < 1.0 / 3.0, -1, 0))
     ends = ends[ends != 0]
     return int(np.count_nonzero((ends > 0) & (np.roll(ends, 1) < 0)))
-
-
-MOST_LISTED = 8
-
-ALIKE = 0.01  #: Conditions are rounded to this share of themselves, and alike within it.
 
 
 def plural(count: int, noun: str) -> str:

@@ -49,6 +49,21 @@ ASKEW_deg = 6.0  #: By what crossing angles may be wrong [deg].
 
 _WHY = "are x and y exchanged, or is a map of the other body, of another scale or of another test?"
 
+CUT_OFF = 0.2  #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
+GAPS = 0.01  #: Missing points, as a share of the map, from which on it is worth a remark.
+RAISED = 0.1  #: Depth below zero, as a share of the deepest point, that noise does not explain.
+BEYOND_NOISE_um = 1.0  #: Depths that no profilometer's noise reaches [µm].
+
+#: Factors between worn volume and what energy and stated wear make it: wear is seldom known better than within the
+#: first, and off by the second only where units are wrong.
+OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
+_AREA = 30.0  # A worn area may differ from what is stated by this factor before units are suspected.
+_AT_END = 0.1  # Share of the largest depth that may stand at the end of a profile.
+
+#: The flat's scar is never shorter: in kinematic wear, whichever body wears more, its spread is 1.00 to 1.42 times the
+#: pad's, in simulated records 1.03 to 1.44. Repeats scatter by 0.01.
+SHORTER = 0.95
+
 
 @dataclass(frozen=True)
 class ScarSize:
@@ -129,16 +144,6 @@ def _mirrored(scars: dict[str, ScarSize], spots_mm: Array) -> Iterator[str]:
                 )
 
 
-CUT_OFF = 0.2  #: Depth at the map's edge, as a share of the deepest point, from which on the scar seems cut off.
-GAPS = 0.01  #: Missing points, as a share of the map, from which on it is worth a remark.
-RAISED = 0.1  #: Depth below zero, as a share of the deepest point, that noise does not explain.
-BEYOND_NOISE_um = 1.0  #: Depths that no profilometer's noise reaches [µm].
-
-#: Factors between worn volume and what energy and stated wear make it: wear is seldom known better than within the
-#: first, and off by the second only where units are wrong.
-OTHER_WEAR, IMPOSSIBLE_WEAR = 5.0, 30.0
-
-
 def scar_remarks(checked: CheckedRecord) -> Iterator[Remark]:
     """Remarks on scars, one after another."""
     record = checked.record
@@ -208,13 +213,6 @@ def _findings(scar: MeasuredScar, diameter_um: float) -> Iterator[Remark]:
         yield Remark("problem", "scars", text)
     elif scar.border_told:
         yield Remark("note", "scars", f"{scar.border_told}.")
-
-
-_AREA = 30.0  # A worn area may differ from what is stated by this factor before units are suspected.
-_AT_END = 0.1  # Share of the largest depth that may stand at the end of a profile.
-#: The flat's scar is never shorter: in kinematic wear, whichever body wears more, its spread is 1.00 to 1.42 times the
-#: pad's, in simulated records 1.03 to 1.44. Repeats scatter by 0.01.
-SHORTER = 0.95
 
 
 def profile_remarks(checked: CheckedRecord) -> Iterator[Remark]:

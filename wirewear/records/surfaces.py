@@ -6,6 +6,8 @@ from wirewear.records.columns import Column
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.scars import MeasuredScar
 
+_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
+
 
 @dataclass(frozen=True)
 class WornSurfaces:
@@ -19,8 +21,6 @@ class WornSurfaces:
     fewest: int  #: Of so many bodies.
     lacking: str  #: What is not known without those of some, and how they are had.
 
-
-_REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 
 SCARS = WornSurfaces(
     "scar",

@@ -25,6 +25,14 @@ _EVOLUTIONS = ("friction_evolution", "wear_rate_evolution")
 _OF_THE_CONTACT = ("friction", *_EVOLUTIONS)
 
 
+# Shares of a loop's force and stroke: within the first a test stands at rest, and beyond the last, which is what even
+# little slip leaves of the friction force, a cycle that began so does not close.
+_AT_REST, _ENDS_APART, _FEWEST_SAMPLES = 0.15, 0.3, 16
+
+#: Where a record has what a block of a programme states in its tables, but for bulk stresses, which no loop tells.
+_IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
+
+
 def believed_study(tables: Any, more: Mapping[str, Any] | None = None) -> Any:
     """The record's test as its owner states it, a study of its kind of contact.
 
@@ -81,11 +89,6 @@ def believed_tables(tables: Any, friction: float) -> dict[str, Any]:
 def _believed_block(block: CycleBlock) -> dict[str, Any]:
     """A block of a record's programme as that of a study."""
     return {"cycles": block.cycles, **block.values, **({"name": block.name} if block.name else {})}
-
-
-# Shares of a loop's force and stroke: within the first a test stands at rest, and beyond the last, which is what even
-# little slip leaves of the friction force, a cycle that began so does not close.
-_AT_REST, _ENDS_APART, _FEWEST_SAMPLES = 0.15, 0.3, 16
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,10 +174,6 @@ class MeasuredEvolution:
 #: Tables of a record and its worn surfaces; where nothing is said, those of crossed wires.
 Tables = TypeVar("Tables", bound="AnyTables", default=RecordTables)
 Surface = TypeVar("Surface", bound="MeasuredScar | MeasuredProfile", default=MeasuredScar)
-
-
-#: Where a record has what a block of a programme states in its tables, but for bulk stresses, which no loop tells.
-_IN_TABLE = {"conditions": "conditions", "contact": "stated", "wear": "stated"}
 
 
 def _schedule(tables: Any) -> Schedule[Any]:

@@ -20,6 +20,11 @@ from geometry import Profile
 from geometry.arrays import Array
 from wirewear.reference.hertz import LineContact, PointContact, require_positive
 
+# The worn annulus ends within this multiple of the contact radius √(dR) unless next to nothing sticks.
+_FARTHEST = 100.0
+_POINTS, _PLACES = 400, 300
+_LEAST = 1e-6
+
 
 @dataclass(frozen=True)
 class CrossedWireScar:
@@ -95,10 +100,6 @@ def explicit_stability_limit(
     depth_per_pressure = energy_wear_coefficient_mm3_per_J * 1e-3 * friction * slip_per_update_mm
     wave_number = math.pi / mesh_size_mm * (1.0 if plane else math.sqrt(2.0))
     return 4.0 / (depth_per_pressure * contact_modulus_MPa * wave_number)
-
-
-# The worn annulus ends within this multiple of the contact radius √(dR) unless next to nothing sticks.
-_FARTHEST = 100.0
 
 
 @dataclass(frozen=True)
@@ -208,10 +209,6 @@ class WearingContact:
             raise ValueError(f"nothing sticks at a drive of {self.drive_mm:g} mm")
         c = float(brentq(excess, smallest, contact_mm * (1.0 - 1e-12), xtol=1e-15))
         return LimitingShape(big, pressed(c), c)
-
-
-_POINTS, _PLACES = 400, 300
-_LEAST = 1e-6
 
 
 def even_line_load(profile: Profile, half_width_mm: float, modulus_MPa: float) -> float:

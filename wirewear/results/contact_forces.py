@@ -23,6 +23,8 @@ from wirewear.results.scar import float_array, require_finite
 #: Pairs of a node and a cell weighed at once, some 100 MB: wide discs pair every node with every cell of a scar.
 _PAIRS_AT_ONCE = 1_000_000
 
+POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
+
 
 def largest_mean_pressure_MPa(
     pressure_MPa: ArrayLike, axial_um: ArrayLike, transverse_um: ArrayLike | None = None, *, over_um: float
@@ -134,9 +136,6 @@ def _disc_below(x: Array, y: Array) -> Array:
 
 def _disc_left(x: Array) -> Array:
     return x * np.sqrt(1.0 - x**2) + np.arcsin(x) + 0.5 * np.pi
-
-
-POSITION_COLUMNS = ("phase", "drive_um", "holder_x_um", "holder_z_um", "tangential_force_N")
 
 
 @dataclass(frozen=True, eq=False)

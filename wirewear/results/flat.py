@@ -30,6 +30,11 @@ FOLDER_NAME = "vtk"
 TIME_SERIES_FILES = tuple(f"{FOLDER_NAME}/scar_*{ending}" for ending in (".vtu", ".pvd"))
 
 
+#: A body's column, the body last; per mm it stands first.
+_OF_A_BODY = re.compile(r"(worn_volume|max_depth|left_edge|right_edge)_(pad|specimen)_(mm3|um)$")
+_PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)_(um2|um)$")
+
+
 def write_time_series(result: RunResult, folder: Path) -> list[Path]:
     """Write the scars of a run as `scar_<body>_<cycle>.vtu` and `scar_<body>.pvd`; returns the PVD files.
 
@@ -187,9 +192,6 @@ def _attributes(name: str) -> dict[str, str]:
     return {"units": unit_of(name), "long_name": words_of(name)}
 
 
-#: A body's column, the body last; per mm it stands first.
-_OF_A_BODY = re.compile(r"(worn_volume|max_depth|left_edge|right_edge)_(pad|specimen)_(mm3|um)$")
-_PER_MM = re.compile(r"(pad|specimen)_(worn_area|max_depth|left_edge|right_edge)_(um2|um)$")
 _um2_PER_mm2 = 1e6
 
 

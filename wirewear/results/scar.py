@@ -12,6 +12,57 @@ from geometry.arrays import Array, BoolArray, IntArray
 from geometry.patch import located
 from wirewear.base.errors import ResultError
 
+ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
+
+#: What each quality of a run says, and from where on it should be looked at.
+QUALITIES: Mapping[str, tuple[str, float]] = {
+    "force_balance": ("forces on the holder that do not balance, relative", 1e-6),
+    "penetration": ("penetration of one body into the other, relative to the approach", 1e-4),
+    "complementarity": ("pressure where the bodies do not touch, relative", 1e-4),
+    "slip_direction_error_rad": ("angle between friction and slip [rad]", 1e-2),
+    "elastic_slip": ("slip that a penalty lets through, relative", 1e-2),
+    "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 2e-3),
+    "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
+    "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
+    "slip_against_loops": ("slip in the contact against the loop's width, over the contact's displacement", 2e-2),
+    "depth_between_nodes": ("error of either body's largest depth by its elements, relative, estimated", 3e-2),
+    "law_between_nodes": ("error of laws other than Coulomb's by the fresh contact's elements, estimated", 2e-2),
+    "pressure_against_strength": (
+        "largest pressure against what the softer body bears, of which more is impossible",
+        1.0,
+    ),
+    "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
+}
+
+#: Those that are of the test itself, and the same however finely it is solved.
+OF_THE_TEST = frozenset({"pressure_against_strength"})
+
+#: What lessens the others where they are more than their limit, as the end of a sentence.
+_OF_THE_PROGRAM = "is an error of the program: please report it with the study"
+_REMEDIES: Mapping[str, str] = {
+    "energy_against_loops": "falls with a smaller jump_tolerance in [fidelity] or with more loop_cycles in [log], not "
+    "with the mesh",
+    "slip_against_loops": _OF_THE_PROGRAM,
+    "volume_against_energy": _OF_THE_PROGRAM,
+}
+WIRES = ("moving", "fixed")
+BODIES = ("pad", "specimen")  #: Bodies of a line contact.
+
+#: What bodies are called in sentences whose names say only how they stand.
+_CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
+
+#: What any driven, lower body and any held, upper one may be called as well.
+_BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
+GRID_COLUMNS = ("axial_um", "transverse_um")
+FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
+DEPTH_ROUND_OFF_um = 1e-6  #: Depths may undershoot zero by round-off of an interpolation, not by more.
+_EDGE = 0.01  # Depth, relative to the deepest point, that bounds a profile's scar.
+
+#: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
+#: height.
+DEEPEST, SCAR_EDGE = 5, 0.25
+SCAR_FIGURES = ("volume", "depth", "length", "width")
+
 
 def float_array(name: str, values: ArrayLike, dimensions: int) -> Array:
     """`values` as a read-only float64 array with that many dimensions.
@@ -62,41 +113,6 @@ def crossings(line: Array, section: Array, level: float) -> tuple[float, float]:
         return float(line[inside] + share * (line[outside] - line[inside]))
 
     return between(int(over[0]), int(over[0]) - 1), between(int(over[-1]), int(over[-1]) + 1)
-
-
-ENERGIES_AGREE = 5e-3  #: Friction energies that differ by more than this share are not taken to agree.
-
-#: What each quality of a run says, and from where on it should be looked at.
-QUALITIES: Mapping[str, tuple[str, float]] = {
-    "force_balance": ("forces on the holder that do not balance, relative", 1e-6),
-    "penetration": ("penetration of one body into the other, relative to the approach", 1e-4),
-    "complementarity": ("pressure where the bodies do not touch, relative", 1e-4),
-    "slip_direction_error_rad": ("angle between friction and slip [rad]", 1e-2),
-    "elastic_slip": ("slip that a penalty lets through, relative", 1e-2),
-    "loop_area_against_friction_work": ("area of a loop against friction work in the contact, relative", 2e-3),
-    "volume_against_energy": ("worn volume against the wear law's, relative", 1e-3),
-    "energy_against_loops": ("energy that wore against energy of the recorded loops, relative", ENERGIES_AGREE),
-    "slip_against_loops": ("slip in the contact against the loop's width, over the contact's displacement", 2e-2),
-    "depth_between_nodes": ("error of either body's largest depth by its elements, relative, estimated", 3e-2),
-    "law_between_nodes": ("error of laws other than Coulomb's by the fresh contact's elements, estimated", 2e-2),
-    "pressure_against_strength": (
-        "largest pressure against what the softer body bears, of which more is impossible",
-        1.0,
-    ),
-    "mirror_error": ("pressures against their mirror image on the way back, relative", 2e-2),
-}
-
-
-#: Those that are of the test itself, and the same however finely it is solved.
-OF_THE_TEST = frozenset({"pressure_against_strength"})
-#: What lessens the others where they are more than their limit, as the end of a sentence.
-_OF_THE_PROGRAM = "is an error of the program: please report it with the study"
-_REMEDIES: Mapping[str, str] = {
-    "energy_against_loops": "falls with a smaller jump_tolerance in [fidelity] or with more loop_cycles in [log], not "
-    "with the mesh",
-    "slip_against_loops": _OF_THE_PROGRAM,
-    "volume_against_energy": _OF_THE_PROGRAM,
-}
 
 
 def remedies(beyond: Collection[str]) -> list[str]:
@@ -162,21 +178,6 @@ def flagged(name: str, value: float) -> str:
     return f"{value:.1e}, more than {limit:.1e}" if value > limit else f"{value:.1e}"
 
 
-WIRES = ("moving", "fixed")
-BODIES = ("pad", "specimen")  #: Bodies of a line contact.
-#: What bodies are called in sentences whose names say only how they stand.
-_CALLED = {body: f"{body} wire" for body in WIRES} | {body: f"{body} body" for body in ("lower", "upper")}
-
-#: What any driven, lower body and any held, upper one may be called as well.
-_BY_PLACE = (("lower", "driven", "moving"), ("upper", "held", "fixed"))
-
-GRID_COLUMNS = ("axial_um", "transverse_um")
-FIELD_COLUMNS = ("depth_um", "energy_density_mJ_per_mm2", "pressure_MPa", "slip_distance_um")
-
-DEPTH_ROUND_OFF_um = 1e-6  #: Depths may undershoot zero by round-off of an interpolation, not by more.
-_EDGE = 0.01  # Depth, relative to the deepest point, that bounds a profile's scar.
-
-
 def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """Worn volume [mm³] of a map (n_x, n_y), the one that runs, records, comparisons and fits give.
 
@@ -185,12 +186,6 @@ def worn_volume_mm3(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """
     sections_um2 = np.trapezoid(depth_um, y_um, axis=1)
     return 1e-9 * float(np.trapezoid(sections_um2, x_um))
-
-
-#: A scar's depth is that of its fifth deepest point, its length and width those of sections at a share of their
-#: height.
-DEEPEST, SCAR_EDGE = 5, 0.25
-SCAR_FIGURES = ("volume", "depth", "length", "width")
 
 
 def scar_figures(x_um: Array, y_um: Array, depth_um: Array) -> list[float]:

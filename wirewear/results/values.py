@@ -31,6 +31,45 @@ _IDEAL = Sensor()
 _NEW = Age.new()
 
 
+#: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
+EVOLUTION_COLUMNS = (
+    "cycle", "displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ",
+    "normal_force_N", "accumulated_energy_J", "worn_volume_moving_mm3", "worn_volume_fixed_mm3", "max_depth_moving_um",
+    "max_depth_fixed_um", "contact_half_width_um", "max_pressure_MPa", "jump_cycles",
+)  # fmt: skip
+
+#: What columns of a body begin with; between this and the unit stands the body.
+_OF_A_BODY = ("worn_volume_", "max_depth_")
+LAYERS_OF_BODIES = "layers"  #: What a result's settings call layers on bodies: lists of thickness and wear factor.
+PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
+
+#: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
+SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
+
+#: What they call the largest pressure that the softer body bears, and what that goes by, in words.
+BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
+BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
+
+#: Columns that results of earlier versions lack, which are then NaN: unknown.
+LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
+
+#: What columns are whose names do not say it.
+COLUMN_MEANINGS = {
+    "max_pressure_MPa": "largest pressure of the cycle at a single node, which grows as the mesh is refined",
+    "mid_stroke_pressure_MPa": "median over mid-stroke of the largest at a single node inside the contact's rim",
+    "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
+    "of line contacts over segments",
+    "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
+    BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
+}
+T = TypeVar("T")
+STATUSES = ("complete", "running", "failed")
+NEAREST_CYCLE_FACTOR = 2.0  #: A logged cycle stands for a wanted one if neither is more than this many times the other.
+
+#: Columns of loops that results of earlier versions lack, of wires or of line contacts.
+_LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
+
+
 def sensor_of(study: Mapping[str, Any], sensor: Sensor = _IDEAL, age: Age = _NEW) -> Sensor:
     """A sensor with the effects of a resolved study, such as results hold, added to its own errors at an age.
     Raises StudyError if the study has an effect that is not installed here.
@@ -79,47 +118,6 @@ def read_loops(result: RunResult, sensor: Sensor = _IDEAL) -> tuple[Loop, ...]:
     )
 
 
-#: Columns of an evolution of crossed wires; others have those of their own bodies in place of the wires'.
-EVOLUTION_COLUMNS = (
-    "cycle", "displacement_amplitude_um", "slip_amplitude_um", "max_tangential_force_N", "dissipated_energy_mJ",
-    "normal_force_N", "accumulated_energy_J", "worn_volume_moving_mm3", "worn_volume_fixed_mm3", "max_depth_moving_um",
-    "max_depth_fixed_um", "contact_half_width_um", "max_pressure_MPa", "jump_cycles",
-)  # fmt: skip
-
-#: What columns of a body begin with; between this and the unit stands the body.
-_OF_A_BODY = ("worn_volume_", "max_depth_")
-
-LAYERS_OF_BODIES = "layers"  #: What a result's settings call layers on bodies: lists of thickness and wear factor.
-PRESSURE_LENGTH = "pressure_length_um"  #: What the length of mean pressures is called in a result's settings.
-
-#: What a result's settings call the travels of the rig to either side, by springs (µP/K) and play, at the first loop.
-SPRING_TRAVEL, PLAY_TRAVEL = "fresh_spring_travel_um", "fresh_play_travel_um"
-
-#: What they call the largest pressure that the softer body bears, and what that goes by, in words.
-BORNE, BORNE_IS = "borne_pressure_MPa", "borne_pressure_is"
-
-BULK_WORK = "bulk_work_mJ"  #: The column of tests whose bodies are pulled, bent or twisted.
-
-#: Columns that results of earlier versions lack, which are then NaN: unknown.
-LATER_COLUMNS = ("mid_stroke_pressure_MPa", "mirror_error", "max_mean_pressure_MPa", "mid_stroke_mean_pressure_MPa")
-
-#: What columns are whose names do not say it.
-COLUMN_MEANINGS = {
-    "max_pressure_MPa": "largest pressure of the cycle at a single node, which grows as the mesh is refined",
-    "mid_stroke_pressure_MPa": "median over mid-stroke of the largest at a single node inside the contact's rim",
-    "max_mean_pressure_MPa": f"largest mean pressure of the cycle over discs of {PRESSURE_LENGTH} of the settings, "
-    "of line contacts over segments",
-    "mid_stroke_mean_pressure_MPa": "median over mid-stroke of the largest such mean",
-    BULK_WORK: "work of the bulk stresses on the contact, which a loop's area holds beside the friction work",
-}
-
-T = TypeVar("T")
-
-STATUSES = ("complete", "running", "failed")
-
-NEAREST_CYCLE_FACTOR = 2.0  #: A logged cycle stands for a wanted one if neither is more than this many times the other.
-
-
 def extensive(name: str) -> bool:
     """Whether what is called so, with its unit, grows with the length of a line contact."""
     return name.endswith(("_N", "_mJ", "_J", "_mm3"))
@@ -163,9 +161,6 @@ class Loop:
                 require_finite(f"{where}: {name}", column)
             object.__setattr__(self, name, column)
 
-
-#: Columns of loops that results of earlier versions lack, of wires or of line contacts.
-_LATER_OF_LOOPS = ("normal_force_N", "friction_work_mJ", "tilt_deg")
 
 LOOP_COLUMNS = tuple(f.name for f in fields(Loop) if f.name != "cycle")
 

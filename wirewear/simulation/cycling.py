@@ -36,6 +36,8 @@ FIGURES: Mapping[str, Callable[[ContactState], float]] = {
     "clearance_um": lambda state: 1e3 * (state.pressed_z - state.holder_z),
 }
 
+_MET = 1e-6  # A jump that ends within this share of a milestone has met it.
+
 
 @dataclass
 class Ending:
@@ -100,9 +102,6 @@ class Ending:
 
 def _slope(before: tuple[float, float], after: tuple[float, float]) -> float:
     return log(after[1] / before[1]) / log(after[0] / before[0])
-
-
-_MET = 1e-6  # A jump that ends within this share of a milestone has met it.
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,17 @@ _AT_EDGES = 2.5
 _WITH_PRESSURE = 1.25
 
 
+#: The predicted scar is enlarged by this factor to give the finely meshed patch.
+SCAR_MARGIN = 1.2
+_FRESH_MARGIN = 2.4
+_FINE_MARGIN = 1.15
+
+# Beside the scar elements grow by this factor from one to the next, up to that multiple of those within.
+_GROWTH_BESIDE = 1.3
+_LARGEST_BESIDE = 2.5
+_COARSENING_STEP = 1.05
+
+
 @dataclass(frozen=True)
 class Discretisation:
     """Meshes of the driven and the held body and the steps of a run; lengths in mm."""
@@ -145,16 +156,6 @@ def _level_of(study: Study, fidelity: str) -> WireLevel:
     """A level of fidelity with the study's refinement of the mesh, which also raises the number of unknowns allowed."""
     level, refinement = level_of(WIRE_LEVELS, fidelity), study.fidelity(fidelity).mesh_refinement
     return replace(level.coarser(1.0 / refinement), most_unknowns=round(level.most_unknowns * refinement**2))
-
-
-#: The predicted scar is enlarged by this factor to give the finely meshed patch.
-SCAR_MARGIN = 1.2
-_FRESH_MARGIN = 2.4
-_FINE_MARGIN = 1.15
-# Beside the scar elements grow by this factor from one to the next, up to that multiple of those within.
-_GROWTH_BESIDE = 1.3
-_LARGEST_BESIDE = 2.5
-_COARSENING_STEP = 1.05
 
 
 @dataclass(frozen=True)

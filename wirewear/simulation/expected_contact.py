@@ -32,6 +32,14 @@ _AGES = 200
 GapCurvatures = tuple[float, float, float]
 
 
+#: Hardness over yield strength, the mean pressure of full plasticity (Tabor, The Hardness of Metals (1951)), which no
+#: pressure exceeds anywhere by much.
+_FULLY_PLASTIC = 2.8
+
+#: Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
+_HARDEST = 0.05
+
+
 @dataclass(frozen=True)
 class Ellipse:
     """A contact or scar centred on the first contact; the angle is that of its major axis from the driven body's."""
@@ -230,13 +238,6 @@ def _worn_volume(study: Study, factors: WearFactors) -> float:
     largest = study.wear.largest_factor * factors.beyond_margin
     per_sliding = largest * study.wear.volume_per_sliding_mm3_per_N_m(study.contact.friction)
     return per_sliding * conditions.drive.mean_load * conditions.normal_load_N * sliding_m
-
-
-#: Hardness over yield strength, the mean pressure of full plasticity (Tabor, The Hardness of Metals (1951)), which no
-#: pressure exceeds anywhere by much.
-_FULLY_PLASTIC = 2.8
-#: Hardness over Young's modulus of the hardest metals: a steel of 1000 HV, 9.8 GPa, has 0.047.
-_HARDEST = 0.05
 
 
 def borne_settings(study: AnyStudy[Any]) -> dict[str, float | str]:

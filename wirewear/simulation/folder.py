@@ -29,6 +29,8 @@ Report = Callable[[str], None]  #: Told what is being prepared.
 CHECKPOINT_FILE_NAME = "checkpoint.h5"
 _FORMAT = 5
 
+T = TypeVar("T")
+
 
 @dataclass(frozen=True)
 class MeshHistory:
@@ -140,9 +142,6 @@ def _write(group: Any, values: WearState | ContactState | Guide, skip: str = "")
 
 def _read(group: Any) -> dict[str, Any]:
     return {name: (float(item[()]) if item.shape == () else np.asarray(item[()])) for name, item in group.items()}
-
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True)

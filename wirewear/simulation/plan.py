@@ -40,6 +40,21 @@ _MOST_SPARE = 3
 _LEAST_GROWTH = 1.1
 
 
+#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
+PICTURES = (
+    "report.html",
+    *(
+        f"pictures/{name}.{ending}"
+        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
+        for ending in ("png", "svg", "pdf")
+    ),
+    "pictures/loop_and_scar*.gif",
+)
+MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
+BYTES_PER_NODE = 230e3  #: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
+_COARSER = 1.1
+
+
 @dataclass(frozen=True)
 class MeshStage:
     """Meshes of both bodies while the scar's largest half-width grows from one to the other, mm."""
@@ -171,18 +186,6 @@ class PointMeshes(Meshes):
         if stage + 1 >= len(self.stages):
             return False
         return self.expected.scar_half_width_mm(volume_mm3) >= self.stages[stage].to_half_width_mm
-
-
-#: What `wirewear show` and `report` make of a run, relative to its folder; here, as drawing takes long to import.
-PICTURES = (
-    "report.html",
-    *(
-        f"pictures/{name}.{ending}"
-        for name in ("loops", "evolution", "scars_from_above", "contact*", "scar_series*", "sections", "scars_3d")
-        for ending in ("png", "svg", "pdf")
-    ),
-    "pictures/loop_and_scar*.gif",
-)
 
 
 @dataclass(frozen=True)
@@ -337,12 +340,6 @@ class RunPlan(PlannedRun):
         """Condense the bodies, which variants mostly share: done once, all processes load them."""
         for meshes in self.meshes.stages:
             condense_bodies(self.study, meshes, stage)
-
-
-MOST_JUMPS = 1_000_000  #: Cycle jumps that a run may take: at some tenths of a second each, days.
-BYTES_PER_NODE = 230e3  #: That gmsh takes for every node of a patch, with all that lies beneath it; measured.
-
-_COARSER = 1.1
 
 
 def require_affordable_wires(study: Study, fidelity: str, meshes: Discretisation) -> None:

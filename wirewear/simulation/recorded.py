@@ -53,6 +53,11 @@ _LAW_ERROR = "fresh_law_error"
 
 MEASURED = "measured_"  #: What names of a holder's measured elements begin with.
 
+_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
+
+# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is foreseen from near.
+_NEARLY = 0.9
+
 
 def loop_of(trace: CycleTrace, cycle: int, frequency_Hz: float) -> Loop:
     """A simulated cycle as a loop that starts at mid-stroke moving towards +x."""
@@ -207,13 +212,6 @@ def volume_mismatch(problem: ContactProblem, state: ContactState, scars: tuple[S
     upper, lower = volumes if problem.primary_is_upper else volumes[::-1]
     expected = ((driven, lower), (other, upper))
     return max((abs(scar.volume_mm3 / volume - 1.0) for scar, volume in expected if volume > 0.0), default=0.0)
-
-
-_PROGRAMS = ("wirewear", "numpy", "scipy", "scikit-fem", "gmsh", "h5py")  #: Packages whose versions a result records.
-
-
-# Of the depth at which a layer ends: a loop is measured where it is that deep, so that its end is foreseen from near.
-_NEARLY = 0.9
 
 
 class Recorded(ABC):

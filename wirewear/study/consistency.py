@@ -17,6 +17,8 @@ from wirewear.study.programme import held_keys, logged_ends, placed, too_many
 from wirewear.study.surfaces import StatedSurface, unfit_layers
 from wirewear.study.tables import CROSSED_WIRES, CommonTables, ContactTables, StudyTables
 
+_GRIP_deg = ShapedBody.model_fields["grip_angle_deg"].default
+
 
 def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     """The series 1, 2, 5, 10, 20, 50, ... up to the last cycle, which always belongs to it."""
@@ -255,9 +257,6 @@ def _shapes(tables: CommonTables) -> Iterator[Inconsistency]:
             yield Inconsistency(
                 (*keys, "grip_angle_deg"), f"is of wires and tubes, but a {body.shape} is held at its back and sides"
             )
-
-
-_GRIP_deg = ShapedBody.model_fields["grip_angle_deg"].default
 
 
 def _phases(tables: CommonTables) -> Iterator[Inconsistency]:

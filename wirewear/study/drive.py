@@ -22,6 +22,19 @@ _HARMONIC = {
 
 Made = TypeVar("Made")
 
+MOTION = (
+    'displacement over time: "sinusoidal", "triangular", or a table: trapezoidal, which rests at both ends for a '
+    "dwell_share of the cycle each, or points of [share of the cycle, displacement over its amplitude]"
+)
+LOAD_CYCLE = (
+    "the normal load within each cycle, a table: 1 + amplitude_share cos(frequency_ratio × cycle − lag_deg), from the "
+    "drive's rest at +amplitude on, or points of [share of the cycle, share of the load]; the contact opens where it "
+    "comes to 0; without it the load stays"
+)
+BULK = (
+    "stress that it carries beside the contact, by tension, bending and torsion in each cycle"  #: What the key holds.
+)
+
 
 def _points(value: object) -> tuple[tuple[float, float], ...]:
     # No points at all would stand for a cosine.
@@ -93,25 +106,11 @@ MotionKey = Annotated[Waveform, PlainValidator(_waveform), PlainSerializer(_desc
 #: A key that takes the normal load in the course of a cycle.
 LoadCycleKey = Annotated[LoadCycle, PlainValidator(_load_cycle), PlainSerializer(_told)]
 
-MOTION = (
-    'displacement over time: "sinusoidal", "triangular", or a table: trapezoidal, which rests at both ends for a '
-    "dwell_share of the cycle each, or points of [share of the cycle, displacement over its amplitude]"
-)
-LOAD_CYCLE = (
-    "the normal load within each cycle, a table: 1 + amplitude_share cos(frequency_ratio × cycle − lag_deg), from the "
-    "drive's rest at +amplitude on, or points of [share of the cycle, share of the load]; the contact opens where it "
-    "comes to 0; without it the load stays"
-)
-
 
 def drive_of(amplitude_um: float, motion: Waveform, load: LoadCycle | None) -> Drive:
     """The drive of an amplitude (µm), a waveform and a load cycle; without one the load is steady."""
     return Drive(1e-3 * amplitude_um, motion, load or LoadCycle())
 
-
-BULK = (
-    "stress that it carries beside the contact, by tension, bending and torsion in each cycle"  #: What the key holds.
-)
 
 Stress = Annotated[float, PlainValidator(Quantity("MPa", -1e4, 1e4))]
 StressAmplitude = Annotated[float, PlainValidator(Quantity("MPa", 0.0, 1e4))]

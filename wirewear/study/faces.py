@@ -23,6 +23,15 @@ MOST_POINTS = 1_000  #: A file of more points is averaged in groups of neighbour
 WIDEST_mm, _ACROSS_RADIUS = 10.0, 0.8
 
 
+#: Those that make one together.
+_FACES = (
+    {"radius_mm"},
+    {"face_half_width_mm", "edge_radius_mm"},
+    {"face_half_width_mm", "radius_mm"},
+    {"profile_points_mm"},
+)
+
+
 def half_width_of(face: Face) -> float:
     """Half-width of a pad that its study leaves open, mm."""
     match face:
@@ -117,14 +126,6 @@ class PadFace(Table):
 
 
 FACE_KEYS = tuple(PadFace.model_fields)  #: The keys of a face.
-
-#: Those that make one together.
-_FACES = (
-    {"radius_mm"},
-    {"face_half_width_mm", "edge_radius_mm"},
-    {"face_half_width_mm", "radius_mm"},
-    {"profile_points_mm"},
-)
 
 
 class PadFaceOrFile(PadFace):

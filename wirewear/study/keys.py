@@ -24,6 +24,12 @@ FORMAT = 1
 _CYCLES = Quantity("cycles", 1, 1e9, whole=True)
 AXIS = Quantity("deg", -180.0, 180.0)  #: Of the angle of a body's axis to the motion.
 
+_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
+_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
+
+#: Said of a rotational stiffness.
+NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing"
+
 
 def checked_format(value: object) -> int:
     """FORMAT, the only version there is; anything else raises ValueError."""
@@ -164,9 +170,6 @@ def _described(law: FrictionLaw | WearLaw) -> str | dict[str, Any]:
     return {"name": law.name, **parameters} if parameters else law.name
 
 
-_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
-_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
-
 #: A key that takes a friction law.
 FrictionLawKey = Annotated[
     FrictionLaw,
@@ -206,9 +209,6 @@ def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
 
 
 Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)]
-
-#: Said of a rotational stiffness.
-NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing"
 
 
 class Table(BaseModel):

@@ -29,6 +29,15 @@ _THINNEST_WALL = 0.02  #: Thinnest wall of a tube, as a share of its diameter.
 
 Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.1, 200.0))]
 
+_STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
+_TEST: dict[str, Any] = {
+    **EXAMPLE,
+    "conditions": {"normal_load_N": 100.0, "displacement_amplitude_um": 50.0, "frequency_Hz": 10.0, "cycles": 10000},
+    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5},
+}
+_SHOWN = ("bodies", *COMMON)
+_OF_WIRES = ("conditions.motion_angle_deg",)
+
 
 class GrippedBody(keys.OfMaterial):
     """A body of one material, held by its holder."""
@@ -261,15 +270,6 @@ def _of_wires(tables: ContactTables) -> Inconsistency | None:
         return Inconsistency(("effects",), "hold plasticity, which flattens round bodies and no pads")
     return None
 
-
-_STEEL = {"youngs_modulus_MPa": 210000.0, "poissons_ratio": 0.3}
-_TEST: dict[str, Any] = {
-    **EXAMPLE,
-    "conditions": {"normal_load_N": 100.0, "displacement_amplitude_um": 50.0, "frequency_Hz": 10.0, "cycles": 10000},
-    "wear": {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5},
-}
-_SHOWN = ("bodies", *COMMON)
-_OF_WIRES = ("conditions.motion_angle_deg",)
 
 #: A steel ball of half an inch on a steel flat.
 BALL = Template(

@@ -29,6 +29,8 @@ from wirewear.study.tables import (
 )
 from wirewear.study.wires import Wires
 
+FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
+
 
 class Study(AnyStudy[ContactTables]):
     """A study of a contact at a point; its tables are of the types named here."""
@@ -92,9 +94,6 @@ class LineStudy(AnyStudy[LineTables]):
         """The test and its variants on another length of the contact."""
         variants = tuple((name, tables.of_length(length_mm)) for name, tables in self.variants)
         return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
-
-
-FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
 
 
 def load_study(path: str | Path) -> Study:

@@ -26,6 +26,21 @@ Thickness = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e4))]
 WearFactor = Annotated[float, PlainValidator(Quantity("1", 1e-6, 1e6))]
 
 
+#: Lines of a kept map, at most, each way: more than a contact's elements.
+MOST_LINES = 240
+
+#: Columns of a table of a surface.
+COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
+_OF_HEIGHTS = ("centred_on", "step_um", "height_unit")
+
+#: Keys of what is taken over from a file.
+KEPT = ("x_um", "y_um", "depths")
+_PLACE = Quantity("um", -1e6, 1e6)  #: Of a line, and of a surface at its point.
+
+#: Lines that a study may state, each way: what is kept of a file has fewer.
+_MOST_STATED = 2_400
+
+
 class LayerTable(keys.Table):
     """One layer, as elastic as the body that it lies on."""
 
@@ -51,22 +66,6 @@ def unfit_layers(stated: Sequence[LayerTable], friction: float) -> str | None:
     if friction == 0.0 and any(one.friction is not None for one in stated):
         return "give a friction of their own, which goes with a friction above 0 in [contact] alone"
     return None
-
-
-#: Lines of a kept map, at most, each way: more than a contact's elements.
-MOST_LINES = 240
-
-#: Columns of a table of a surface.
-COLUMNS: tuple[str, ...] = ("x_um", "y_um", "depth_um", "height_um")
-
-_OF_HEIGHTS = ("centred_on", "step_um", "height_unit")
-#: Keys of what is taken over from a file.
-KEPT = ("x_um", "y_um", "depths")
-
-_PLACE = Quantity("um", -1e6, 1e6)  #: Of a line, and of a surface at its point.
-
-#: Lines that a study may state, each way: what is kept of a file has fewer.
-_MOST_STATED = 2_400
 
 
 def _checked_lines(value: object) -> tuple[float, ...]:

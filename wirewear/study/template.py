@@ -29,6 +29,8 @@ EXAMPLE: Mapping[str, Any] = {
     "holder": {"tangential_stiffness_N_per_mm": "rigid"},
 }
 
+COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that every contact at a point has, spelled out.
+
 
 @dataclass(frozen=True)
 class Template:
@@ -42,8 +44,6 @@ class Template:
     above: str  #: What is said of the example.
     left_out: tuple[str, ...] = ()  #: Keys by table that others of its kind of tables have.
 
-
-COMMON = ("conditions", "contact", "wear", "holder", "log")  #: Tables that every contact at a point has, spelled out.
 
 #: A study of crossed wires.
 CROSSED_WIRES = Template(

@@ -29,6 +29,9 @@ MOST_PLANNED = 200  #: Runs that are planned to know the sizes of all.
 #: Bytes of a row in journal and tables, and of a kept result for each unknown; measured.
 ROW_BYTES, RESULT_BYTES = 1_500, 60.0
 
+JOURNAL = "rows.jsonl"
+RESULTS = "runs"
+
 
 @dataclass(frozen=True)
 class Forecast:
@@ -105,11 +108,6 @@ def _size(sweep: Sweep, place: int) -> float:
         return float(needed_memory(sweep.study_of(place), sweep.fidelity) ** 0.5)
     except WirewearError:
         return float("nan")
-
-
-JOURNAL = "rows.jsonl"
-
-RESULTS = "runs"
 
 
 class Journal:

@@ -35,6 +35,24 @@ DIGITS = 12  #: Values are rounded to so many digits, so that one design is the 
 MOST_RUNS = 1_000_000  #: Runs of a sweep: at ten seconds each, four months of a core.
 
 
+#: Columns of the evolution that a row holds of the last cycle besides depths, and with FIRST before it of the first.
+AT_END = (
+    "max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "accumulated_energy_J",
+    "contact_half_width_um", "max_pressure_MPa", "mid_stroke_pressure_MPa", "max_mean_pressure_MPa",
+    "mid_stroke_mean_pressure_MPa",
+)  # fmt: skip
+AT_START = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "max_pressure_MPa")
+FIRST = "first_"
+VOLUME = "worn_volume_mm3"
+LIFE = "cycles_to_initiation"  #: Of the body that cracks first; none where no crack begins.
+QUALITY = ("mirror_error", "energy_against_loops")
+TECHNICAL = (*QUALITY, PRESSURE_LENGTH)  #: Figures that tell how a run was made and measured, and not what came out.
+DEPTH = "max_depth_"  #: What columns of depths begin with; then comes a body, the held one last.
+_BEFORE_DEPTHS = 4  #: How many of `AT_END` stand before the depths.
+EFFECTS = "effects"
+CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/interior")
+
+
 @dataclass(frozen=True)
 class VariedInput:
     """A varied key: from `low` to `high`, spread evenly or over their logarithm, or over a grid's `values`."""
@@ -146,33 +164,11 @@ def _between_ends(vary: Vary, kind: str, where: str) -> VariedInput:
     return VariedInput(vary.key, vary.low, vary.high, vary.scale == LOGARITHMIC)
 
 
-#: Columns of the evolution that a row holds of the last cycle besides depths, and with FIRST before it of the first.
-AT_END = (
-    "max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "accumulated_energy_J",
-    "contact_half_width_um", "max_pressure_MPa", "mid_stroke_pressure_MPa", "max_mean_pressure_MPa",
-    "mid_stroke_mean_pressure_MPa",
-)  # fmt: skip
-AT_START = ("max_tangential_force_N", "dissipated_energy_mJ", "slip_amplitude_um", "max_pressure_MPa")
-FIRST = "first_"
-VOLUME = "worn_volume_mm3"
-LIFE = "cycles_to_initiation"  #: Of the body that cracks first; none where no crack begins.
-QUALITY = ("mirror_error", "energy_against_loops")
-
-TECHNICAL = (*QUALITY, PRESSURE_LENGTH)  #: Figures that tell how a run was made and measured, and not what came out.
-DEPTH = "max_depth_"  #: What columns of depths begin with; then comes a body, the held one last.
-_BEFORE_DEPTHS = 4  #: How many of `AT_END` stand before the depths.
-
-
 def figures_named(bodies: Sequence[str], *, life: bool = False) -> tuple[str, ...]:
     """All figures of a row, in the table's order, of a driven and a held body; life: of a study that states [life]."""
     depths = (f"{DEPTH}{body}_um" for body in bodies)
     at_end = (*AT_END[:_BEFORE_DEPTHS], *depths, *AT_END[_BEFORE_DEPTHS:])
     return (*at_end, VOLUME, *(f"{FIRST}{name}" for name in AT_START), *TECHNICAL, *([LIFE] if life else []))
-
-
-EFFECTS = "effects"
-
-CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/interior")
 
 
 @dataclass(frozen=True)

@@ -36,6 +36,13 @@ CONTACT_MODULUS_MPa = reference.contact_modulus(STEEL, STEEL)
 LOAD_N = 4.0 * CONTACT_MODULUS_MPa * CONTACT_RADIUS_mm**3 / (3.0 * RADIUS_mm)
 RIGHT_ANGLE_deg = 90.0
 
+_ANGLE_deg = 60.0
+_SMALL_RADIUS_mm = 0.6 * RADIUS_mm
+_ROUND = 1.001  #: Contacts of a smaller ratio of their axes are taken for round.
+
+# The figures scatter by so much with where the contact's edge falls between grid lines; smaller errors cannot fall.
+_FLOOR = 0.003
+
 
 def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch: bool = False) -> WireGeometry:
     """A wire with `resolution` elements per contact radius; a long patch has room to slide by 3 contact radii."""
@@ -119,14 +126,6 @@ def crossed_bulk_compliance(body: CondensedBody, *, normal: bool, contact_radius
     """Bulk compliance of two such wires crossed at right angles, normal or along the motion, in mm/N."""
     axes = (2, 2) if normal else (0, 1)
     return sum(bulk_compliance(body, axis, contact_radius_mm) for axis in axes)
-
-
-_ANGLE_deg = 60.0
-_SMALL_RADIUS_mm = 0.6 * RADIUS_mm
-_ROUND = 1.001  #: Contacts of a smaller ratio of their axes are taken for round.
-
-# The figures scatter by so much with where the contact's edge falls between grid lines; smaller errors cannot fall.
-_FLOOR = 0.003
 
 
 def ellipse_rows(level: Level) -> tuple[Row, ...]:

@@ -39,6 +39,15 @@ from wirewear.verification.rows import Level, Row, compared
 _BALANCE = 1e-8  #: Static equilibrium holds to round-off of the factor.
 _DEEPEST = 2.0  #: Depth, in contact radii, down to which the largest stress is looked for.
 
+FRICTION = 0.62
+_RADIUS_mm = 2.0
+_LOAD_N = 4.0 * CONTACT_MODULUS_MPa * CONTACT_RADIUS_mm**3 / (3.0 * _RADIUS_mm)
+_PEAK_MPa = 1.5 * _LOAD_N / (np.pi * CONTACT_RADIUS_mm**2)
+
+#: Increments on each path; the paths' ends over the displacement at which half-spaces begin to slide.
+_INCREMENTS = 8
+_PARTIAL, _SLIDING = 0.5, 3.0
+
 
 def interior_rows(level: Level) -> tuple[Row, ...]:
     """Largest von Mises stress and its depth under wires and a line contact, and what holds the wire."""
@@ -147,15 +156,6 @@ def _peak(points: IntegrationPoints, stress: Array, radius_mm: float) -> tuple[f
     fit = np.polynomial.Polynomial.fit(depth[k - 1 : k + 2], value[k - 1 : k + 2], 2)
     top = float(fit.deriv().roots()[0].real)
     return top, float(fit(top))
-
-
-FRICTION = 0.62
-_RADIUS_mm = 2.0
-_LOAD_N = 4.0 * CONTACT_MODULUS_MPa * CONTACT_RADIUS_mm**3 / (3.0 * _RADIUS_mm)
-_PEAK_MPa = 1.5 * _LOAD_N / (np.pi * CONTACT_RADIUS_mm**2)
-#: Increments on each path; the paths' ends over the displacement at which half-spaces begin to slide.
-_INCREMENTS = 8
-_PARTIAL, _SLIDING = 0.5, 3.0
 
 
 def surface_rows(level: Level) -> tuple[Row, ...]:

@@ -38,6 +38,12 @@ _TOLERANCE = 0.02
 _STEP_mm = 2e-4
 _MOST_STEPS = 60
 
+_SURFACE_SHARE = 0.64
+_SLIDE_mm, _INCREMENTS = 1e-2, 5
+
+#: Bulk tension of the flat over µp0, which shifts the stick zone by a fifth of the contact's half-width.
+_BULK_SHARE = 0.8
+
 
 def stuck_line_rows(level: Level) -> tuple[Row, ...]:
     """Stiffness per length between points 1 mm deep under a contact 0.2 mm wide."""
@@ -143,10 +149,6 @@ def _shear(state: solvers.ContactState) -> Array:
     return state.traction[:, 0]
 
 
-_SURFACE_SHARE = 0.64
-_SLIDE_mm, _INCREMENTS = 1e-2, 5
-
-
 def line_surface_rows(level: Level) -> tuple[Row, ...]:
     """Tension at the trailing edge in partial slip and sliding, of the cylinder and of the flat."""
     exact = reference.hertz_line(LOAD_N_per_mm, RADIUS_mm, reference.contact_modulus(MATERIAL, MATERIAL))
@@ -175,10 +177,6 @@ def line_surface_rows(level: Level) -> tuple[Row, ...]:
                 )
             )
     return tuple(rows)
-
-
-#: Bulk tension of the flat over µp0, which shifts the stick zone by a fifth of the contact's half-width.
-_BULK_SHARE = 0.8
 
 
 def bulk_rows(level: Level) -> tuple[Row, ...]:

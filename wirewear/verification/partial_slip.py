@@ -58,6 +58,11 @@ _INCREMENTS = 16
 _JUMPS = tuple(9.0 * 2.5**k for k in range(11))
 _DEPTH_TOLERANCE = 0.5
 
+FRICTION = 0.6
+_SHARES = (0.5, 0.9)
+_INITIAL_SHARE = 0.01
+_COMPLIANCE_TOLERANCE = 0.04
+
 
 def worn_pressure_rows(level: Level) -> tuple[Row, ...]:
     """The worst mirror error, and beside finer runs the pressure at a node about mid-stroke and the largest mean."""
@@ -134,12 +139,6 @@ def _worn_out(problem: solvers.ContactProblem) -> solvers.ContactState:
         jump = solvers.jump_cycles(lambda *_: problem, start, trace, kept, done, cycles)
         state, guide, done = jump.state, jump.guide, done + cycles
     return solvers.closed_trace(problem, state, _DRIVE, _INCREMENTS, solvers.kept_by(symmetry, state), guide=guide)[0]
-
-
-FRICTION = 0.6
-_SHARES = (0.5, 0.9)
-_INITIAL_SHARE = 0.01
-_COMPLIANCE_TOLERANCE = 0.04
 
 
 def partial_slip_rows(level: Level) -> tuple[Row, ...]:

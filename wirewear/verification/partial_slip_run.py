@@ -32,6 +32,15 @@ _INCREMENTS = 16
 _STUCK = 0.02
 _DEPTH_TOLERANCE = 0.15
 
+_LOAD_N = 100.0
+_SHARE = 0.7
+
+#: Half of what slides, at which runs mesh for a centre that sticks.
+_STICKING_um = 1.5
+_WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
+_FLAT: dict[str, Any] = {"shape": "flat"}
+_BALL: dict[str, Any] = {"shape": "ball", "diameter_mm": 12.7}
+
 
 def partial_slip_run_rows(level: Level) -> tuple[Row, ...]:
     """Radius of the stuck core, worn volume and largest depth of both wires at a run's end."""
@@ -97,15 +106,6 @@ def limiting_shape(resolution: float) -> reference.LimitingShape:
     radius = 0.5 * _DIAMETER_mm
     contact = reference.WearingContact(radius, hertz.CONTACT_MODULUS_MPa, shear, _FRICTION, _AMPLITUDE_mm, *bulk)
     return contact.under_approach(_APPROACH_mm)
-
-
-_LOAD_N = 100.0
-_SHARE = 0.7
-#: Half of what slides, at which runs mesh for a centre that sticks.
-_STICKING_um = 1.5
-_WEAR = {"energy_wear_coefficient_mm3_per_J": 2.0e-5, "moving_share": 0.5}
-_FLAT: dict[str, Any] = {"shape": "flat"}
-_BALL: dict[str, Any] = {"shape": "ball", "diameter_mm": 12.7}
 
 
 def _barrel(diameter_along_mm: float) -> dict[str, Any]:

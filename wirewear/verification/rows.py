@@ -15,6 +15,29 @@ from rich.table import Table
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import json_text, prepared_folder, write_text, writing
 
+_LEVELS: dict[str, tuple[Any, Any]] = {
+    "name": ("quick", "full"),
+    "fidelity": ("standard", "fine"),
+    "hertz_resolutions": ((2.0, 3.0, 4.0), (2.0, 4.0, 8.0)),
+    "enlarged": (1.6, 1.5),
+    "loop_resolution": (2.0, 3.0),
+    "line_resolution": (16.0, 32.0),
+    "slip_increments": (10, 16),
+    "partial_slip_wear_resolution": (4.0, 6.0),
+    "partial_slip_wear_tolerance": (0.5, 0.2),
+    "partial_slip_run_resolution": (4.0, 8.0),
+    "partial_slip_run_tolerance": (0.3, 0.05),
+    "worn_line_cycles": (300, 5000),
+    "hertz_tolerances": ((0.12, 0.03, 0.01), (0.12, 0.01, 0.01)),
+    "ellipse_tolerance": (0.03, 0.02),
+    "slip_energy_tolerance": (0.15, 0.05),
+    "stress_tolerance": (0.02, 0.02),
+    "surface_resolution": (3.5, 5.0),
+    "surface_tolerance": (0.05, 0.02),
+    "line_surface_resolution": (12.0, 18.0),
+    "line_surface_tolerance": (0.05, 0.03),
+}
+
 
 @dataclass(frozen=True)
 class Level:
@@ -44,28 +67,6 @@ class Level:
     line_surface_tolerance: float
 
 
-_LEVELS: dict[str, tuple[Any, Any]] = {
-    "name": ("quick", "full"),
-    "fidelity": ("standard", "fine"),
-    "hertz_resolutions": ((2.0, 3.0, 4.0), (2.0, 4.0, 8.0)),
-    "enlarged": (1.6, 1.5),
-    "loop_resolution": (2.0, 3.0),
-    "line_resolution": (16.0, 32.0),
-    "slip_increments": (10, 16),
-    "partial_slip_wear_resolution": (4.0, 6.0),
-    "partial_slip_wear_tolerance": (0.5, 0.2),
-    "partial_slip_run_resolution": (4.0, 8.0),
-    "partial_slip_run_tolerance": (0.3, 0.05),
-    "worn_line_cycles": (300, 5000),
-    "hertz_tolerances": ((0.12, 0.03, 0.01), (0.12, 0.01, 0.01)),
-    "ellipse_tolerance": (0.03, 0.02),
-    "slip_energy_tolerance": (0.15, 0.05),
-    "stress_tolerance": (0.02, 0.02),
-    "surface_resolution": (3.5, 5.0),
-    "surface_tolerance": (0.05, 0.02),
-    "line_surface_resolution": (12.0, 18.0),
-    "line_surface_tolerance": (0.05, 0.03),
-}
 QUICK, FULL = (Level(**{name: both[k] for name, both in _LEVELS.items()}) for k in (0, 1))
 
 

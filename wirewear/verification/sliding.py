@@ -29,6 +29,8 @@ RIG_STIFFNESS_N_per_mm = FRICTION * hertz.LOAD_N / (0.5 * hertz.CONTACT_RADIUS_m
 AMPLITUDE_mm = 2.4 * hertz.CONTACT_RADIUS_mm
 INCREMENTS = 40
 
+_WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
+
 
 def rig_loop_rows(level: Level) -> tuple[Row, ...]:
     """Friction work, loop area, width at zero force and largest force of a loop."""
@@ -119,9 +121,6 @@ def half_width_at_zero_force(drive_mm: Array, force_N: Array) -> float:
     share = before[crossing] / (before[crossing] - force_N[crossing])
     previous = np.roll(drive_mm, 1)[crossing]
     return float(0.5 * np.ptp(previous + share * (drive_mm[crossing] - previous)))
-
-
-_WEAR = WearRates(upper_mm3_per_mJ=5e-8, lower_mm3_per_mJ=5e-8)
 
 
 @dataclass(frozen=True)

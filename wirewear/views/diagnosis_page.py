@@ -53,6 +53,22 @@ VERDICTS = {
 IN_PART = "Gap explained in part", "open"  #: The same where known effects remove most of it.
 
 
+#: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
+PLACES, WITHIN = 60, 1.96
+DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
+STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
+MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
+CURVES = ("model", MODEL), ("explained", WITH)
+MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
+MOST_ZONES = 5  #: Zones whose size is shown at most.
+
+#: From so many scatters on, a cell of the map has the next colour, pale to dark red, and the next ink.
+SHADES = (
+    (0, "#fff7e3", "#1a1a1a"), (1, "#fee9b4", "#1a1a1a"), (2, "#fed173", "#1a1a1a"), (3, "#feab49", "#1a1a1a"),
+    (5, "#f97a36", "#1a1a1a"), (8, "#e4401f", "#fff"), (12, "#b10026", "#fff"),
+)  # fmt: skip
+
+
 def write_diagnosis(diagnosed: Diagnosed, folder: Path) -> list[Path]:
     """Write diagnosis.json and report.html; return their paths. Raises ResultError if they cannot be written."""
     texts = {
@@ -129,24 +145,7 @@ def _checked(shrink: Shrink) -> str:
     return f"{fall}; shrink {share} ({low} to {high})"
 
 
-#: Places on a branch at which forces are compared; standard deviations to each side that hold 95 % of tests.
-PLACES, WITHIN = 60, 1.96
-
-DIRECTIONS = (1, -1)  #: Branches in the order of a course, by their direction.
-STRIP = 0.1  #: Share of the scar's width about its middle over which a section is averaged.
-
-MODEL, WITH, CONFIRMED, MEASURED = *VARIANT_COLOURS[:3], "#9a9a9a"
-CURVES = ("model", MODEL), ("explained", WITH)
-
 Bar = tuple[str, float, float, str]  #: Name, value, per cent of the longest, colour.
-MOST_LOOPS = 12  #: Cycles whose loops are shown at most.
-MOST_ZONES = 5  #: Zones whose size is shown at most.
-
-#: From so many scatters on, a cell of the map has the next colour, pale to dark red, and the next ink.
-SHADES = (
-    (0, "#fff7e3", "#1a1a1a"), (1, "#fee9b4", "#1a1a1a"), (2, "#fed173", "#1a1a1a"), (3, "#feab49", "#1a1a1a"),
-    (5, "#f97a36", "#1a1a1a"), (8, "#e4401f", "#fff"), (12, "#b10026", "#fff"),
-)  # fmt: skip
 
 
 def residuals(

@@ -49,6 +49,9 @@ CHECKSUM = "# sha256 "
 
 STIFF = 0.9  #: A rig of this share of what is rigid is shown as one whose stiffness the loops do not tell.
 
+_UNITS = {"slip_amplitude_um": " µm", "dissipated_energy_mJ": " mJ"}
+_HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
+
 
 def fit_table(fitted: FittedTest) -> Table:
     """Parameters and what they rest on, to be printed with rich."""
@@ -100,9 +103,6 @@ def check_table(checked: CheckedRun) -> Table:
     return table
 
 
-_UNITS = {"slip_amplitude_um": " µm", "dissipated_energy_mJ": " mJ"}
-
-
 def fit_json(fitted: FittedTest, checked: CheckedRun | None) -> dict[str, Any]:
     """``{"record", "parameters": {name: {"value", "interval95", "unit", "repeats"}}, "found", "check", "notes"}``."""
     check = None
@@ -124,9 +124,6 @@ def _json(found: FittedParameter) -> dict[str, Any]:
         "unit": UNIT_SYMBOLS[found.unit].strip(),
         "repeats": found.repeats,
     }
-
-
-_HEAD = "Fitted to the record "  #: How the remark above a fitted study begins.
 
 
 def require_no_other_study(folder: Path) -> None:

@@ -48,6 +48,8 @@ SHOWN_BY_SOME = (
     ("static_overshoot", "static peak", 1.0),
 )
 
+LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
+
 
 @dataclass(frozen=True, eq=False)
 class AnalysedLoop:
@@ -207,9 +209,6 @@ def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
         for note in (*item.loop.notes, *found):
             counted[note] = counted.get(note, 0) + 1
     return [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in counted.items()]
-
-
-LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
 
 def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:

@@ -42,6 +42,15 @@ PER_MM = {
     "volume_mm3": ("volume_mm3_per_mm", "V [mm³/mm]"),
 }
 
+HERE = Path(__file__).parent
+PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"
+
+#: How each regime is drawn: colours and shapes differ.
+MARKS = dict(zip(REGIMES, (("#0072B2", "circle"), ("#E69F00", "diamond"), ("#D55E00", "square")), strict=True))
+BEYOND = 6.0  #: Maps reach beyond the tests' displacements and loads by this factor.
+POINTS = 41  #: Loads of a line.
+NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement and load, share one label.
+
 
 def columns_of(tests: Sequence[MappedTest]) -> tuple[tuple[str, str, int], ...]:
     """Rows of the table of tests that are all of one kind of contact."""
@@ -141,17 +150,6 @@ def _line_json(line: RegressionLine | None) -> dict[str, Any] | None:
         "explained": None if line.explained != line.explained else line.explained,
         "tests": line.tests,
     }
-
-
-HERE = Path(__file__).parent
-PAGE_NAME, TABLE_NAME = "maps.html", "tests.csv"
-
-#: How each regime is drawn: colours and shapes differ.
-MARKS = dict(zip(REGIMES, (("#0072B2", "circle"), ("#E69F00", "diamond"), ("#D55E00", "square")), strict=True))
-
-BEYOND = 6.0  #: Maps reach beyond the tests' displacements and loads by this factor.
-POINTS = 41  #: Loads of a line.
-NEAR = 0.06  #: Tests nearer to one another than this, relative to displacement and load, share one label.
 
 
 def write_maps(tests: Sequence[MappedTest], folder: Path, fatigue_limit_MPa: float | None = None) -> list[Path]:

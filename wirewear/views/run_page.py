@@ -54,6 +54,10 @@ MARGIN = 1.25  #: Surfaces are shown to this many times the worn half-length.
 BEYOND = 4.0  #: The map of the material's response reaches beyond the test's displacement by this factor.
 DASHES = ("", "7 3", "2 2", "8 2 2 2", "4 2", "10 3")  #: What dashes tell runs apart in SVG.
 
+PAGE_NAME = "report.html"
+HERE = Path(__file__).parent
+_SCRIPTS = ("fretting_log", "slider", "run")
+
 
 def pressure_courses(evolution: Mapping[str, Array], settings: Mapping[str, Any]) -> tuple[Course, ...]:
     """The largest pressure of the cycle and that about mid-stroke, of a run's evolution and settings."""
@@ -322,12 +326,6 @@ def settings_rows(values: Mapping[str, Any], place: str = "") -> list[tuple[str,
         else:
             rows.append((name, f"{value:.6g}" if isinstance(value, float) else str(value)))
     return rows
-
-
-PAGE_NAME = "report.html"
-HERE = Path(__file__).parent
-
-_SCRIPTS = ("fretting_log", "slider", "run")
 
 
 def runs_json(results: Sequence[RunResult]) -> str:

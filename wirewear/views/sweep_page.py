@@ -36,6 +36,13 @@ SLIP = "slip_amplitude_um"
 GROUPS = 8  #: Medians of so many groups of runs show the trend.
 FEWEST = 5  #: Runs of a group, at least; fewer show no trend.
 
+TABLE, FAILURES = "table", "failures.csv"
+COMPLETE, FAILED = "complete", "failed"
+PAGE = "sweep.html"
+VARIES = 1e-6  #: A figure that varies by less than this share over all runs is not drawn.
+MOST_NAMED = 12  #: Failures that the page names; the others stand in failures.csv.
+HERE = Path(__file__).parent
+
 
 def depth_among(names: Iterable[str]) -> str:
     """The depth of the held body, the last one among the names of figures."""
@@ -166,16 +173,6 @@ def front(more: Array, less: Array) -> NDArray[np.intp]:
     return np.array(chosen, dtype=np.intp)
 
 
-TABLE, FAILURES = "table", "failures.csv"
-
-COMPLETE, FAILED = "complete", "failed"
-
-PAGE = "sweep.html"
-
-VARIES = 1e-6  #: A figure that varies by less than this share over all runs is not drawn.
-MOST_NAMED = 12  #: Failures that the page names; the others stand in failures.csv.
-
-
 def table_of(sweep: Sweep, rows: Mapping[int, SweepRow]) -> pl.DataFrame:
     """Number, varied keys, how it ended, figures; in the order of the numbers, the same however the runs were made."""
     import polars as pl
@@ -218,9 +215,6 @@ def _write_failures(path: Path, sweep: Sweep, failed: Sequence[SweepRow]) -> Pat
     rows = [{"run": row.number, **one, "why": row.failure} for row, one in zip(failed, values, strict=True)]
     with writing(ResultError, f"cannot write {path}"):
         return write_csv(path, rows)
-
-
-HERE = Path(__file__).parent
 
 
 def write_sweep(folder: Path, result: SweepResult) -> list[Path]:

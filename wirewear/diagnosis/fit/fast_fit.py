@@ -32,6 +32,12 @@ _OF_SHELF = [list(FITTED).index(name) for name in ("slip_amplitude_um", "measure
 
 EXPECTED_SCATTER = 0.03  #: Scatter between tests where one test alone is known.
 
+SAMPLES = 128  #: Samples of a modelled loop, where it is compared with none that has a number of its own.
+LONGEST_RUNNING_IN = 10.0  #: Running-in takes at most so many times the test.
+
+#: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
+EVIDENCE, LEAST_CHANGE = 6.0, 0.03
+
 
 @dataclass(frozen=True, eq=False)
 class LoopsOfTests:
@@ -156,13 +162,6 @@ def _of_one_test(figures: Array, deviations: Array) -> Array:
     analysed = np.where(known, deviations, 0.0).max(axis=0)
     model = np.array(list(FITTED.values())) * size
     return np.asarray(np.sqrt(scatter**2 + analysed**2 + model**2))
-
-
-SAMPLES = 128  #: Samples of a modelled loop, where it is compared with none that has a number of its own.
-LONGEST_RUNNING_IN = 10.0  #: Running-in takes at most so many times the test.
-
-#: Running-in counts where it lowers Schwarz's criterion by so much, and changes friction by this share.
-EVIDENCE, LEAST_CHANGE = 6.0, 0.03
 
 
 @dataclass(frozen=True, eq=False)

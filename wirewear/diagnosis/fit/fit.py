@@ -28,6 +28,19 @@ from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
 from wirewear.study import study_from_tables
 
+#: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
+PLAY_DEVIATION = 0.03
+
+#: Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
+FAR_OFF = 3.0
+
+#: Keys of `[stated]` that say how bodies wear.
+WEAR_KEYS = (
+    "energy_wear_coefficient_mm3_per_J", "moving_share", "pad_energy_wear_coefficient_mm3_per_J",
+    "specimen_energy_wear_coefficient_mm3_per_J",
+)  # fmt: skip
+_STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
+
 
 @dataclass(frozen=True, eq=False)
 class CheckedRun:
@@ -76,21 +89,6 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
         values = (getattr(figures, name) for name in FITTED)
         simulated[row] = [np.nan if value is None else value.value for value in values]
     return CheckedRun(result, tests.cycles, tests.mean, simulated, tests.deviations)
-
-
-#: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
-PLAY_DEVIATION = 0.03
-
-#: Root mean square of what a fit leaves, in scatters, from which on it describes no test: chance leaves one.
-FAR_OFF = 3.0
-
-#: Keys of `[stated]` that say how bodies wear.
-WEAR_KEYS = (
-    "energy_wear_coefficient_mm3_per_J", "moving_share", "pad_energy_wear_coefficient_mm3_per_J",
-    "specimen_energy_wear_coefficient_mm3_per_J",
-)  # fmt: skip
-
-_STIFFNESS = list(FITTED).index("measured_stiffness_N_per_um")
 
 
 def fit_record(

@@ -29,6 +29,8 @@ _STICKING = 20.0  # So much that nothing slips, but for nodes at the very edge.
 _ROOM_um = 2.0
 _FIRST_STEP_mm = 1e-5
 
+FEWEST_MOTIONS = 4
+
 
 @dataclass(frozen=True, eq=False)
 class LoadedMotion:
@@ -91,9 +93,6 @@ def _surface_motion(body: PlacedBody, force: Array) -> float:
     displacement = body.compliance[np.ix_(3 * loaded, columns)] @ force[loaded].ravel()
     weights = np.abs(force[loaded, 2])
     return float(weights @ displacement / weights.sum())
-
-
-FEWEST_MOTIONS = 4
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,9 @@ DESCENT_DEVIATION = 0.03
 
 SPRING = "normal_spring_stiffness_N_per_mm"
 
+FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
+_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
+
 
 def with_spring(
     states: WearStates, setup: Setup, record: AnyRecord, tests: LoopsOfTests
@@ -79,10 +82,6 @@ def _common_slope(values: Array, at: Array) -> tuple[float, float, float, int]:
     free = wanted.size - np.linalg.matrix_rank(design)
     spread = float(np.linalg.pinv(design.T @ design)[-1, -1])
     return float(found[-1]), left, float(np.sqrt(spread * left / max(free, 1))), int(free)
-
-
-FULL_SLIP = 1.5  #: Displacement to full slip is this multiple of force over initial stiffness (Mindlin).
-_FIRST_CYCLES = 10  #: Cycles of the run on a rigid rig that tells the stiffness of the contact and its bodies.
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,34 @@ LASTING = _SMOOTH.number("lasting")
 TURNED = _SMOOTH.number("turned")
 
 
+#: Where scatters and freedoms that are relative stand in a setup.
+_RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_factor", "amplitude": "amplitude_um"}
+
+#: Names of components that are no observable's.
+HOOKS, OWN = "hooks", "own"
+_OF_REPEATABILITY = constants("infer.repeatability")
+
+#: The expected noise counts as so many numbers.
+EXPECTED_NUMBERS = _OF_REPEATABILITY.number("expected_numbers")
+_KNOWN = constants("infer.covariance")
+
+#: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
+SCATTER: Mapping[str, float] = constants("infer.covariance.scatter").all()
+
+#: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
+PRIOR_REPEATS = _KNOWN.number("prior_repeats")
+
+#: What the owner states of it counts as so many; repeats that would scatter so by less than this chance contradict it.
+STATED_REPEATS = _KNOWN.number("stated_repeats")
+CONTRADICTED = _KNOWN.number("contradicted")
+
+#: A sensor's zero is the same unknown in all repeats; what its gain may be off by is tolerated.
+SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "force_offset")}
+
+#: Noise counts for so much more variance where the repeats' scatter is told from it.
+NOISE_INFLATION = _KNOWN.number("noise_inflation")
+
+
 def solver_covariance(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of the solvers' differences around a setup."""
     freedoms = derivatives(states, setup, layout, states.freedoms)
@@ -63,10 +91,6 @@ def whole_sizes(setup: Setup, layout: Layout, predicted: Array) -> Array:
     """What differences (n,) are relative to, at predicted values (n,)."""
     whole = [part.observable.whole(setup, predicted[part.rows]) for part in layout]
     return np.concatenate([np.zeros(0), *whole])
-
-
-#: Where scatters and freedoms that are relative stand in a setup.
-_RELATIVE = {"friction": "friction_factor", "wear": "wear_factor", "load": "load_factor", "amplitude": "amplitude_um"}
 
 
 def moved(setup: Setup, name: str, size: float) -> Setup:
@@ -91,10 +115,6 @@ def derivatives(states: WearStates, setup: Setup, layout: Layout, sizes: Mapping
 def remainder(states: WearStates, setup: Setup, layout: Layout) -> Array:
     """Covariance (n, n) of solver differences that no numerical freedom describes."""
     return np.asarray(sum(components(states, setup, layout).values(), np.zeros((len(layout), len(layout)))))
-
-
-#: Names of components that are no observable's.
-HOOKS, OWN = "hooks", "own"
 
 
 def components(states: WearStates, setup: Setup, layout: Layout) -> dict[str, Array]:
@@ -147,30 +167,6 @@ def alike(cycle: IntArray, reach: float) -> Array:
     time = np.log(np.maximum(cycle, 1.0))
     correlation: Array = np.exp(-0.5 * ((time[:, None] - time) / reach) ** 2)
     return correlation
-
-
-_OF_REPEATABILITY = constants("infer.repeatability")
-
-#: The expected noise counts as so many numbers.
-EXPECTED_NUMBERS = _OF_REPEATABILITY.number("expected_numbers")
-
-_KNOWN = constants("infer.covariance")
-
-#: Standard deviations between tests on fresh specimens that are expected before looking, relative or as named.
-SCATTER: Mapping[str, float] = constants("infer.covariance.scatter").all()
-
-#: The expectation counts as so many repeats: three real ones alone would know a scatter within ×0.5 to ×6 only.
-PRIOR_REPEATS = _KNOWN.number("prior_repeats")
-
-#: What the owner states of it counts as so many; repeats that would scatter so by less than this chance contradict it.
-STATED_REPEATS = _KNOWN.number("stated_repeats")
-CONTRADICTED = _KNOWN.number("contradicted")
-
-#: A sensor's zero is the same unknown in all repeats; what its gain may be off by is tolerated.
-SHARED: Mapping[str, float] = {name: SCATTER[name] for name in ("displacement_offset_um", "force_offset")}
-
-#: Noise counts for so much more variance where the repeats' scatter is told from it.
-NOISE_INFLATION = _KNOWN.number("noise_inflation")
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,18 @@ from wirewear.effects import Seam
 #: +1 on the branch towards +x, −1 on the other.
 _DIRECTIONS = np.array([1.0, -1.0])[None, :, None]
 
+MIDDLE_AND_FLANKS = "wear that differs between the middle of the scar and its flanks"
+_KNOWN = constants("infer.families")
+
+#: Lengths of what passes after a reversal, shares of the amplitude of which the contact has slid.
+LENGTHS = _KNOWN.numbers("lengths")
+
+#: What friction laws and solvers add to families that resemble them, in log evidence.
+ADDED = _KNOWN.number("added")
+
+#: Shares of the plateau force at which a holder lets go.
+RELEASES = _KNOWN.numbers("releases")
+
 
 @dataclass(frozen=True, eq=False)
 class Family:
@@ -238,19 +250,6 @@ def since(length: float) -> Shape:
     """Friction that passes over some way after each reversal."""
     return resisting(lambda b: np.asarray(np.exp(-b.slid / length)))
 
-
-MIDDLE_AND_FLANKS = "wear that differs between the middle of the scar and its flanks"
-
-_KNOWN = constants("infer.families")
-
-#: Lengths of what passes after a reversal, shares of the amplitude of which the contact has slid.
-LENGTHS = _KNOWN.numbers("lengths")
-
-#: What friction laws and solvers add to families that resemble them, in log evidence.
-ADDED = _KNOWN.number("added")
-
-#: Shares of the plateau force at which a holder lets go.
-RELEASES = _KNOWN.numbers("releases")
 
 _sensor, _holder, _contact, _loading = (
     partial(Family, seam) for seam in (Seam.SENSOR, Seam.HOLDER, Seam.CONTACT, Seam.LOADING)

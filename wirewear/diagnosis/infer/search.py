@@ -52,6 +52,10 @@ _PLACES, _FEW_ITERATIONS = _KNOWN.numbers("places"), _KNOWN.count("few_iteration
 _HOPELESS = _KNOWN.number("hopeless")
 
 
+#: How often a set holds the cause.
+LEVEL = constants("infer.sets").number("level")
+
+
 @dataclass(frozen=True, eq=False)
 class Search:
     """What was found: the problem with its covariance around the best explanation, and all fits."""
@@ -274,9 +278,6 @@ def _together(first: Sequence[Distortion], second: Sequence[Distortion]) -> tupl
         found.append(replace(one, gain=one.gain + added, log_evidence=one.log_evidence + added))
     return tuple(sorted(found, key=lambda one: -one.log_evidence))
 
-
-#: How often a set holds the cause.
-LEVEL = constants("infer.sets").number("level")
 
 Classes = tuple[tuple[str, ...], ...]
 

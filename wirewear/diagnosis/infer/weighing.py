@@ -44,6 +44,18 @@ SURE = _KNOWN.number("sure")
 #: Log evidence below the best's from which on an effect is not compared with it, and how many are at most.
 _NEGLIGIBLE, _MOST_COMPARED = _KNOWN.number("negligible"), _KNOWN.count("most_compared")
 
+_OF_GATE = constants("infer.gate")
+
+#: Standard deviation of the logarithm by which the variance of one observable's solver differences lies above or below
+#: the learned one, from test to test.
+SCALE = _OF_GATE.number("scale")
+
+#: Places and weights of a normal deviate, for means over it.
+_PLACES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(_OF_GATE.count("places"))
+
+#: Below it a chance has no digits left.
+_LEAST_P = 1e-300
+
 
 @dataclass(frozen=True)
 class Weighed:
@@ -208,19 +220,6 @@ def undetectable(problem: Problem, candidates: Sequence[Candidate]) -> tuple[str
         if np.linalg.norm(problem.whitening @ (values[1:] - values[0]).T, axis=0).max() < SEPARABLE:
             unseen.append(candidate.name)
     return tuple(unseen)
-
-
-_OF_GATE = constants("infer.gate")
-
-#: Standard deviation of the logarithm by which the variance of one observable's solver differences lies above or below
-#: the learned one, from test to test.
-SCALE = _OF_GATE.number("scale")
-
-#: Places and weights of a normal deviate, for means over it.
-_PLACES, _WEIGHTS = np.polynomial.hermite_e.hermegauss(_OF_GATE.count("places"))
-
-#: Below it a chance has no digits left.
-_LEAST_P = 1e-300
 
 
 @dataclass(frozen=True)

@@ -27,6 +27,14 @@ _KNOWN = constants("infer.where")
 #: Share of false discoveries that is accepted among the places flagged (Benjamini & Hochberg 1995).
 FALSE_DISCOVERIES = _KNOWN.number("false_discoveries")
 
+_ALIKE = constants("infer.resembling")
+
+#: Families less probable than this are not listed; of several, so many are.
+LEAST_LISTED, MOST_LISTED = _ALIKE.number("least_listed"), _ALIKE.count("most_listed")
+
+#: A distortion is there in cycles and places where it has this share of its largest size.
+PRESENT = _ALIKE.number("present")
+
 
 @dataclass(frozen=True)
 class Place:
@@ -205,15 +213,6 @@ def relevance_of(places: Sequence[Place], tolerance: Mapping[str, float], *, det
     largest = judged[beyond.index(max(beyond))]
     known = Largest(largest.observable.words, round(largest.relative, 4), _text(largest))
     return Relevance(detected, detected and max(beyond) > 1.0, known)
-
-
-_ALIKE = constants("infer.resembling")
-
-#: Families less probable than this are not listed; of several, so many are.
-LEAST_LISTED, MOST_LISTED = _ALIKE.number("least_listed"), _ALIKE.count("most_listed")
-
-#: A distortion is there in cycles and places where it has this share of its largest size.
-PRESENT = _ALIKE.number("present")
 
 
 @dataclass(frozen=True)

@@ -40,6 +40,29 @@ SHARE = _OF_SHELF.number("share")
 #: Solver differences: share of the travel.
 TRAVEL_SHARE = _OF_SHELF.number("travel_share")
 
+_KNOWN = constants("observe.plateau")
+
+#: Places along a branch as shares of the reading's amplitude; the first lies so far past the knee at least.
+POSITIONS = _KNOWN.numbers("positions")
+PAST_KNEE = _KNOWN.number("past_knee")
+
+#: The end of a branch begins at this share of the amplitude.
+TIP = _KNOWN.number("tip")
+
+#: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
+WALL_PLACE, REACH_WALL = _KNOWN.each("wall_place", "reach_wall")
+_OF_KNEE_PEAK = constants("observe.knee_peak")
+
+#: Solver differences: share of the peak that slopes make, and of how high walls are there.
+PEAK_SHARE = _OF_KNEE_PEAK.number("peak_share")
+
+#: Walls are high where slopes raise the force by this share of it.
+WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
+_OF_WINDOWS = constants("observe.knee")
+
+#: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
+PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")
+
 
 class Stick(observable.ByLocalLines):
     """Levels are forces in the branch's direction in N."""
@@ -211,32 +234,6 @@ def displacement_at(branch: ObservedBranch, level_N: float, window_N: float, loo
 def _sample_error(loop: ReducedLoop, slope_um_per_N: float) -> float:
     """Error of a displacement that one sample tells, whose force is unsure, too [µm]."""
     return float(np.hypot(loop.displacement_noise_um, slope_um_per_N * loop.sample_noise_N))
-
-
-_KNOWN = constants("observe.plateau")
-
-#: Places along a branch as shares of the reading's amplitude; the first lies so far past the knee at least.
-POSITIONS = _KNOWN.numbers("positions")
-PAST_KNEE = _KNOWN.number("past_knee")
-
-#: The end of a branch begins at this share of the amplitude.
-TIP = _KNOWN.number("tip")
-
-#: Beyond that share of it walls stand, whose shape solvers see apart: over a shorter share are they alike there.
-WALL_PLACE, REACH_WALL = _KNOWN.each("wall_place", "reach_wall")
-
-_OF_KNEE_PEAK = constants("observe.knee_peak")
-
-#: Solver differences: share of the peak that slopes make, and of how high walls are there.
-PEAK_SHARE = _OF_KNEE_PEAK.number("peak_share")
-
-#: Walls are high where slopes raise the force by this share of it.
-WALL_HEIGHT = _OF_KNEE_PEAK.number("wall_height")
-
-_OF_WINDOWS = constants("observe.knee")
-
-#: Windows of travel past the knee in amplitudes: where a peak stands, and beyond it.
-PEAK, BEYOND = _OF_WINDOWS.pair("peak"), _OF_WINDOWS.pair("beyond")
 
 
 class PlateauForce(observable.ByLocalLines):

@@ -39,6 +39,20 @@ MIDDLE, OUTER = _KNOWN.each("middle", "outer")
 #: Samples that a part of the stroke has at least.
 FEWEST = _KNOWN.count("fewest")
 
+_OF_EVOLUTION = constants("observe.evolution")
+
+#: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
+MOST_CYCLES, FAR = _OF_EVOLUTION.count("most_cycles"), _OF_EVOLUTION.number("far")
+
+#: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
+PEAK_BIAS = _OF_EVOLUTION.number("peak_bias")
+
+#: A column tells its own noise by at least so many figures.
+FEWEST_FIGURES = _OF_EVOLUTION.count("fewest")
+
+#: By how much, relative, the program that read an evolution may define a figure otherwise.
+ERROR = _OF_EVOLUTION.number("figure_error")
+
 
 class _OfNormalForce(OfLoops):
     """Read where the normal force was measured."""
@@ -188,21 +202,6 @@ class Amplitude(OfLoops):
         """Half of the computed loop's extent."""
         x = course.displacement_um
         return np.asarray(0.5 * (x.max(axis=(1, 2)) - x.min(axis=(1, 2))))[rows_of(course, sites)]
-
-
-_OF_EVOLUTION = constants("observe.evolution")
-
-#: Cycles that are used at most; they lie further than this ratio from all logged loops, which would count them twice.
-MOST_CYCLES, FAR = _OF_EVOLUTION.count("most_cycles"), _OF_EVOLUTION.number("far")
-
-#: The largest of some hundred noisy samples lies this many standard deviations too high, if another program took it.
-PEAK_BIAS = _OF_EVOLUTION.number("peak_bias")
-
-#: A column tells its own noise by at least so many figures.
-FEWEST_FIGURES = _OF_EVOLUTION.count("fewest")
-
-#: By how much, relative, the program that read an evolution may define a figure otherwise.
-ERROR = _OF_EVOLUTION.number("figure_error")
 
 
 class EvolutionFigure(Observable):

@@ -31,6 +31,31 @@ _KNOWN = constants("observe.reading")
 #: Logged cycles that are used at most.
 MOST_CYCLES = _KNOWN.count("most_cycles")
 
+_OF_CORNERS = constants("observe.corners")
+
+#: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
+FEWEST_CORNERS, MOST_CORNERS = _OF_CORNERS.count("fewest_corners"), _OF_CORNERS.count("most_corners")
+SAMPLES_A_LINE = _OF_CORNERS.count("samples_a_line")
+STEP = 2
+
+#: Lines with the right corners must beat those with corners half a line later by so many roots of their number, in
+#: log-likelihood: noise alone was seen to make four in one record of 171.
+LEAST_ADVANTAGE = _OF_CORNERS.number("least_advantage")
+
+#: What they leave of both channels is about alike: lines that happen to follow a displacement cut the corners of the
+#: force. Half as long, they leave a mean square smaller by less than this (seen of correlated noise: up to 2.2; of
+#: curves that lines follow by chance: 2.4).
+MOST_UNLIKE, MOST_GAINED = _OF_CORNERS.each("most_unlike", "most_gained")
+
+#: A corner is known from samples that weigh at least so much together.
+LEAST_WEIGHT = _OF_CORNERS.number("least_weight")
+
+#: Lines bend at all of their corners: the median bend is at least this share of the largest, unlike of a triangle.
+LEAST_BEND = _OF_CORNERS.number("least_bend")
+
+#: Of so many loops the mean is taken at most, evenly chosen.
+MOST_LOOPS = _OF_CORNERS.count("most_loops")
+
 
 @dataclass(frozen=True, eq=False)
 class Reading:
@@ -121,32 +146,6 @@ def _loops(record: AnyRecord, notes: list[str]) -> Iterator[ReducedLoop]:
                 yield reduced_loop(loop, record.tables.noise)
             except (LoopError, ValueError, IndexError) as error:
                 notes.append(f"the loop of {loop.name} was left out: {error}")
-
-
-_OF_CORNERS = constants("observe.corners")
-
-#: Numbers of corners that are tried (with more, lines cut little of a loop), and samples that a line has at least.
-FEWEST_CORNERS, MOST_CORNERS = _OF_CORNERS.count("fewest_corners"), _OF_CORNERS.count("most_corners")
-SAMPLES_A_LINE = _OF_CORNERS.count("samples_a_line")
-STEP = 2
-
-#: Lines with the right corners must beat those with corners half a line later by so many roots of their number, in
-#: log-likelihood: noise alone was seen to make four in one record of 171.
-LEAST_ADVANTAGE = _OF_CORNERS.number("least_advantage")
-
-#: What they leave of both channels is about alike: lines that happen to follow a displacement cut the corners of the
-#: force. Half as long, they leave a mean square smaller by less than this (seen of correlated noise: up to 2.2; of
-#: curves that lines follow by chance: 2.4).
-MOST_UNLIKE, MOST_GAINED = _OF_CORNERS.each("most_unlike", "most_gained")
-
-#: A corner is known from samples that weigh at least so much together.
-LEAST_WEIGHT = _OF_CORNERS.number("least_weight")
-
-#: Lines bend at all of their corners: the median bend is at least this share of the largest, unlike of a triangle.
-LEAST_BEND = _OF_CORNERS.number("least_bend")
-
-#: Of so many loops the mean is taken at most, evenly chosen.
-MOST_LOOPS = _OF_CORNERS.count("most_loops")
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,33 @@ from wirewear.records import AnyRecord
 _TOGETHER = 24
 
 
+#: Entry point group in which a package names its subclasses of `Observable`.
+ENTRY_POINT_GROUP = "wirewear.observables"
+
+#: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
+LIBRARY: tuple[type[Observable], ...] = (
+    Stick,
+    ShelfTravel,
+    KneePeak,
+    PlateauForce,
+    channels.Amplitude,
+    channels.NormalForce,
+    channels.NormalForceByDirection,
+    channels.NormalForceAtEnds,
+    channels.NormalForceBySides,
+    Energy,
+    SlipAmplitude,
+    LargestForce,
+    ScarFigures,
+    ScarSkew,
+    ProfileDepths,
+)
+
+#: Of a number's noise variance, what no other number shares: far below what any is known by, it keeps sums of shared
+#: noise regular.
+OWN_NOISE = 1e-6
+
+
 @dataclass(frozen=True, eq=False)
 class Features:
     """Linear combinations of observables: which `members` (f, n) belong to each, `slope` (f,) if it is one.
@@ -190,34 +217,6 @@ class Layout:
                 sites = part.sites.repeated(count, whole) if count > 1 else part.sites
                 found.append(part.observable.predict(loops, sites).reshape(count, -1))
         return np.concatenate(found, axis=1)
-
-
-#: Entry point group in which a package names its subclasses of `Observable`.
-ENTRY_POINT_GROUP = "wirewear.observables"
-
-#: From the reversal on along a branch, then the channels; maps of where the gap lies have this order.
-LIBRARY: tuple[type[Observable], ...] = (
-    Stick,
-    ShelfTravel,
-    KneePeak,
-    PlateauForce,
-    channels.Amplitude,
-    channels.NormalForce,
-    channels.NormalForceByDirection,
-    channels.NormalForceAtEnds,
-    channels.NormalForceBySides,
-    Energy,
-    SlipAmplitude,
-    LargestForce,
-    ScarFigures,
-    ScarSkew,
-    ProfileDepths,
-)
-
-
-#: Of a number's noise variance, what no other number shares: far below what any is known by, it keeps sums of shared
-#: noise regular.
-OWN_NOISE = 1e-6
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,6 +29,30 @@ SHALLOW_SKEW = _KNOWN.number("shallow_skew")
 #: The least points of a map.
 FEWEST_POINTS = _KNOWN.count("fewest_points")
 
+_PROFILES = constants("observe.profiles")
+
+#: Places to either side of the middle, in half-widths of the scar; width of the bins in which depths are averaged.
+PLACES, BIN = _PROFILES.numbers("places"), _PROFILES.number("bin")
+
+#: A profile's middle lies half-way between the places with this share of its depth; its half-width is told at that one.
+HALF_DEPTH, EDGE = _PROFILES.each("half_depth", "edge")
+
+#: Degree of the curve about which roughness is told.
+ROUGH_DEGREE = _PROFILES.count("rough_degree")
+
+#: Solver differences: by how much places differ, in half-widths.
+ASIDE = _PROFILES.number("aside")
+
+#: The flat beside the scar begins so far out.
+OUTSIDE, FEWEST_OUTSIDE = _PROFILES.number("outside"), _PROFILES.count("fewest_outside")
+
+#: Where the middle of a scar ends, and its flanks.
+MIDDLE, FLANK = _PROFILES.each("middle", "flank")
+
+#: The least points of a profile.
+FEWEST_POINTS_OF_A_PROFILE = _PROFILES.count("fewest_points")
+BODIES = ("pad", "specimen")
+
 
 class _OfScars(observable.Observable):
     """One number a body, after the last cycle."""
@@ -115,32 +139,6 @@ def maps_of(reading: Reading, repeat: int) -> list[MeasuredScar]:
 def _shallow(figures: Mapping[str, float], least_um: float = 0.0) -> float:
     """Relative error of a scar's depth, taken to be at least so large."""
     return DEPTH_ERROR_um / max(figures["depth"], least_um, 1e-9)
-
-
-_PROFILES = constants("observe.profiles")
-
-#: Places to either side of the middle, in half-widths of the scar; width of the bins in which depths are averaged.
-PLACES, BIN = _PROFILES.numbers("places"), _PROFILES.number("bin")
-
-#: A profile's middle lies half-way between the places with this share of its depth; its half-width is told at that one.
-HALF_DEPTH, EDGE = _PROFILES.each("half_depth", "edge")
-
-#: Degree of the curve about which roughness is told.
-ROUGH_DEGREE = _PROFILES.count("rough_degree")
-
-#: Solver differences: by how much places differ, in half-widths.
-ASIDE = _PROFILES.number("aside")
-
-#: The flat beside the scar begins so far out.
-OUTSIDE, FEWEST_OUTSIDE = _PROFILES.number("outside"), _PROFILES.count("fewest_outside")
-
-#: Where the middle of a scar ends, and its flanks.
-MIDDLE, FLANK = _PROFILES.each("middle", "flank")
-
-#: The least points of a profile.
-FEWEST_POINTS_OF_A_PROFILE = _PROFILES.count("fewest_points")
-
-BODIES = ("pad", "specimen")
 
 
 @dataclass(frozen=True, eq=False)

@@ -50,6 +50,10 @@ _NUMBERS = (
 )
 
 
+#: Columns of a course that are of its loops.
+OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um", "energy_mJ", "volume_um3"
+
+
 @dataclass(frozen=True, eq=False)
 class LoopCourse:
     """Loops and wear at some cycles (n,) under one set of circumstances, as sensors read them.
@@ -70,10 +74,6 @@ class LoopCourse:
     scars: Array
     skew: Array
     profiles: Mapping[str, tuple[Array, Array]] = field(default_factory=dict)
-
-
-#: Columns of a course that are of its loops.
-OF_LOOPS = "displacement_um", "tangential_force_N", "normal_force_N", "slip_um", "energy_mJ", "volume_um3"
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,6 +40,16 @@ _MICRO_SLIP = _KNOWN.pair("micro_slip")
 #: States are smoothed over this difference of the volume's logarithm.
 _SMOOTHING = _KNOWN.number("smoothing")
 
+_MOTION = constants("model.motion")
+
+#: Even phases at which a motion is tabulated.
+_PHASES = _MOTION.count("phases")
+
+#: Corners are looked for in motions of so many harmonics at least, in all but the first of so many parts of them; there
+#: are so many at most, none below this share of the largest.
+_FEWEST, _PARTS, _MOST_CORNERS = _MOTION.count("fewest"), _MOTION.count("parts"), _MOTION.count("most_corners")
+_LEAST_CORNER = _MOTION.number("least_corner")
+
 
 def scar_skew(x_um: Array, y_um: Array, depth_um: Array) -> float:
     """∫d x y / ∫d y² about the centre of a map (n_x, n_y) with x along the motion; NaN of a map without a scar.
@@ -187,16 +197,6 @@ def smoothed(volume: Array, rows: Array) -> Array:
 
 
 Harmonics = ComplexArray
-
-_MOTION = constants("model.motion")
-
-#: Even phases at which a motion is tabulated.
-_PHASES = _MOTION.count("phases")
-
-#: Corners are looked for in motions of so many harmonics at least, in all but the first of so many parts of them; there
-#: are so many at most, none below this share of the largest.
-_FEWEST, _PARTS, _MOST_CORNERS = _MOTION.count("fewest"), _MOTION.count("parts"), _MOTION.count("most_corners")
-_LEAST_CORNER = _MOTION.number("least_corner")
 
 
 @dataclass(frozen=True, eq=False)

@@ -38,6 +38,23 @@ _RIGS_Hz = 0.1, 1000.0
 UNTOLD = 0.25
 
 
+#: Words in a file's name that tell whose scar it holds.
+WORDS = {
+    "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
+    "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
+    "flat": ("flat", "disc", "disk", "plane", "ebene", "platte", "scheibe", "lower", "unten"),
+    "ball": ("ball", "sphere", "kugel", "upper", "oben"),
+    "pad": ("pad", "cylinder", "zylinder", "punch", "stempel", "upper", "oben", "oberer"),
+    "specimen": ("specimen", "flat", "plane", "probe", "ebene", "platte", "lower", "unten", "unterer"),
+}
+
+#: What a map may not state.
+_SCALE = {
+    "step_um": "how far its points are apart, in µm (with step_y_um, if it is another distance along y)",
+    "height_unit": "the unit of its heights, such as um or nm",
+}
+
+
 def conditions_of(
     text: GuessedFile, source: dict[str, Any], known: dict[str, Any], length_mm: float | None = None
 ) -> tuple[dict[str, Any], dict[str, float], list[str]]:
@@ -222,17 +239,6 @@ def _last_cycle(source: dict[str, Any], loops: Sequence[MeasuredLoop]) -> int:
     return max([1, *(loop.cycle for loop in loops)])
 
 
-#: Words in a file's name that tell whose scar it holds.
-WORDS = {
-    "moving": ("moving", "upper", "oben", "oberer", "beweg", "mobile"),
-    "fixed": ("fixed", "lower", "unten", "unterer", "fest", "ruhend", "static"),
-    "flat": ("flat", "disc", "disk", "plane", "ebene", "platte", "scheibe", "lower", "unten"),
-    "ball": ("ball", "sphere", "kugel", "upper", "oben"),
-    "pad": ("pad", "cylinder", "zylinder", "punch", "stempel", "upper", "oben", "oberer"),
-    "specimen": ("specimen", "flat", "plane", "probe", "ebene", "platte", "lower", "unten", "unterer"),
-}
-
-
 @dataclass(frozen=True)
 class Touching:
     """What touches: tables of a mapping, names of the bodies, what was assumed, and the bodies where known."""
@@ -307,13 +313,6 @@ def map_source(path: Path, remarks: list[str]) -> tuple[StatedMap, dict[str, Any
         what = " and ".join(_SCALE[key] for key in left)
         remarks.append(f"{path.name} is taken for a map of heights, and does not state {what}{surface.remark}")
     return surface, {"kind": PROFILOMETER, **dict.fromkeys(left, OPEN)}
-
-
-#: What a map may not state.
-_SCALE = {
-    "step_um": "how far its points are apart, in µm (with step_y_um, if it is another distance along y)",
-    "height_unit": "the unit of its heights, such as um or nm",
-}
 
 
 def _told(found: tuple[dict[str, Any], str], remarks: list[str]) -> dict[str, Any]:

@@ -31,6 +31,9 @@ _OPTIONS = {
     "cycles": "--cycles",
 }
 
+SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
+_HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
+
 
 def line_contact(known: Mapping[str, Any], specimen: Mapping[str, Any], pad: Mapping[str, Any]) -> Touching:
     """A line contact of such constants, of a length and a face as the user says.
@@ -95,9 +98,6 @@ def profiles_of(texts: Sequence[GuessedFile], maps: Sequence[Path]) -> tuple[dic
         of_files = {"files": names if len(names) > 1 else names[0]} | ({"name_pattern": pattern} if pattern else {})
         sources[body] = of_files | found[body]
     return sources, remarks
-
-
-SURFACES = ("scars", "profiles")  #: Tables of a mapping that hold one of surfaces for each body.
 
 
 @dataclass(frozen=True)
@@ -179,9 +179,6 @@ def recognised_files(files: Sequence[Path]) -> RecognisedFiles:
         held["unknown"], maps = others, [*maps, *matrices]
         unread = {path: told for path, told in unread.items() if path not in matrices}
     return RecognisedFiles(**held | {"loops": held["loops"] + whole}, maps=tuple(maps), unread=tuple(unread.values()))
-
-
-_HELD = {"loops": "loops", "evolution": "evolution", "surfaces": "surface", "unknown": "unknown"}
 
 
 def left_out(unknown: Sequence[GuessedFile]) -> list[str]:

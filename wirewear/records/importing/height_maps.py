@@ -24,6 +24,26 @@ from wirewear.records.importing.x3p import read_x3p
 
 Map = tuple[Array, Array, Array]  #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.
 
+NARROWEST = 8  #: Tables with fewer columns are points or channels, and no matrix of heights.
+EVEN = 0.02  #: Numbers that count lines are even to so many of their own steps.
+_WYKO = "Wyko ASCII Data File"
+_LENGTHS = FIELD_UNITS["um"]
+
+#: Ends of names of profilometers' files, which SurfaceTopography reads.
+MAPS = frozenset(
+    (".al3d", ".datx", ".di", ".ezd", ".gwy", ".ibw", ".mnt", ".nid", ".nms", ".npy", ".oir", ".opd", ".opdx", ".os3d")
+    + (".plu", ".plux", ".poir", ".sdf", ".spm", ".stp", ".sur", ".vk4", ".vk6", ".vk7", ".wsf", ".x3p", ".zag", ".zmg")
+)
+
+#: Lines of a text on which SurfaceTopography is tried before it reads the whole, which takes it 160 bytes a byte.
+HEAD_LINES, TEXT_EXPANSION = 200, 160.0
+ZIP_EXPANSION = 4.0  #: A zipped map takes its parts, their numbers in floating point, and a copy of them.
+
+#: No profilometer sees so far, in µm: NanoFocus files state their points' distance in nm where millimetres are read.
+WIDEST_um = 1e6
+_ZYGO = b"Zygo XYZ Data File"
+_ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
+
 
 @dataclass(frozen=True)
 class MapScale:
@@ -76,12 +96,6 @@ def positive(text: str) -> float | None:
         return None
     return value if 0.0 < value < np.inf else None
 
-
-NARROWEST = 8  #: Tables with fewer columns are points or channels, and no matrix of heights.
-EVEN = 0.02  #: Numbers that count lines are even to so many of their own steps.
-
-_WYKO = "Wyko ASCII Data File"
-_LENGTHS = FIELD_UNITS["um"]
 
 Pair = tuple[float, float]
 
@@ -199,23 +213,6 @@ def _even_step(places: Array) -> float | None:
     return abs(middle) if even else None
 
 
-#: Ends of names of profilometers' files, which SurfaceTopography reads.
-MAPS = frozenset(
-    (".al3d", ".datx", ".di", ".ezd", ".gwy", ".ibw", ".mnt", ".nid", ".nms", ".npy", ".oir", ".opd", ".opdx", ".os3d")
-    + (".plu", ".plux", ".poir", ".sdf", ".spm", ".stp", ".sur", ".vk4", ".vk6", ".vk7", ".wsf", ".x3p", ".zag", ".zmg")
-)
-
-#: Lines of a text on which SurfaceTopography is tried before it reads the whole, which takes it 160 bytes a byte.
-HEAD_LINES, TEXT_EXPANSION = 200, 160.0
-
-ZIP_EXPANSION = 4.0  #: A zipped map takes its parts, their numbers in floating point, and a copy of them.
-
-#: No profilometer sees so far, in µm: NanoFocus files state their points' distance in nm where millimetres are read.
-WIDEST_um = 1e6
-
-_ZYGO = b"Zygo XYZ Data File"
-
-
 def is_map(path: Path) -> bool:
     """Whether a file is a height map: by the end of its name, or as a matrix in a text that states its size."""
     if path.suffix.lower() in MAPS:
@@ -286,9 +283,6 @@ def _zygo(file: Path) -> StatedMap:
     heights = np.full(shape, np.nan)
     heights[x, y] = rows["z"]
     return StatedMap(heights, (pixel, pixel) if pixel else None, 1.0)
-
-
-_ZYGO_LAYOUT = DelimitedLayout(delimiter=None, names_line=False)
 
 
 def _by_surface_topography(file: Path) -> StatedMap:

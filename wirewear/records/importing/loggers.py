@@ -45,6 +45,8 @@ _PART = re.compile(r"(.+)\((?::\s*,\s*(\d+)|(\d+)\s*,\s*:)\)")
 #: Kinds of matrices in files of version 4 by the order of bytes: 1000 for big-endian, tens for the type of numbers.
 _TYPES_OF_4 = {"<": range(0, 60, 10), ">": range(1000, 1060, 10)}
 
+ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package names its subclasses of `Reader`.
+
 
 def require_room_for(path: Path) -> None:
     """See that a file's arrays can be held and can be true; what is no MATLAB file is left to the reader.
@@ -302,8 +304,6 @@ def _numbers(path: Path, channels: Mapping[str, Any], column: str) -> Array:
     except (*DAMAGED_FILE_ERRORS,):
         raise RecordError(f"{path}: the channel {column!r} holds no numbers.") from None
 
-
-ENTRY_POINT_GROUP = "wirewear.readers"  #: Entry point group in which a package names its subclasses of `Reader`.
 
 LIBRARY: tuple[type[Reader], ...] = (TextReader, MatlabReader, TdmsReader)
 

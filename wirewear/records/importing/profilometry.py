@@ -35,6 +35,8 @@ DEEPEST_um = 1e4  #: What lies farther below or above a map's middle is a number
 #: A wire that lies farther off than this from where the mapping says is another one: half of the least crossing angle.
 ASKEW_deg = 15.0
 
+FEWEST_ON_LINE = 20  #: Fewer points tell no face.
+
 
 @dataclass(frozen=True)
 class MapOfBody:
@@ -209,9 +211,6 @@ def _scars_in(file: Path, source: ScarSource, name: str, tables: PointMapping, r
             yield scar.turned(body.axis_angle_deg if source.frame == "wire" else 0.0)
         except RecordError as problem:
             raise RecordError(f"{file}: {problem}") from None
-
-
-FEWEST_ON_LINE = 20  #: Fewer points tell no face.
 
 
 def levelled(

@@ -21,6 +21,26 @@ OPEN = "?"  #: What stands in a guessed mapping for what only the user can tell.
 
 _OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")
 
+_GROUP = re.compile(r"(\d+):(\d+)")  #: Columns side by side that are one channel, such as ``2:129``.
+
+#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
+DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
+    OSError,
+    EOFError,
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    AttributeError,
+    NameError,
+    AssertionError,
+    RuntimeError,
+    MemoryError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
 
 def open_lines(text: str) -> list[tuple[int, str]]:
     """Numbers of the lines of a mapping, from 1, that are left open, and the key of each."""
@@ -85,9 +105,6 @@ class Reader(ABC):
         return ()
 
 
-_GROUP = re.compile(r"(\d+):(\d+)")  #: Columns side by side that are one channel, such as ``2:129``.
-
-
 class TextReader(Reader):
     """Delimited text in the mapping's spelling; ``"2:129"`` are the samples of one cycle a row, or one a column."""
 
@@ -134,22 +151,3 @@ def _place(text: DelimitedText, column: str | int) -> int:
             f"{text.path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}{hint}"
         )
     return names.index(column)
-
-
-#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
-DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
-    OSError,
-    EOFError,
-    ValueError,
-    TypeError,
-    LookupError,
-    ArithmeticError,
-    AttributeError,
-    NameError,
-    AssertionError,
-    RuntimeError,
-    MemoryError,
-    struct.error,
-    zipfile.BadZipFile,
-    zlib.error,
-)
