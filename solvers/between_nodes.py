@@ -1,13 +1,16 @@
 """A contact between its nodes: where its edge runs, how pressure is spread over elements, and laws as integrals of it.
 
-A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to it. The
-square is fitted to the nodes (`SubgridTraction`) and sampled within elements. Nodes alone count whole supports as in
-contact or not: their area is off by a tenth where two elements span a contact's radius.
+A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to it
+(Johnson, Contact Mechanics, 1985, section 5.1). It is fitted to the nodes (`fitted_square`) and sampled within
+elements. The outermost nodes bear what open ones beside them would, more or less by where the mesh lies, so they hardly
+count in the fit. What equilibrium fixes is the load: the edge is moved by one distance all around until the samples
+carry it. Of Hertz's ellipse, the inner nodes thus give the peak pressure p0, and the load P the area 3 P / (2 p0).
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from math import pi
 
 import numpy as np
 from scipy.sparse import csr_matrix
@@ -15,15 +18,14 @@ from scipy.sparse import csr_matrix
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.friction_law import Friction
-from solvers.subgrid_traction import SubgridTraction, refined
+from solvers.subgrid_traction import fitted_square, refined
 
 #: Samples across a contact that few elements span, and of an element each way at least and at most.
-_ACROSS, _FEWEST, _MOST = 48, 2, 8
+_ACROSS, _FEWEST, _MOST = 72, 2, 8
 _AROUND = 4  #: Nodes without pressure about the contact that are looked at.
-#: A node's pressure is neither the value at the node, which the square takes it for, nor its support's mean, for which
-#: nodes alone count: integrals over a Hertz ellipse lie between both, at this share from the latter to the former.
-_BETWEEN = 0.75
-_OFF = 0.05  #: Of an element: how well the edge is known, of Hertz's ellipses.
+_TRUST_AT_EDGE = 0.02  #: Weight of the outermost nodes: where few lie inside, they keep the fit determined.
+_MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
+_OFF = 0.06  #: Of an element: how well the edge is known, of Hertz's ellipses on meshes of all levels.
 _LARGEST = 1.5  #: An integral over elements, over that of nodes, or the other way round.
 
 
@@ -38,7 +40,7 @@ class SpreadPressure:
     parts_mm2: Array  #: (m,) areas of the samples.
     edge_mm: Array  #: (e, 2) places where lines of samples leave the contact.
     weights: csr_matrix  #: (n, m) hat functions of the nodes at the samples.
-    elements_across: float = 0.0  #: The contact where it is narrowest.
+    samples: int = 1  #: Of an element each way.
 
     @classmethod
     def of(cls, patch: ContactPatch, pressure_MPa: Array) -> "SpreadPressure":
@@ -50,27 +52,24 @@ class SpreadPressure:
         if not inner.size:
             nothing = np.zeros((0, 2))
             return cls(nodal, areas, nothing, np.zeros(0), np.zeros(0), nothing, csr_matrix((len(nodal), 0)))
-        tractions = np.zeros((*inner.shape, 3))
-        tractions[..., 2] = -inner
         narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
         samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
-        square = refined(SubgridTraction.of_nodes(tractions).square, samples)
+        square = refined(fitted_square(inner, _TRUST_AT_EDGE), samples)
         lines = [
             np.interp(np.arange(size) / samples, np.arange(len(own)), own)
             for size, own in zip(square.shape, (patch.axial_mm[rows], patch.transverse_mm[columns]), strict=True)
         ]
+        parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
+        load = float(areas @ nodal)
+        square = _carrying(square, parts, load, samples)
         inside = square > 0.0
-        parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))[inside]
-        found = np.sqrt(square[inside])
-        load, carried = float(areas @ nodal), float(parts @ found)
+        parts, found = parts[inside], np.sqrt(square[inside])
+        carried = float(parts @ found)
         places = np.column_stack([part[inside] for part in np.meshgrid(*lines, indexing="ij")])
         edge = _edge(square, lines)
         scale = load / carried if carried > 0.0 else 1.0
         hats = _hats(shape, rows, columns, inside, samples)
-        across = min(
-            float(np.any(inside, axis=1 - axis).sum()) / samples for axis, size in enumerate(inner.shape) if size > 1
-        )
-        return cls(nodal, areas, places, scale * found, parts, edge, hats, across)
+        return cls(nodal, areas, places, scale * found, parts, edge, hats, samples)
 
     @property
     def area_mm2(self) -> float:
@@ -108,7 +107,7 @@ class SpreadPressure:
         of_elements, of_nodes = self.integrals(friction)
         if not of_nodes > 0.0 or not of_elements > 0.0:
             return 1.0
-        return 1.0 + _BETWEEN * (min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST) - 1.0)
+        return min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST)
 
     def law_error(self, friction: Friction) -> float:
         """By how much a law's integral may be off, relative, as the contact's area is known so well alone: under the
@@ -123,8 +122,12 @@ class SpreadPressure:
 
     @cached_property
     def edge_error(self) -> float:
-        """By what share of its narrowest half-width the contact's edge may stand elsewhere."""
-        return _OFF / max(0.5 * self.elements_across, 1.0)
+        """Half the share of the contact's area that its edge, counted in elements, sweeps where it may stand elsewhere.
+
+        Each line of samples crosses the edge twice: for convex contacts the crossings along both axes add up to 4/π of
+        the perimeter (Cauchy-Crofton). Of an ellipse along the grid this is `_OFF` over its half-width in elements.
+        """
+        return _OFF * pi / 8.0 * self.samples * len(self.edge_mm) / max(len(self.pressure_MPa), 1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +161,20 @@ def _about(loaded: BoolArray) -> slice:
     if not found.size:
         return slice(0, 0)
     return slice(max(int(found[0]) - _AROUND, 0), int(found[-1]) + _AROUND + 1)
+
+
+def _carrying(square: Array, parts: Array, load: float, samples: int) -> Array:
+    """A pressure's square, so many samples an element, with the edge moved until areas (as the square's) carry a load.
+
+    Where a field changes by its slope times a distance, its zero moves by that distance; its peaks stay.
+    """
+    slopes = [np.gradient(square, 1.0 / samples, axis=axis) for axis, size in enumerate(square.shape) if size > 1]
+    slope, inwards, outwards = np.sqrt(sum(each**2 for each in slopes)), -_MOVED, _MOVED
+    for _ in range(_HALVINGS):
+        moved = 0.5 * (inwards + outwards)
+        carried = float((parts * np.sqrt(np.maximum(square + moved * slope, 0.0))).sum())
+        inwards, outwards = (moved, outwards) if carried < load else (inwards, moved)
+    return np.asarray(square + 0.5 * (inwards + outwards) * slope)
 
 
 def _edge(square: Array, lines: Sequence[Array]) -> Array:

@@ -225,8 +225,7 @@ class SubgridTraction:
         loaded = pressure > _LOADED * pressure.max(initial=0.0)
         if not loaded.any():
             return cls(np.full(pressure.shape, -1.0), np.zeros_like(traction))
-        largest = float(pressure.max()) ** 2
-        square = largest * _fitted(pressure**2 / largest, loaded)
+        square = fitted_square(pressure)
         ratio = _ratios(traction, pressure, loaded)
         return cls(square * _scale(square, pressure) ** 2, ratio)
 
@@ -235,11 +234,20 @@ class SubgridTraction:
         return np.asarray(_edge(self.square))
 
 
-def _fitted(square: Array, loaded: BoolArray) -> Array:
+def fitted_square(pressure: Array, trust_at_edge: float = _AT_EDGE) -> Array:
+    """Square (n_a, n_t) of pressures at nodes, some of them positive, as it is fitted: negative outside the contact.
+
+    trust_at_edge: weight of nodes that share elements with unloaded ones.
+    """
+    largest = float(pressure.max()) ** 2
+    return largest * _fitted(pressure**2 / largest, pressure > _LOADED * pressure.max(), trust_at_edge)
+
+
+def _fitted(square: Array, loaded: BoolArray, trust_at_edge: float) -> Array:
     """Quadratics fitted to squares (n_a, n_t) of loaded nodes, at these and a few elements around them."""
     around_one = np.ones((3, 3 if square.shape[1] > 1 else 1))
     inner = ~binary_dilation(~loaded, structure=around_one, border_value=1)
-    trust = np.where(loaded, np.where(inner, 1.0, _AT_EDGE), 0.0)
+    trust = np.where(loaded, np.where(inner, 1.0, trust_at_edge), 0.0)
     reach = int(np.ceil(3.0 * _WIDTH)) + _BEYOND
     # A node at +d counts for the fit here: convolution turns the offset round.
     d = -np.arange(-reach, reach + 1.0)
