@@ -21,6 +21,7 @@ import wirewear as ww
 from wirewear import RunResult, reference
 from wirewear.faces.study_script import StudyScript
 from wirewear.pictures import style
+from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.study.fidelity import FIDELITIES
 from wirewear.verification.partial_slip_run import limiting_shape, worn_out_study
 
@@ -72,10 +73,7 @@ def fresh(runs: Mapping[str, RunResult]) -> Figure:
     radius_um = np.linspace(0.0, 20.0, 400)
     pressed.plot(radius_um, _HERTZ.pressure(1e-3 * radius_um), color=style.INK, label="Hertz")
     loop = reference.closed_loop(_CONTACT, AMPLITUDE_mm, RIG_N_per_mm)
-    closed = np.r_[0 : loop.displacement_mm.size, 0]
-    moved.plot(
-        1e3 * loop.displacement_mm[closed], loop.tangential_force_N[closed], color=style.INK, label="closed form"
-    )
+    draw_loop(moved, 1e3 * loop.displacement_mm, loop.tangential_force_N, color=style.INK, label="closed form")
     for index, (level, run) in enumerate(runs.items()):
         dots = {"color": style.VARIANT_COLOURS[index], "linestyle": "", "marker": "osd"[index % 3], "markersize": 3.5}
         scar, first = run.scar(1, "fixed"), run.loops[0]
@@ -84,7 +82,8 @@ def fresh(runs: Mapping[str, RunResult]) -> Figure:
         pressed.plot(distance, scar.pressure_MPa[near], label=level, **dots)
         moved.plot(first.displacement_um, first.tangential_force_N, label=level, **dots)
     pressed.set(title="pressure", xlabel="distance from the middle [µm]", ylabel="pressure at mid-stroke [MPa]")
-    moved.set(title="loop", xlabel="displacement δ [µm]", ylabel="tangential force Q [N]")
+    name_axes(moved)
+    moved.set_title("loop")
     return _finished(figure, pressed, moved)
 
 

@@ -19,6 +19,7 @@ from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects
 from wirewear.faces.study_script import StudyScript
+from wirewear.pictures.loop import draw_loop
 from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
@@ -51,7 +52,7 @@ def sheet(signatures: list[Signature]) -> Figure:
         place = max(range(len(signature.cycles)), key=partial(_difference, signature))
         nominal, changed = signature.loops[place]
         for loop, style in ((nominal, NOMINAL), (changed, CHANGED)):
-            axes.plot(*smooth_loop(loop), **style)
+            draw_loop(axes, *smooth_loop(loop), **style)
         axes.set_title(plain(signature.effect.name), fontsize=7.5, pad=20)
         energy, friction = (
             100.0 * signature.changes()[name][place] for name in ("dissipated_energy_mJ", "friction_max")

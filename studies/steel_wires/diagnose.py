@@ -26,6 +26,7 @@ from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
+from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure
 from wirewear.simulation import ProgressBar
 from wirewear.views.diagnosis_page import write_diagnosis
@@ -128,9 +129,10 @@ def picture(chapter: Chapter) -> Figure:
         for colour, (label, setup, dash) in zip(VARIANT_COLOURS, curves, strict=False):
             course = simulate(chapter.whole.states, setup, at)
             x, q = course.displacement_um[row].ravel(), course.tangential_force_N[row].ravel()
-            axes.plot(np.append(x, x[0]), np.append(q, q[0]), dash, color=colour, lw=1.4, label=label)
-        axes.set(title=f"cycle {counted(cycle)}", xlabel="displacement δ [µm]")
-    panels[0].set_ylabel("tangential force Q [N]")
+            draw_loop(axes, x, q, linestyle=dash, color=colour, linewidth=1.4, label=label)
+        name_axes(axes)
+        axes.label_outer()
+        axes.set_title(f"cycle {counted(cycle)}")
     handles, labels = panels[0].get_legend_handles_labels()
     unique = dict(zip(labels, handles, strict=True))
     figure.legend(unique.values(), unique.keys(), loc="outside lower center", ncols=3)

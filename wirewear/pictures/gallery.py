@@ -22,10 +22,12 @@ from geometry.arrays import Array
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import write_bytes, writing
 from wirewear.pictures import style
-from wirewear.pictures.scar_maps import contact_maps, draw_map, profile, scar_sections, scar_series, scars_from_above
+from wirewear.pictures.loop import draw_loop, name_axes
+from wirewear.pictures.scar import draw_scar
+from wirewear.pictures.scar_maps import contact_maps, profile, scar_sections, scar_series, scars_from_above
 from wirewear.pictures.scar_surfaces import scars_in_3d
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
-from wirewear.results import Loop, RunResult, read_results
+from wirewear.results import RunResult, read_results
 
 DASHES: tuple[Any, Any] = ((0, (5, 1.5)), "-")  #: Lines of the driven and the held body where colours stand for runs.
 
@@ -166,10 +168,10 @@ def draw_loops(axes: Axes, result: RunResult, cycles: Sequence[int] | None = Non
     logged = {loop.cycle: loop for loop in result.loops}
     for cycle, colour, width in zip(chosen, style.cycle_colours(len(chosen)), _widths(len(chosen)), strict=True):
         if cycle in logged:
-            _draw_loop(axes, logged[cycle], color=colour, linewidth=width, label=style.cycle_name(cycle))
+            draw_loop(axes, *smooth_loop(logged[cycle]), color=colour, linewidth=width, label=style.cycle_name(cycle))
     if cycles is None:
         axes.legend(loc="center", title="cycle", fontsize=6.5, title_fontsize=6.5, handlelength=1.4, ncols=2)
-        _name_axes(axes)
+        name_axes(axes)
 
 
 def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figure:
@@ -179,7 +181,7 @@ def loops_by_cycle(results: Sequence[RunResult], cycles: Sequence[int]) -> Figur
     figure, panels = _panels(len(cycles))
     for axes, cycle in zip(panels, cycles, strict=True):
         for index, result in enumerate(results):
-            _draw_loop(axes, result.loop(cycle), **style.variant_style(index), label=result.label)
+            draw_loop(axes, *smooth_loop(result.loop(cycle)), **style.variant_style(index), label=result.label)
         axes.set_title(f"cycle {style.cycle_name(results[0].loop(cycle).cycle)}")
     _finish(panels)
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside right upper", alignment="left")
@@ -197,24 +199,14 @@ def _panels(count: int) -> tuple[Figure, list[Axes]]:
     return figure, panels[:count]
 
 
-def _draw_loop(axes: Axes, loop: Loop, **line: object) -> None:
-    axes.plot(*smooth_loop(loop), solid_capstyle="butt", **line)  # type: ignore[arg-type]
-
-
 def _widths(count: int) -> list[float]:
     shares = np.linspace(WIDEST, THINNEST, count) if count > 1 else [THINNEST]
     return [float(share * mpl.rcParams["lines.linewidth"]) for share in shares]
 
 
-def _name_axes(axes: Axes, unit: str = "N") -> None:
-    axes.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
-    axes.set(xlabel="displacement δ [µm]", ylabel=f"tangential force Q [{unit}]")
-
-
 def _finish(panels: Sequence[Axes], unit: str = "N") -> None:
     for axes in panels:
-        _name_axes(axes, unit)
+        name_axes(axes, unit)
         axes.label_outer()
     if len(panels) > 1:
         style.panel_letters(panels)
@@ -285,18 +277,15 @@ def _frame(result: RunResult, cycle: int, cycles: Sequence[int]) -> Figure:
     figure = style.new_figure(HEIGHT_in)
     left, right = figure.subplots(1, 2)
     curves = {one: smooth_loop(result.loop(one)) for one in cycles}
-    left.plot(*curves[cycles[0]], color=style.GREY, linewidth=0.9)
-    left.plot(*curves[cycle], color=style.VARIANT_COLOURS[0])
+    draw_loop(left, *curves[cycles[0]], color=style.GREY, linewidth=0.9)
+    draw_loop(left, *curves[cycle], color=style.VARIANT_COLOURS[0])
     for axis, values in (("x", 0), ("y", 1)):
         reach = 1.06 * max(float(np.abs(curve[values]).max()) for curve in curves.values())
         getattr(left, f"set_{axis}lim")(-reach, reach)
-    left.set(
-        xlabel="displacement δ [µm]",
-        ylabel="tangential force Q [N]",
-        title=f"{result.label}: cycle {style.cycle_name(cycle)}",
-    )
+    name_axes(left)
+    left.set_title(f"{result.label}: cycle {style.cycle_name(cycle)}")
     scar = result.scar(cycle, result.bodies[1])
-    draw_map(right, scar, half_x, half_y, norm)
+    draw_scar(right, scar, half_x, half_y, norm)
     right.set(title=f"{result.called(scar.body)}, deepest {scar.max_depth_um:.3g} µm", xlabel="x [µm]", ylabel="y [µm]")
     style.sliding_arrow(right)
     style.scale_bar(right, style.round_below(0.4 * half_x))

@@ -14,6 +14,7 @@ from matplotlib.figure import Figure
 from geometry import PlanarMesh
 from wirewear.pictures import style
 from wirewear.pictures.gallery import loops_by_run
+from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.results import BODIES, RunResult, Scar, read_loops
@@ -69,8 +70,10 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
         pad = result.scar(last, "pad")
         panels[1][0].plot(pad.axial_um, pad.pressure_MPa[:, 0], **look)
         loop = next(one for one in read_loops(result) if one.cycle == last)
-        x, q = (np.append(v, v[0]) for v in (loop.displacement_um, loop.tangential_force_N))
-        panels[1][1].plot(x, q, label=f"{result.variant or result.name}, {style.cycle_name(last)} cycles", **look)
+        whole = loop.displacement_um, loop.tangential_force_N
+        draw_loop(
+            panels[1][1], *whole, label=f"{result.variant or result.name}, {style.cycle_name(last)} cycles", **look
+        )
     reach = max(_reach(result) for result in results)
     deepest = max(axes.get_ylim()[1] for axes in panels[0])
     for axes, title in zip(
@@ -85,7 +88,7 @@ def line_variants(results: Sequence[RunResult]) -> Figure:
         axes.set(ylim=(deepest, 0.0), ylabel="depth [µm]")
     panels[1][0].set_ylim(bottom=0.0)
     panels[1][0].set_ylabel("pressure [MPa]")
-    panels[1][1].set(xlabel="displacement [µm]", ylabel="tangential force [N/mm]")
+    name_axes(panels[1][1], "N/mm")
     figure.legend(*panels[1][1].get_legend_handles_labels(), loc="outside lower center", ncols=2)
     style.panel_letters(list(panels.ravel()))
     return figure

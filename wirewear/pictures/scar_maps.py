@@ -12,11 +12,12 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Colormap, Normalize, PowerNorm
+from matplotlib.colors import Normalize, PowerNorm
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
 from wirewear.pictures import style
+from wirewear.pictures.scar import RESOLUTION, draw_map, draw_scar
 from wirewear.pictures.smooth import smooth_field, smooth_scar, worn_half_extent
 from wirewear.results import RunResult, Scar
 
@@ -28,7 +29,6 @@ _ROWS = (
     ("pressure_MPa", "pressure [MPa]", style.PRESSURE_COLOURS),
     ("slip_distance_um", "slip [µm]", style.SLIP_COLOURS),
 )
-RESOLUTION = 420  #: Pixels along the longer side of a map.
 LEAST_TICK_DISTANCE = 0.1  #: Least distance of ticks on a root-of-depth colour bar, as a share of its length.
 
 
@@ -114,10 +114,11 @@ def contact_maps(result: RunResult, cycles: Sequence[int]) -> Figure:
         # By the root, as pressure falls by orders of magnitude while the scar grows.
         norm = PowerNorm(0.5, 0.0, max(float(getattr(scar, field).max()) for scar in scars) or 1.0)
         for axes, scar in zip(row, scars, strict=True):
-            _draw(axes, scar, field, norm, colours, _step_um(result, scar.cycle) if slip else 0.0)
+            axial, transverse, drawn = smooth_field(scar, field, _step_um(result, scar.cycle) if slip else 0.0)
+            at = scar.sliding_coordinates(axial[:, None], transverse[None, :])
+            draw_map(axes, at, drawn, norm, colours, (half_x, half_y))
             note = f"max {_short(float(scar.slip_distance_um.max()))} µm" if slip else f"mean {_mean(scar):.0f} MPa"
             axes.text(0.0, 1.03, note, transform=axes.transAxes, ha="left", va="bottom", fontsize=7.5)
-            axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
         row[0].set_ylabel("y [µm]")
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(row), label=label, aspect=18, pad=0.015)
         # The largest pressure is that of a node, which does not converge: it is not written.
@@ -166,14 +167,6 @@ def _step_um(result: RunResult, cycle: int) -> float:
     """
     motion = [loop.displacement_um for loop in result.loops if loop.cycle == cycle]
     return float(abs(np.diff(motion[0])).max(initial=0.0)) if motion else 0.0
-
-
-def _draw(axes: Axes, scar: Scar, field: str, norm: Normalize, colours: Colormap, over_um: float) -> None:
-    axial, transverse, shown = smooth_field(scar, field, over_um)
-    x, y = scar.sliding_coordinates(axial[:, None], transverse[None, :])
-    axes.pcolormesh(x, y, shown, norm=norm, cmap=colours, shading="nearest", rasterized=True)
-    axes.grid(visible=False)
-    axes.spines[:].set_visible(True)
 
 
 def _short(value: float) -> str:
@@ -248,7 +241,7 @@ def _grid_of_maps(
     grid = figure.subplots(len(rows), columns, sharex=True, sharey=True, squeeze=False)
     for row, scars in zip(grid, rows, strict=True):
         for axes, scar in zip(row, scars, strict=True):
-            draw_map(axes, scar, half_x, half_y, norm)
+            draw_scar(axes, scar, half_x, half_y, norm)
     for axes in grid[-1]:
         axes.set_xlabel("x [µm]")
     for axes in grid[:, 0]:
@@ -267,22 +260,3 @@ def _draw_layers(axes: Axes, result: RunResult, scar: Scar) -> None:
         x, y = (np.linspace(*ends, RESOLUTION) for ends in (axes.get_xlim(), axes.get_ylim()))
         depth = smooth_scar(scar).sampled(x, y).T
         axes.contour(x, y, depth, levels=faces, colors="black", linewidths=0.9, linestyles="dashed")
-
-
-def draw_map(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
-    """Depth of one scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the axis of a body that has one."""
-    step = 2.0 * max(half_x, half_y) / RESOLUTION
-    x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
-    extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
-    image = smooth_scar(scar).sampled(x, y).T
-    axes.imshow(image, cmap=style.DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
-    axes.grid(visible=False)
-    axes.spines[:].set_visible(True)
-    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
-    if scar.diameter_mm == scar.diameter_along_mm:
-        return
-    angle = np.radians(scar.axis_angle_deg)
-    # Dash-dotted, as engineers draw the axis of a cylinder.
-    axes.axline(
-        (0.0, 0.0), (np.cos(angle), np.sin(angle)), color=style.GREY, linewidth=0.7, linestyle=(0, (8, 2, 1, 2))
-    )

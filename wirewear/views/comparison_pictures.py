@@ -11,10 +11,12 @@ from matplotlib.colors import Colormap, Normalize
 from matplotlib.figure import Figure
 
 from geometry.arrays import Array
-from wirewear.comparison.differences import EVOLUTION_FIGURES, PHASES, LoopPair, common_evolution
+from wirewear.comparison.differences import EVOLUTION_FIGURES, LoopPair, common_evolution
 from wirewear.comparison.registration import ScarPair
 from wirewear.loops import LoopFigures, Measured
 from wirewear.pictures import style
+from wirewear.pictures.loop import DISPLACEMENT, draw_loop, draw_loop_band, name_axes
+from wirewear.pictures.scar import draw_map
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.records import AnyRecord
 from wirewear.results import RunResult
@@ -49,9 +51,7 @@ def loops_picture(pairs: Sequence[LoopPair]) -> Figure:
         axes.label_outer()
     for place in range(max(len(shown) - columns, 0), len(shown)):
         panels[place].xaxis.set_tick_params(labelbottom=True)
-        panels[place].set_xlabel("displacement δ [µm]")
-    for place in range(0, len(shown), columns):
-        panels[place].set_ylabel("tangential force Q [N]")
+        panels[place].set_xlabel(DISPLACEMENT)
     if len(shown) > 1:
         style.panel_letters(panels[: len(shown)])
     handles, labels = panels[0].get_legend_handles_labels()
@@ -64,17 +64,12 @@ def _draw_pair(axes: Axes, pair: LoopPair) -> None:
     middle = x.mean(axis=0)
     count = len(pair.repeats)
     if count > 1:
-        half = np.arange(PHASES // 4, PHASES // 4 + PHASES // 2)
-        for branch in (half, (half + PHASES // 2) % PHASES):
-            low, high = q[:, branch].min(axis=0), q[:, branch].max(axis=0)
-            axes.fill_between(middle[branch], low, high, color=BAND, linewidth=0)
+        draw_loop_band(axes, middle, q.min(axis=0), q.max(axis=0), color=BAND)
         axes.fill_between([], [], [], color=BAND, linewidth=0, label=f"range of {count} repeats")
-    closed = [np.append(values, values[0]) for values in (middle, q.mean(axis=0))]
-    axes.plot(*closed, color=MEASURED, linewidth=0.8, label="measured, mean" if count > 1 else "measured")
-    closed = [np.append(values, values[0]) for values in pair.simulated]
-    axes.plot(*closed, color=SIMULATED, linewidth=1.4, label="simulated")
-    axes.axhline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=style.GREY, linewidth=0.6, zorder=1)
+    label = "measured, mean" if count > 1 else "measured"
+    draw_loop(axes, middle, q.mean(axis=0), color=MEASURED, linewidth=0.8, label=label)
+    draw_loop(axes, *pair.simulated, color=SIMULATED, linewidth=1.4, label="simulated")
+    name_axes(axes)
     axes.set_title(f"cycle {style.cycle_name(pair.cycle)}")
 
 
@@ -233,13 +228,9 @@ def map_picture(shown: DepthMap) -> Figure:
 
 
 def _draw_map(axes: Axes, shown: DepthMap) -> None:
-    at, (half_x, half_y) = (shown.pair.x_um, shown.pair.y_um), shown.half_um
-    colours, norm = shown.colours, shown.norm
-    axes.pcolormesh(*at, shown.depth_um.T, cmap=colours, norm=norm, shading="gouraud", rasterized=True)
-    axes.grid(visible=False)
-    axes.spines[:].set_visible(True)
-    axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y), aspect="equal")
-    style.scale_bar(axes, style.round_below(0.4 * half_x))
+    at = shown.pair.x_um, shown.pair.y_um
+    draw_map(axes, at, shown.depth_um, shown.norm, shown.colours, shown.half_um, shading="gouraud")
+    style.scale_bar(axes, style.round_below(0.4 * shown.half_um[0]))
 
 
 def sections_picture(pairs: Sequence[ScarPair]) -> Figure:

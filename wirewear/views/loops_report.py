@@ -17,6 +17,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
+from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
 from wirewear.records.importing.loop_sources import SampledLoop
@@ -233,11 +234,8 @@ def _figure(chosen: Sequence[AnalysedLoop]) -> Figure:
         if item.figures is None:
             continue
         _panel(axes, item, item.figures)
-        axes.set(
-            title=f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}",
-            xlabel="displacement δ [µm]",
-            ylabel="tangential force Q [N]",
-        )
+        name_axes(axes)
+        axes.set_title(f"cycle {cycle_name(item.loop.cycle)}, {item.figures.regime}")
     _limit(panels[0], [_kept(item, item.figures) for item in chosen if item.figures is not None])
     if len(chosen) > 1:
         panel_letters(panels[: len(chosen)])
@@ -261,7 +259,7 @@ def _limit(axes: Axes, kept: Sequence[tuple[Array, Array]]) -> None:
 
 def _panel(axes: Axes, item: AnalysedLoop, figures: LoopFigures) -> None:
     x, q = _kept(item, figures)
-    axes.plot(np.append(x, x[0]), np.append(q, q[0]), color=LOOP, linewidth=1.0, label="samples")
+    draw_loop(axes, x, q, color=LOOP, linewidth=1.0, label="samples")
     if figures.outlier_samples:
         bad = list(figures.outlier_samples)
         outliers = item.loop.displacement_um[bad], item.loop.tangential_force_N[bad]

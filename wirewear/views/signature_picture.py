@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirewear.effects.parameter import plain
+from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import smooth_loop, smooth_scar
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_axis, cycle_name, new_figure, panel_letters, save
 from wirewear.results import Loop, Scar
@@ -64,12 +65,9 @@ def _shown(value: float) -> str:
 
 def _loops(axes: Axes, pair: tuple[Loop, Loop]) -> None:
     for loop, style in zip(pair, (NOMINAL, CHANGED), strict=True):
-        axes.plot(*smooth_loop(loop), solid_capstyle="butt", **style)
-    axes.set(
-        title=f"loop, cycle {cycle_name(pair[0].cycle)}", xlabel="displacement δ [µm]", ylabel="tangential force Q [N]"
-    )
-    axes.axhline(0.0, color=GREY, linewidth=0.6, zorder=1)
-    axes.axvline(0.0, color=GREY, linewidth=0.6, zorder=1)
+        draw_loop(axes, *smooth_loop(loop), **style)
+    name_axes(axes)
+    axes.set_title(f"loop, cycle {cycle_name(pair[0].cycle)}")
 
 
 def _difference(axes: Axes, signature: Signature) -> None:

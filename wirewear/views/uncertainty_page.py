@@ -11,6 +11,7 @@ from rich.table import Table
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, unit_of, words_of
 from wirewear.base.writing import write_csv, write_text, writing
+from wirewear.pictures.loop import draw_loop, draw_loop_band, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, cycle_name, new_figure, svg
 from wirewear.sweeps.sweep import FIRST
 from wirewear.sweeps.uncertainty import Interval, LoopBand, Uncertainty
@@ -78,21 +79,9 @@ def draw_bands(loops: tuple[LoopBand, ...]) -> Figure:
     figure = new_figure(3.2)
     panels = figure.subplots(1, len(loops), squeeze=False, sharey=True)[0]
     for axes, loop in zip(panels, loops, strict=True):
-        half = loop.displacement_um.size // 2
-        rise = int(loop.displacement_um.argmax())
-        # Bands of the two branches, between the reversals, each over its own part of the stroke.
-        order = [(rise + k) % (2 * half) for k in range(2 * half)]
-        for branch in (order[: half + 1], [*order[half:], order[0]]):
-            axes.fill_between(
-                loop.displacement_um[branch],
-                loop.low_N[branch],
-                loop.high_N[branch],
-                color=VARIANT_COLOURS[0],
-                alpha=0.25,
-                linewidth=0.0,
-            )
-        closed = [*range(2 * half), 0]
-        axes.plot(loop.displacement_um[closed], loop.nominal_N[closed], color=VARIANT_COLOURS[0], linewidth=1.4)
-        axes.set(title=f"cycle {cycle_name(loop.cycle)}", xlabel="displacement δ [µm]")
-    panels[0].set_ylabel("tangential force Q [N]")
+        draw_loop_band(axes, loop.displacement_um, loop.low_N, loop.high_N, color=VARIANT_COLOURS[0], alpha=0.25)
+        draw_loop(axes, loop.displacement_um, loop.nominal_N, color=VARIANT_COLOURS[0], linewidth=1.4)
+        name_axes(axes)
+        axes.label_outer()
+        axes.set_title(f"cycle {cycle_name(loop.cycle)}")
     return figure

@@ -1,0 +1,64 @@
+"""A scar in a panel: every map of one from above is drawn here, in true proportions, with the axis of the body.
+
+Fields are drawn smoothly between the grid points (see `smooth`).
+"""
+
+from typing import Any, Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import QuadMesh
+from matplotlib.colors import Colormap, Normalize
+
+from geometry.arrays import Array
+from wirewear.pictures.smooth import smooth_scar
+from wirewear.pictures.style import DEPTH_COLOURS, GREY
+from wirewear.results import Scar
+
+RESOLUTION = 420  #: Pixels along the longer side of a map of a simulated scar.
+
+
+def draw_scar(axes: Axes, scar: Scar, half_x: float, half_y: float, norm: Normalize) -> None:
+    """Depth of a simulated scar over |x| ≤ half_x and |y| ≤ half_y [µm], with the axis of a body that has one."""
+    step = 2.0 * max(half_x, half_y) / RESOLUTION
+    x, y = (np.arange(-half + step / 2, half, step) for half in (half_x, half_y))
+    extent = (x[0] - step / 2, x[-1] + step / 2, y[0] - step / 2, y[-1] + step / 2)
+    image = smooth_scar(scar).sampled(x, y).T
+    axes.imshow(image, cmap=DEPTH_COLOURS, norm=norm, origin="lower", extent=extent, interpolation="bilinear")
+    _frame(axes, half_x, half_y)
+    if scar.diameter_mm != scar.diameter_along_mm:
+        draw_axis(axes, scar.axis_angle_deg)
+
+
+def draw_map(
+    axes: Axes,
+    at_um: tuple[Array, Array],
+    values: Any,
+    norm: Normalize,
+    colours: Colormap | str,
+    half_um: tuple[float, float] | None = None,
+    *,
+    shading: Literal["nearest", "gouraud"] = "nearest",
+) -> QuadMesh:
+    """A field (n_x, n_y) at its own points, over |x| and |y| ≤ half_um, by default as far as it reaches.
+
+    at_um: along and across the motion, grid lines (n_x,) and (n_y,), or both at each point (n_x, n_y).
+    """
+    places = np.meshgrid(*at_um, indexing="ij") if at_um[0].ndim == 1 else at_um
+    drawn = axes.pcolormesh(*places, values, norm=norm, cmap=colours, shading=shading, rasterized=True)
+    _frame(axes, *(half_um or ()))
+    return drawn
+
+
+def _frame(axes: Axes, half_x: float | None = None, half_y: float | None = None) -> None:
+    axes.grid(visible=False)
+    axes.spines[:].set_visible(True)
+    axes.set(aspect="equal")
+    if half_x is not None and half_y is not None:
+        axes.set(xlim=(-half_x, half_x), ylim=(-half_y, half_y))
+
+
+def draw_axis(axes: Axes, angle_deg: float) -> None:
+    """A body's axis at an angle to the motion: dash-dotted, as engineers draw that of a cylinder."""
+    angle, dashes = np.radians(angle_deg), (0, (8, 2, 1, 2))
+    axes.axline((0.0, 0.0), (np.cos(angle), np.sin(angle)), color=GREY, linewidth=0.7, linestyle=dashes)
