@@ -29,6 +29,7 @@ _FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive 
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
 _STUCK_SHARE = 0.04
+_STICKS = 0.1  # Of the rate at which the bodies slide after an increment: with less before it, they stuck there.
 _LEAST_SLIP = 1e-4  # Of all slip: increments with less stick.
 # Of the distance of places that follow a cosine: none of them lies nearer to a place where surfaces wear.
 _APART = 0.3
@@ -92,6 +93,18 @@ def spread_over_slip(slip: Array, weight: Array, count: int) -> Array:
     return np.array(places)
 
 
+def _onsets(slip: Array, durations: Array) -> Array:
+    """Where in a cycle's increments bodies that stuck begin to slide at once, numbers of increments from the start.
+
+    slip, durations: (m,) of each increment.
+    """
+    rate = slip / durations
+    before, after = np.roll(rate, 1), np.roll(rate, -1)
+    begins = (np.abs(before) < _STICKS * np.abs(after)) & slides(np.roll(slip, -1)) & (rate * after > 0.0)
+    at = np.flatnonzero(begins)
+    return np.asarray(at + 1.0 - np.minimum(rate[at] / after[at], 1.0))
+
+
 def slides(slip: Array) -> BoolArray:
     """Which of a cycle's increments (m,) slide by more than next to nothing."""
     return np.asarray(np.abs(slip) > _LEAST_SLIP * float(np.abs(slip).sum()))
@@ -103,11 +116,15 @@ def sliding_increments(increments: int) -> int:
 
 
 def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Array]:
-    """Places of the strokes from either side on, in mm, evenly over the slip of a guide of the whole cycle."""
+    """Places of the strokes from either side on, in mm, evenly over the slip of a guide of the whole cycle, and where
+    bodies that stuck begin to slide: an increment that does both takes friction under the load before the slip for
+    that of the slip.
+    """
     stroke = guide.drive / float(np.abs(guide.drive).max())
     along, time = drive.amplitude_mm * stroke, drive.waveform.times(stroke, guide.phase)
     slip = np.diff(along - guide.holder_x, prepend=along[-1] - guide.holder_x[-1])
-    found = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
+    even = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
+    found = np.sort(np.append(even, _onsets(slip, np.diff(guide.phase, prepend=0.0))))
     places = np.interp(found, np.arange(len(time) + 1), np.append(along[-1], along))
     falling = found <= np.count_nonzero(guide.phase <= 0.5)
     return {1.0: places[falling], -1.0: places[~falling]}

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from geometry.arrays import Array
-from solvers.contact_state import Stroke
-from solvers.wear_path import wear_path
+from solvers.contact_state import Guide, Stroke
+from solvers.drive import Drive, LoadCycle
+from solvers.wear_path import traced_path, wear_path
 from wirewear import RunResult
 from wirewear.effects.holder import FreePlay
 from wirewear.reference import SliderLoop, slider_loop
@@ -23,6 +24,7 @@ LOADS: dict[str, tuple[dict[str, Any], float | str, int]] = {
     "twice a cycle": ({"amplitude_share": 0.6, "lag_deg": 60.0, "frequency_ratio": 2}, 100.0, 300),
     "of a table": ({"points": [[0.0, 0.4], [0.3, 1.6], [0.4, 0.3], [0.8, 1.2], [1.0, 0.4]]}, 400.0, 20),
     "that opens": ({"amplitude_share": 1.3, "lag_deg": 200.0}, 250.0, 1),
+    "four times a cycle": ({"amplitude_share": 0.84, "lag_deg": 176.0, "frequency_ratio": 4}, 180.0, 1),
     "on a rigid rig": ({"amplitude_share": 0.6, "lag_deg": 120.0}, "rigid", 1),
 }
 QUICK = ("of a table", "on a rigid rig")
@@ -102,6 +104,16 @@ def test_the_slip_amplitude_is_half_the_way_of_the_contact_whatever_the_load_and
     assert found == pytest.approx(1e3 * slider(load).slip_amplitude_mm - contact_um()[0], rel=0.01)
 
 
+@pytest.mark.slow
+def test_a_held_slip_is_that_of_the_cycles_that_wear_on_a_soft_rig() -> None:
+    """A friction force that is nearly closed leaves the holder of a soft rig far from its place."""
+    conditions = {"displacement_amplitude_um": 160.0, "held_slip_amplitude_um": 12.6}
+    held = study({"amplitude_share": 0.35, "lag_deg": 15.0}, 33.0, 1, **conditions)
+    evolution = simulate(held, fidelity="quick").evolution
+    energy_mJ = 1e3 * evolution["accumulated_energy_J"][-1]
+    assert energy_mJ == pytest.approx(evolution["dissipated_energy_mJ"][-1], rel=3e-3)
+
+
 @pytest.mark.seconds
 def test_free_play_takes_half_of_its_width_from_the_slip_at_every_loop() -> None:
     """The loop's width at its mean force lies anywhere on the shelf of the play."""
@@ -119,6 +131,16 @@ def test_a_force_that_friction_bears_is_held_on_any_rig(stiffness: float | str, 
     held = study(None, stiffness, 1, displacement_amplitude_um=120.0, held_tangential_force_N=force_N)
     evolution = simulate(held, fidelity="quick").evolution
     assert evolution["max_tangential_force_N"] == pytest.approx(force_N, rel=1e-3)
+
+
+@pytest.mark.parametrize("offset", [0.1, 0.5, 0.9])
+def test_a_place_lies_where_bodies_that_stuck_begin_to_slide_by_a_load_that_falls(offset: float) -> None:
+    phase = np.arange(1, 65) / 64.0
+    drive, begins = np.cos(2.0 * np.pi * phase), (40.0 + offset) / 64.0
+    holder = drive - 0.5 * np.clip(phase - begins, 0.0, 10.0 / 64.0)
+    guide = Guide(phase, drive, holder, np.zeros(64), np.zeros((64, 1, 3)))
+    path = traced_path(Drive(1.0, load=LoadCycle(0.5)), 1.0, 0.0, 32, guide, half=False)
+    assert np.abs(path.phase - begins).min() < 1e-3
 
 
 def test_places_of_a_shorter_stroke_lie_within_it() -> None:

@@ -14,8 +14,9 @@ from solvers.wear_step.orbits import Position
 from solvers.wear_step.places import worn_places
 from solvers.wear_step.symmetry import Mirror, Symmetry, mirrored, with_images
 
-# A cycle is closed when friction at its end differs from that at its start by this share of it, summed over the nodes.
-_CLOSURE = 0.01
+# A cycle is closed when friction at its end differs from that at its start by this share of it, summed over the nodes,
+# and the holder's place by this share of the way that the bodies slide: on a soft rig, little friction moves it far.
+_CLOSURE, _CLOSURE_OF_SLIP = 0.01, 1e-3
 _MOST_CYCLES = 4
 
 
@@ -42,7 +43,9 @@ def closed_trace(
             start, guide = anew(problem, start, drive, increments, watch), None
             continue
         image = end if mirror is None else mirrored(end, mirror)
-        if cycle == _MOST_CYCLES - 1 or _friction_difference(problem, start, image) <= _CLOSURE:
+        # The first guess may be of no cycle: places that follow a load lie over the slip of one.
+        followed = drive.steady or guide is not None
+        if cycle == _MOST_CYCLES - 1 or (followed and _closes(problem, drive, trace, image)):
             break
         start, guide = end, with_images(trace.guide, mirror)
     if drive.steady:
@@ -51,10 +54,14 @@ def closed_trace(
     return start, replace(trace, worn=worn_places(problem, trace, count))
 
 
-def _friction_difference(problem: ContactProblem, first: ContactState, second: ContactState) -> float:
-    areas = problem.surface.areas
-    total = float(areas @ np.abs(first.traction[:, 0]))
-    return float(areas @ np.abs(first.traction[:, 0] - second.traction[:, 0])) / max(total, 1e-300)
+def _closes(problem: ContactProblem, drive: Drive, trace: CycleTrace, end: ContactState) -> bool:
+    """Whether a cycle that ends like this does so as it began."""
+    areas, start = problem.surface.areas, trace.start
+    total = float(areas @ np.abs(start.traction[:, 0]))
+    friction = float(areas @ np.abs(start.traction[:, 0] - end.traction[:, 0]))
+    # Under a load that stays, the bodies slide until a stroke ends, with the same friction.
+    least = np.inf if drive.steady else _CLOSURE_OF_SLIP * float(np.abs(trace.slips).sum())
+    return friction <= _CLOSURE * total and abs(end.holder_x - start.holder_x) <= least
 
 
 # Of the rigid bodies' motion over a stroke: where strain takes a larger share, slip follows the strain at both ends;
