@@ -18,7 +18,7 @@ from scipy.sparse import csr_matrix
 from geometry import ContactPatch
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.friction_law import Friction
-from solvers.subgrid_traction import fitted_square, refined
+from solvers.subgrid_traction import SubgridTraction, fitted_square, refined
 
 #: Samples across a contact that few elements span, and of an element each way at least and at most.
 _ACROSS, _FEWEST, _MOST = 72, 2, 8
@@ -43,8 +43,11 @@ class SpreadPressure:
     samples: int = 1  #: Of an element each way.
 
     @classmethod
-    def of(cls, patch: ContactPatch, pressure_MPa: Array) -> "SpreadPressure":
-        """From nodal pressures (n,) on a patch; without samples where there is none."""
+    def of(cls, patch: ContactPatch, pressure_MPa: Array, smooth: bool = True) -> "SpreadPressure":
+        """From nodal pressures (n,) on a patch; without samples where there is none.
+
+        smooth: whether unworn surfaces part, so that inner nodes and the load fix the edge; else all nodes do.
+        """
         nodal, shape = np.maximum(pressure_MPa, 0.0), patch.shape
         areas = patch.node_areas()
         rows, columns = (_about(np.asarray(nodal.reshape(shape).any(axis=1 - axis))) for axis in (0, 1))
@@ -54,14 +57,16 @@ class SpreadPressure:
             return cls(nodal, areas, nothing, np.zeros(0), np.zeros(0), nothing, csr_matrix((len(nodal), 0)))
         narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
         samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
-        square = refined(fitted_square(inner, _TRUST_AT_EDGE), samples)
+        tractions = -inner[..., None] * np.array([0.0, 0.0, 1.0])
+        fitted = fitted_square(inner, _TRUST_AT_EDGE) if smooth else SubgridTraction.of_nodes(tractions).square
+        square = refined(fitted, samples)
         lines = [
             np.interp(np.arange(size) / samples, np.arange(len(own)), own)
             for size, own in zip(square.shape, (patch.axial_mm[rows], patch.transverse_mm[columns]), strict=True)
         ]
         parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
         load = float(areas @ nodal)
-        square = _carrying(square, parts, load, samples)
+        square = _carrying(square, parts, load, samples) if smooth else square
         inside = square > 0.0
         parts, found = parts[inside], np.sqrt(square[inside])
         carried = float(parts @ found)
@@ -142,7 +147,7 @@ class WithinElements:
     @cached_property
     def spreads(self) -> tuple[SpreadPressure, ...]:
         """How pressure is spread at each position, one for each of `pressures_MPa`."""
-        return tuple(SpreadPressure.of(self.patch, pressure) for pressure in self.pressures_MPa)
+        return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
 
     def among(self, chosen: slice) -> "WithinElements":
         """How pressure is spread about the chosen nodes alone."""
