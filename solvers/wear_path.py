@@ -98,7 +98,8 @@ def _onsets(slip: Array, durations: Array) -> Array:
 
     slip, durations: (m,) of each increment.
     """
-    rate = slip / durations
+    # No phase passes while the drive rests.
+    rate = np.divide(slip, durations, out=np.zeros(len(slip)), where=durations > 0.0)
     before, after = np.roll(rate, 1), np.roll(rate, -1)
     begins = (np.abs(before) < _STICKS * np.abs(after)) & slides(np.roll(slip, -1)) & (rate * after > 0.0)
     at = np.flatnonzero(begins)

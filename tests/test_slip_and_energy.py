@@ -143,6 +143,14 @@ def test_a_place_lies_where_bodies_that_stuck_begin_to_slide_by_a_load_that_fall
     assert np.abs(path.phase - begins).min() < 1e-3
 
 
+def test_places_of_a_cycle_whose_drive_rests_are_numbers() -> None:
+    phase = np.sort(np.append(np.arange(1, 65) / 64.0, [0.5, 0.5, 1.0]))
+    drive = np.cos(2.0 * np.pi * phase)
+    guide = Guide(phase, drive, 0.3 * drive, np.zeros(67), np.zeros((67, 1, 3)))
+    path = traced_path(Drive(1.0, load=LoadCycle(0.5)), 1.0, 0.0, 32, guide, half=False)
+    assert np.isfinite(path.drive).all()
+
+
 def test_places_of_a_shorter_stroke_lie_within_it() -> None:
     places = wear_path(1.0, 0.1, 12, Stroke(np.linspace(4.5, -5.0, 20), np.append(0.1, np.full(19, -0.1))))
     assert places[-1] == -1.0
