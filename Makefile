@@ -16,7 +16,7 @@ TESTS     := -m "not slow"
 SOURCES   := $(wildcard geometry solvers wirewear studies tests tools)
 COMPARE   := $(wildcard $(dir $(STUDY))compare.py)
 
-# Compiled modules are kept also where the environment forbids it: every process would compile them anew.
+# Compiled modules are kept also where the environment forbids it: every process would compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
 .DEFAULT_GOAL := help
@@ -26,7 +26,7 @@ help:
 	@echo "make setup      create $(VENV) and install wirewear with all that its developers need"
 	@echo "make run        simulate the steel-wire test and draw it (STUDY=$(STUDY) FIDELITY=$(FIDELITY))"
 	@echo "make atlas      published experiments beside their simulations (FIDELITY=$(FIDELITY)); goes on where it stopped"
-	@echo "make pictures   every picture of the documentation, drawn anew"
+	@echo "make pictures   every picture of the documentation, drawn again"
 	@echo "make test       lint and the tests that every change runs; of the exam of the diagnosis only where its code has changed"
 	@echo "make test-all   lint and all tests, also those that are slow"
 	@echo "make test-fast  the tests that take less than a second"

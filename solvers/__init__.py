@@ -19,11 +19,11 @@ if TYPE_CHECKING:
     from solvers.fretting import (
         CycleTrace,
         HolderElements,
-        anew,
         bulk_work,
         closed_cycle,
         first_quarter,
         measured_holder,
+        restarted,
         run_cycle,
         settled,
     )
@@ -64,11 +64,11 @@ __all__ = [
     "LoadCycle", "LocalField", "LocalState", "LogarithmicRate", "NotConvergedError", "OxygenDistance", "OxygenSupply",
     "PatchLeftError", "PlacedBody", "PowerOfPressure", "PowerReduced", "Rate", "RoughLayer", "RunningIn",
     "ShearLimited", "SolverError", "StuckMotion", "SurfaceLayer", "Symmetry", "ThirdBody", "Waveform", "WearLaw",
-    "WearRates", "WearState", "WornCycle", "advance", "anew", "bare_depth", "bulk_work", "change_by_work",
+    "WearRates", "WearState", "WornCycle", "advance", "bare_depth", "bulk_work", "change_by_work",
     "closed_adaptive_cycle", "closed_cycle", "closed_trace", "condense", "facing", "first_quarter", "flattened",
     "friction_laws", "jump_cycles", "kept_by", "measured_holder", "mirror_error", "misaligned", "move_stuck", "place",
-    "press", "remeshed", "run_cycle", "settled", "symmetry_of", "take_step", "transferred", "transferred_wear",
-    "trapezoidal", "triangular", "unloaded_state", "wear_laws",
+    "press", "remeshed", "restarted", "run_cycle", "settled", "symmetry_of", "take_step", "transferred",
+    "transferred_wear", "trapezoidal", "triangular", "unloaded_state", "wear_laws",
 ]  # fmt: skip
 
 __getattr__ = loaded_late(__name__)

@@ -2,7 +2,7 @@
 
 A stroke starts with short steps, for the force turns most just after a reversal. From there on the slopes of two
 neighbouring chords tell how far the force departs from them: steps grow and shrink with that, and one that proves too
-long is taken anew. The way back of a symmetric contact is the mirror image of the way out; any other takes the same
+long is taken again. The way back of a symmetric contact is the mirror image of the way out; any other takes the same
 steps, refined where its own force asks for it.
 """
 
@@ -38,7 +38,7 @@ _SAFETY, _LARGEST_GROWTH, _LARGEST_CUT = 0.8, 2.0, 0.2
 # A force that bends as much over shorter steps is rough, not bent: after so many cuts that do not help, the first step
 # is taken, and the stroke is followed no better than it is rough.
 _CUTS_IN_VAIN = 2
-# What was thought right, or is given by the way out, is only taken anew when it is wrong by more than this factor.
+# What was thought right, or is given by the way out, is only taken again when it is wrong by more than this factor.
 _PATIENCE = 2.0
 
 

@@ -163,13 +163,13 @@ def settled(
 ) -> tuple[ContactState, CycleTrace]:
     """Half a cycle of frozen wear to the other end of the stroke, which removes the memory of other tractions.
 
-    Where the contact sticks in its middle all the way, it cannot: the contact is then moved anew from mid-stroke.
+    Where the contact sticks in its middle all the way, it cannot: the contact is then moved again from mid-stroke.
     """
     half = _cosine_stroke(drive, _side(state), increments)
     end, trace = _follow(problem, state, half, 0.0, watch, guide)
     if not sticks_throughout(state, end):
         return end, trace
-    return _follow(problem, anew(problem, state, drive, increments, watch), half, 0.0, watch, None)
+    return _follow(problem, restarted(problem, state, drive, increments, watch), half, 0.0, watch, None)
 
 
 def sticks_throughout(start: ContactState, end: ContactState) -> bool:
@@ -178,7 +178,7 @@ def sticks_throughout(start: ContactState, end: ContactState) -> bool:
     return bool((loaded & (start.primary_slid == end.primary_slid)).any())
 
 
-def anew(
+def restarted(
     problem: ContactProblem, state: ContactState, drive: Drive, increments: int, watch: Watch | None = None
 ) -> ContactState:
     """The worn bodies pressed together at mid-stroke and moved to the end of the stroke where the state is.

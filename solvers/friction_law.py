@@ -37,7 +37,7 @@ class FrictionLaw(ABC):
     """
 
     name: ClassVar[str]  #: By which studies choose it.
-    #: Whether the limit is the coefficient times the pressure; it is then not computed anew.
+    #: Whether the limit is the coefficient times the pressure; it is then not computed again.
     proportional: ClassVar[bool] = False
     timed: ClassVar[bool] = False  #: Whether the factor follows the speed.
     #: Whether it follows what surfaces have been through: cycles differ without any wear.

@@ -1,4 +1,4 @@
-"""Machine code kept on disk for later processes: found anew where it is damaged, done without where there is no place.
+"""Machine code kept on disk for later processes: found again where it is damaged, done without where there is no place.
 
 It stands beside the source where its owner runs the program, and is read there by others too, who could as well have
 been given another source; else in the user's own cache folder, apart for each copy of the program. numba's own cache

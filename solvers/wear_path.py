@@ -25,7 +25,7 @@ _LEAST_SLIDING_SHARE = 0.25
 _STICK_INCREMENTS = 2
 _SHIFT = 0.25
 _SAME_STROKE = 1e-6  # Of the amplitude: strokes whose amplitudes differ by less are the same.
-_FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves has begun to slide.
+_FOLLOWS = 0.9  # A holder that moves by less than this share of what the drive moves slides.
 # The increment that sticks ends where the bodies have moved against each other by this share of the places' distance,
 # for they yield elastically while they stick, and no nearer than that share of its way to either side.
 _STUCK_SHARE = 0.04

@@ -1,6 +1,6 @@
 """Wear states of the steel wires' nominal run, frozen, so that tests diagnose without a finite element run.
 
-python -m tests.frozen_states        # computes them anew and writes tests/data/steel_wires_states.json
+python -m tests.frozen_states        # computes them again and writes tests/data/steel_wires_states.json
 """
 
 import json

@@ -72,7 +72,7 @@ def test_a_record_damaged_between_its_making_and_the_seal_is_not_sealed(tmp_path
             with (folder / "case_001" / "loops.csv").open("a") as file:
                 file.write("9\n")
 
-    with pytest.raises(BlindError, match=r"case_001 is not as it was made: .* the same command makes it anew\.$"):
+    with pytest.raises(BlindError, match=r"case_001 is not as it was made: .* the same command makes it again\.$"):
         make_batch(folder, cases=2, seed=2, generator=PlainModel(), progress=damage)
     assert not (folder / "manifest.json").exists()
     assert make_batch(folder, cases=2, seed=2, generator=PlainModel()).exists()

@@ -32,7 +32,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 @pytest.fixture(autouse=True)
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A folder for the cache; warnings are given anew."""
+    """A folder for the cache; warnings are given again."""
     monkeypatch.setenv("WIREWEAR_CACHE", str(tmp_path / "cache"))
     cache.WARNED.clear()
     return tmp_path / "cache"

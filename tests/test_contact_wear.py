@@ -82,7 +82,7 @@ def test_wear_relieves_the_pressure(run: Run) -> None:
 
 
 def test_a_run_cut_in_two_equals_the_unbroken_run(problem: ContactProblem, run: Run) -> None:
-    # A fresh problem chooses its windows anew, which changes the order of sums and nothing else.
+    # A fresh problem chooses its windows again, which changes the order of sums and nothing else.
     saved = pickle.loads(pickle.dumps(run[0][9]))
     resumed = driven(wearing(problem.primary_is_upper), saved, HALF_CYCLE[10:], CYCLES)[0]
     for one, other in zip(run[0][10:], resumed, strict=True):

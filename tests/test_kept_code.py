@@ -1,4 +1,4 @@
-"""Machine code that is kept: compiled anew where what it comes from changes, healed, and its owner's alone."""
+"""Machine code that is kept: compiled again where what it comes from changes, healed, and its owner's alone."""
 
 import os
 import subprocess

@@ -18,7 +18,7 @@ from solvers.contact.acceptance import largest_within
 from solvers.contact.advancing import IncrementFailedError
 from solvers.contact.problem import faced
 from solvers.contact_state import FirstGuess
-from solvers.fretting import anew
+from solvers.fretting import restarted
 from solvers.newton import iteration
 from solvers.newton.terms import Iterate
 from solvers.pairing import Pairing, pair, primary_surface, vertical_gap
@@ -195,7 +195,7 @@ def test_bodies_pressed_anew_around_worn_scars_leave_no_friction_on_what_sticks(
     worn = jumped(problem, at_the_end(problem, STROKE_mm), 2e4, stroke_mm=STROKE_mm).state
     assert worn.core.sum() > 4
     with threadpool_limits(limits=1, user_api="blas"):
-        state = anew(problem, worn, Drive(NEXT_TO_NOTHING_mm), INCREMENTS)
+        state = restarted(problem, worn, Drive(NEXT_TO_NOTHING_mm), INCREMENTS)
     core = np.flatnonzero(worn.core)
     frames = faced(problem, state, core, state.drive, state.holder_x, state.holder_tilt).frames
     pressure, *friction = np.einsum("ikj,ij->ki", frames, state.traction[core])

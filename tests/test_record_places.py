@@ -220,7 +220,7 @@ def test_a_record_is_not_put_in_place_of_the_folder_that_the_command_was_begun_i
 ) -> None:
     (home / "empty").mkdir()
     monkeypatch.chdir(home / "empty")
-    assert "was begun in" in wirewear("import", "../mapping.toml", "--output", ".", code=2).stderr
+    assert "was started in" in wirewear("import", "../mapping.toml", "--output", ".", code=2).stderr
 
 
 def test_names_that_are_no_text_in_utf_8_are_names_of_outputs_and_inputs(home: Path) -> None:

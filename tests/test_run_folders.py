@@ -68,7 +68,7 @@ def test_a_complete_run_stands_for_itself_only_while_the_code_is_the_same(
     assert len(simulated) == 1
     monkeypatch.setattr(cache, "code_hash", lambda _: "of other code")
     (note,) = run(tmp_path)
-    assert note == f"{tmp_path} holds this run as another version of the program made it: it is run anew."
+    assert note == f"{tmp_path} holds this run as another version of the program made it: it is run again."
     assert len(simulated) == 2
     assert run(tmp_path) == []
     assert len(simulated) == 2
@@ -80,7 +80,7 @@ def test_an_interrupted_run_of_other_code_is_not_continued(tmp_path: Path) -> No
     made = synthetic_results.result()
     write_result(tmp_path / RESULT_FILE_NAME, replace(made, settings={**made.settings, "identity": str(one)}))
     folder = RunFolder(other, tmp_path)
-    assert "another version" in folder.found(begun=False).note
+    assert "another version" in folder.found(unfinished=False).note
     assert folder.interrupted() is None
 
 

@@ -125,7 +125,7 @@ def halves_exchanged(values: Array) -> Array:
 
 
 def doubled(loop: MeasuredLoop) -> MeasuredLoop:
-    """Every row twice, its samples numbered anew."""
+    """Every row twice, its samples numbered again."""
     return loop.taken(np.repeat(np.arange(loop.time_s.size), 2))
 
 

@@ -1,4 +1,4 @@
-"""Every picture of the documentation, drawn anew by the commands that stand here or beside it in the gallery.
+"""Every picture of the documentation, drawn again by the commands that stand here or beside it in the gallery.
 
     python -m tools.pictures [PICTURE]...
 

@@ -1,4 +1,4 @@
-"""Motion of the lower body in increments as short as Newton's method needs them, each with surfaces paired anew."""
+"""Motion of the lower body in increments as short as Newton's method needs them, each with surfaces paired again."""
 
 from dataclasses import replace
 
@@ -102,7 +102,7 @@ def solve_increment(
     prescribed_height: float | None = None,
     expected: FirstGuess | None = None,
 ) -> tuple[ContactState, IncrementReport]:
-    """Move the lower body to `drive` in one increment, pairing the surfaces anew until they face each other as assumed.
+    """Move the lower body to `drive` in one increment; surfaces are paired until they face each other as assumed.
 
     prescribed_height: where the holder is held instead of loaded.  expected: a better guess than the last increment.
     Raises IncrementFailedError if no solution was found, LostContactError where nothing touches, and PatchLeftError if

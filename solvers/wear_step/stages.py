@@ -41,7 +41,7 @@ ProblemAt = Callable[[float, float], ContactProblem]
 
 
 # Nodes whose gap is below this multiple of the bodies' overlap may come to touch during the step. Too many of them cost
-# less than the whole step taken anew for one that was missing: of the 23 jumps of steel wires in 100 000 cycles 6 were
+# less than the whole step taken again for one that was missing: of the 23 jumps of steel wires in 100 000 cycles 6 were
 # with 3, 3 with 4, and 2 with 5.
 _MARGIN = 5.0
 _MOST_SEARCHES = 6

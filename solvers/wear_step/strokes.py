@@ -8,7 +8,7 @@ import numpy as np
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
-from solvers.fretting import CycleTrace, Watch, anew, sticks_throughout, traced_cycle
+from solvers.fretting import CycleTrace, Watch, restarted, sticks_throughout, traced_cycle
 from solvers.wear_path import sliding_increments
 from solvers.wear_step.orbits import Position
 from solvers.wear_step.places import worn_places
@@ -33,14 +33,14 @@ def closed_trace(
     symmetry maps that onto the second.
 
     Sliding wipes out what a state remembers of surfaces before they wore; where the contact sticks in its middle, it is
-    moved anew from mid-stroke.
+    moved again from mid-stroke.
     """
     mirror, start = symmetry.half_cycle, state
     guide = None if guide is None else with_images(guide, mirror)
     for cycle in range(_MOST_CYCLES):
         end, trace = traced_cycle(problem, start, drive, increments, half=mirror is not None, watch=watch, guide=guide)
         if cycle == 0 and sticks_throughout(start, end):
-            start, guide = anew(problem, start, drive, increments, watch), None
+            start, guide = restarted(problem, start, drive, increments, watch), None
             continue
         image = end if mirror is None else mirrored(end, mirror)
         # The first guess may be of no cycle: places that follow a load lie over the slip of one.

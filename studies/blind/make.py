@@ -104,7 +104,7 @@ def _require_room(folder: Path, cases: int) -> None:
 
 
 def _key_of_begun(batch: Path, key_path: Path, arguments: dict[str, Any], folder: Path) -> bytes:
-    """The key of a batch that is begun now, or was begun before by the same code."""
+    """The key of a batch that starts now, or was started before by the same code."""
     begun_by = {**arguments, "code": code_hash(CODE)}
     if not batch.exists():
         key = new_key_file(key_path)
@@ -114,7 +114,7 @@ def _key_of_begun(batch: Path, key_path: Path, arguments: dict[str, Any], folder
     known = opened(batch.read_bytes(), key, str(batch))
     _check_same(known, arguments, folder)
     if known.get("code") != begun_by["code"]:
-        raise BlindError(f"{folder} was begun by another version of the program: name a new folder.")
+        raise BlindError(f"{folder} was started by another version of the program: name a new folder.")
     return key
 
 
@@ -154,7 +154,7 @@ def _is_made(folder: Path, case: Case, key: bytes) -> bool:
 
 
 def _sealed_at(path: Path, key: bytes) -> dict[str, Any] | None:
-    """What was sealed there; None where nothing was, or it is damaged, and so is made anew."""
+    """What was sealed there; None where nothing was, or it is damaged, and so is made again."""
     with suppress(BlindError, OSError):
         return opened(path.read_bytes(), key, str(path))
     return None
@@ -180,7 +180,7 @@ def _make_one(case: Case, folder: Path, generator: Generator, key: bytes) -> Non
 
 
 def _slipping(case: Case, generator: Generator) -> tuple[Case, MadeRecord, int]:
-    """The case, its record, and how often specimens and sizes of its effects were drawn anew.
+    """The case, its record, and how often specimens and sizes of its effects were drawn again.
     Raises RunError, with the last one's reason, if no draw could be made.
     """
     for attempt in range(DRAWS - 1):
@@ -225,7 +225,7 @@ def _seal(folder: Path, planned: Sequence[Case], arguments: dict[str, Any], gene
         if not _is_made(folder, case, key):
             raise BlindError(
                 f"{folder / case.name} is not as it was made: it is damaged, or was changed; the same command makes it "
-                "anew."
+                "again."
             )
     made = [opened((workshop / case.name).read_bytes(), key, case.name) for case in planned]
     truths = [one["truth"] for one in made]

@@ -199,7 +199,7 @@ COMMANDS = (
               "given/result.h5", 0.15),
     _repeated("import", "import mapping.toml --output rec", files_of("rec", BEFORE), "rec", "record/loops.csv", 0.15),
     _repeated("compare", "compare given record --output out", files_of("out", BEFORE), "out", "given/result.h5", 0.05),
-    # The key and its salt are drawn anew.
+    # The key and its salt are drawn again.
     _repeated("blind", "studies.blind make batch --cases 2 --tests 1 --seed 3 --jobs 1",
               files_of("batch", "key.json.enc", "manifest.json"), "batch", "study.toml", 0.125),
     _repeated("diagnose", "diagnose record --output answer --model study.toml --jobs 1", files_of("answer", BEFORE),

@@ -1,4 +1,4 @@
-"""Files that wirewear reads back, made anew in a folder: results, a checkpoint, records, an answer and its log."""
+"""Files that wirewear reads back, made again in a folder: results, a checkpoint, records, an answer and its log."""
 
 from collections.abc import Mapping
 from contextlib import nullcontext, suppress

@@ -93,7 +93,7 @@ class Made:
 
 
 def make(base: Path) -> None:
-    """Make what readers are to read: runs, records, a batch, a sweep that was begun, a nominal run."""
+    """Make what readers are to read: runs, records, a batch, a sweep under way, a nominal run."""
     made_runs(base / "runs")
     study = parse_study(STUDY, "study.toml")
     once = study.changed({"conditions": {"cycles": 1}, "log": {"loop_cycles": (1,)}})
@@ -117,7 +117,7 @@ def _begin_sweep(folder: Path) -> None:
         (folder / name).write_bytes(of_study("rig_sensitivity", name))
     (folder / "out").mkdir()
     journal = Journal(folder / "out", load_sweep(folder / "sweep.toml").identity)
-    journal.begun()
+    journal.rows_so_far()
     with journal.open() as file:
         for number in (1, 2):
             journal.add(file, SweepRow(number, {"max_pressure_MPa": 400.0}, cpu_s=1.0, peak_bytes=10**8))

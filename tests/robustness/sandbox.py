@@ -30,7 +30,7 @@ FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.f
              "pickle.find_class", "ctypes.dlopen")  # fmt: skip
 
 
-#: Libraries that packages bring with them are opened anew by what counts their threads.
+#: Libraries that packages bring with them are opened again by what counts their threads.
 INSTALLED = tuple(str(Path(each)) for each in dict.fromkeys((sys.prefix, *site.getsitepackages())))
 
 #: What is kept of the functions that numba compiled is the program's own, not data.

@@ -88,15 +88,15 @@ def _made_rows(folder: Path) -> None:
     """The rows of a sweep."""
     folder.mkdir()
     journal = Journal(folder, _sweep())
-    journal.begun()
+    journal.rows_so_far()
     with journal.open() as file:
         for number in (1, 2, 3):
             journal.add(file, SweepRow(number, {"max_pressure_MPa": 100.0 * number}, cpu_s=1.0, peak_bytes=10**8))
 
 
 def _rows(folder: Path) -> object:
-    """The rows of a sweep; None where one is left out, which is then made anew."""
-    rows, _ = Journal(folder / "sweep", _sweep()).begun()
+    """The rows of a sweep; None where one is left out, which is then made again."""
+    rows, _ = Journal(folder / "sweep", _sweep()).rows_so_far()
     return rows if len(rows) == 3 else None
 
 
@@ -106,7 +106,7 @@ def _held(folder: Path) -> object:
 
 
 def _kinds(base: Path) -> dict[str, Kind]:
-    """Every kind of file that is read back, made anew in a folder."""
+    """Every kind of file that is read back, made again in a folder."""
     made_runs(base)
     _made_batch(base)
     _made_rows(base / "sweep")

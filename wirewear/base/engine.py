@@ -53,7 +53,7 @@ class Engine(ABC):
     """Does tasks, each in a process that does nothing else meanwhile.
 
     A task is a function without arguments that can be pickled, as can what it returns. When its process is lost, it is
-    begun once more; it is handed over once, however often it was begun.
+    started once more; it is handed over once, however often it was started.
     """
 
     #: In a message: what the engine works with.
@@ -71,9 +71,9 @@ class Engine(ABC):
 
     @abstractmethod
     def done(self, tasks: Sequence[Callable[[], Result]], until: float = inf) -> Iterator[Done[Result]]:
-        """Every task as it comes to its end; none is begun after `until` (of time.monotonic).
+        """Every task as it comes to its end; none starts after `until` (of time.monotonic).
 
-        When the caller stops asking, those that run come to their end, and no other is begun.
+        When the caller stops asking, those that run come to their end, and no other starts.
         Raises EngineError if the cluster cannot be reached, or runs another program.
         """
 
@@ -119,10 +119,10 @@ class LocalProcesses(Engine):
         context = multiprocessing.get_context("spawn")
         running: dict[Future[Result], int] = {}
         with writing(EngineError, "no processes can be started, for which semaphores are made in /dev/shm"):
-            begun = ProcessPoolExecutor(
+            pool = ProcessPoolExecutor(
                 jobs, context, _begin, (frozenset(WARNED),), max_tasks_per_child=self._tasks_per_process
             )
-        with begun as pool:
+        with pool:
             lost: list[int] = []
             while (waiting or running) and not lost:
                 while waiting and len(running) < jobs and time.monotonic() < until:

@@ -120,7 +120,7 @@ class EngineError(WirewearError):
 
 
 class LostTaskError(EngineError):
-    """A task's process was lost each time that it was begun."""
+    """A task's process was lost each time that it was started."""
 
 
 def tell_plainly() -> None:

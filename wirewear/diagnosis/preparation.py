@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.diagnosis.observe.observed_record import mended
+from wirewear.diagnosis.observe.observed_record import repaired
 from wirewear.diagnosis.observe.reduction import Observations, reduce
 from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, nominal_study, require_foreseen
@@ -76,7 +76,7 @@ class PreparedRecord:
         with stage("checking the record"):
             checked = remarks_told(self.record)
         with stage("reducing the loops"):
-            record, notes = mended(self.record)
+            record, notes = repaired(self.record)
             observed = reduce(record)
         states, setup, limits = self.nominal(observer_of)
         observed = replace(observed, notes=(*limits, *notes, *observed.notes))

@@ -138,7 +138,7 @@ def steps(diagnosis: Diagnosis) -> list[tuple[str, str]]:
     asked = next_measurement(diagnosis)
     found = [("measure next", asked[0])] if asked else []
     if diagnosis.verdict == "no_gap":
-        found.append(("on the rig", "nothing needs to be mended"))
+        found.append(("on the rig", "nothing needs to be repaired"))
     elif leading and (diagnosis.verdict != "unexplained" or diagnosis.partial):
         for cause in leading.causes:
             group = next((own for own in diagnosis.equivalent if cause.effect in own), (cause.effect,))

@@ -268,7 +268,7 @@ class Desk:
         return (path for path in found if path.suffix in _SHOWN)
 
     def _put_aside(self, place: Path) -> None:
-        """What is to be made anew is never lost: it gets the next number. Whoever calls holds the lock."""
+        """What is to be made again is never lost: it gets the next number. Whoever calls holds the lock."""
         if os.path.lexists(place):
             earlier = prepared_folder(self.folder / "earlier")
             numbers = [int(number) for path in earlier.iterdir() if (number := path.name.split("_")[0]).isdecimal()]

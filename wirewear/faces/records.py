@@ -117,7 +117,7 @@ def check(context: click.Context, record_path: Path, block: int | None, as_json:
 )  # fmt: skip
 @click.option("--variant", metavar="NAME", help="Which run, where RESULT holds several.")
 @click.option("--length", "length_mm", type=Finite(0.05, 500.0), help="Of a line contact, mm.")
-@click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Tests that are read anew.")
+@click.option("--repeats", type=click.IntRange(1, 1000), default=1, show_default=True, help="Repeats of the test.")
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, help="Of the noise.")
 @click.option("--samples", type=click.IntRange(16, 100_000), help="Samples a loop.  [default: the simulation's]")
 @overwrite_record

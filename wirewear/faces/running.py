@@ -128,7 +128,7 @@ def in_notebook() -> bool:
 
 
 class NotebookBar(Observer):
-    """A bar that a notebook draws anew in its place. Use as a context manager."""
+    """A bar that a notebook draws again in its place. Use as a context manager."""
 
     def __init__(self, label: str) -> None:
         """Prepare a bar with a label; it appears when it is entered."""

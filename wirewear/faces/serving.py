@@ -122,7 +122,7 @@ class _Handler(BaseHTTPRequestHandler):
             if self._unread:
                 self.connection.shutdown(socket.SHUT_WR)
                 self.connection.settimeout(_REST_s)
-                # Browsers read no answer before they have sent all that they have begun.
+                # Browsers read no answer before they have sent all of their request.
                 while self.connection.recv(CHUNK):
                     pass
         self._clock.cancel()
@@ -133,7 +133,7 @@ class _Handler(BaseHTTPRequestHandler):
         self._answered(self._get)
 
     def do_PUT(self) -> None:
-        """A file that was dropped, the mapping as it was edited, or a step to be begun."""
+        """A file that was dropped, the mapping as it was edited, or a step to be started."""
         # Until it is read.
         self._unread = 1
         self._answered(self._put)

@@ -142,7 +142,7 @@ def report(result_path: Path, output: Path | None) -> None:
 @click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
 @click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>]")
 @click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
-@click.option("--overwrite", is_flag=True, help="Run anew where a result stands.")
+@click.option("--overwrite", is_flag=True, help="Run again where a result stands.")
 @click.option("--cycles-of", "record_path", metavar="RECORD", type=Given(),
               help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
 @click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")

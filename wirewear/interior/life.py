@@ -295,7 +295,7 @@ def require_recorded(schedule: Schedule[Any], cycles: Sequence[int], where: str)
         of_blocks = f" of {' and '.join(silent)}" if schedule.blocks else ""
         raise ResultError(
             f"{where}: a life needs the contact forces of a recorded cycle{of_blocks}, and there are none: state "
-            "loop_cycles and contact_states in [log], and run it anew."
+            "loop_cycles and contact_states in [log], and run it again."
         )
     return course
 

@@ -1,4 +1,4 @@
-"""Stresses inside the bodies of a line contact: solved anew from a result, written and drawn."""
+"""Stresses inside the bodies of a line contact: solved again from a result, written and drawn."""
 
 from __future__ import annotations
 

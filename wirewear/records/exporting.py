@@ -32,7 +32,7 @@ from wirewear.study.surfaces import surfaces_in
 #: beyond which no instrument sees its flanks.
 REACH, FLANK = 1.6, 0.9
 
-#: Heights of a body's surface anew for every repeat, as columns x_um, y_um and height_um (or without y_um).
+#: Heights of a body's surface again for every repeat, as columns x_um, y_um and height_um (or without y_um).
 Surface = Callable[[], Mapping[str, Array]]
 
 BYTES_PER_SAMPLE = 250  #: Memory that a sample of a record takes until it is written; measured.
@@ -123,7 +123,7 @@ def record_of_result(
 ) -> AnyRecord:
     """The record that a laboratory would have taken of a simulated test, by sensors with the effects of its study.
 
-    Each repeat is the same test read anew. `samples` re-samples each loop evenly; without it, the simulation's own
+    Each repeat is the same test read again. `samples` re-samples each loop evenly; without it, the simulation's own
     increments are kept. The evolution carries over to every cycle what the sensors make of the logged loops: each
     figure is the true one times the ratio of read to true figure of the loops, interpolated over log cycle. Of a line
     contact, the record is that of `length_mm`, or of the study's length, as is the noise of forces.

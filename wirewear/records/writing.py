@@ -62,7 +62,9 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
         if path.resolve().is_relative_to(place):
             raise RecordError(f"{folder} holds {path}, which the record is made of: choose another folder.")
     if place.is_dir() and Path.cwd().is_relative_to(place):
-        raise RecordError(f"{folder} is the folder that the command was begun in, or holds it: choose another folder.")
+        raise RecordError(
+            f"{folder} is the folder that the command was started in, or holds it: choose another folder."
+        )
     if not overwrite and (lost := _lost(place, made_of)):
         raise RecordError(
             f"{folder} holds {lost}, and is not overwritten unasked: choose another folder, or overwrite it "

@@ -146,7 +146,7 @@ class ContactForces:
     driven body's displacement, `holder_x_um` and `holder_z_um` those of the other's holder, and
     `tangential_force_N` that on the other along x. `nodes` (m,) are those of the patch, in the order of its
     flattened grid, that ever carry force; `force_N` (k, m, 3) acts on the body, in its own axes: along it, across it,
-    out of its surface. `geometry` and `material` make a body's mesh anew; a line contact's follows from its study.
+    out of its surface. `geometry` and `material` make a body's mesh again; a line contact's follows from its study.
     `bulk_stress_MPa` (k, 3): axial, bending and torsion stress that the body carries beside the contact, named by what
     they are there, see `solvers.BulkStress`; None of a body that carries none.
     Raises ResultError if arrays do not fit together, or are not finite.

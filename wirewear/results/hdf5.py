@@ -131,7 +131,7 @@ def _fill(file: h5py.File, result: RunResult, tables: Mapping[str, str]) -> None
                 group.attrs[name] = value
         write_arrays(group, {name: getattr(scar, name) for name in GRID_COLUMNS + FIELD_COLUMNS})
 
-    # While a run goes on, its file is written anew after every loop, and compressing takes longer than the rest.
+    # While a run goes on, its file is written again after every loop, and compressing takes longer than the rest.
     compression = {} if result.status == "running" else {"compression": "gzip", "shuffle": True}
     for group, one in _added(file, "contact_forces", result.contact_forces):
         _write_forces(group, one, compression)

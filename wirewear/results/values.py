@@ -381,7 +381,7 @@ class RunResult:
         if not forces:
             raise ResultError(
                 f"{self.label}: no contact forces of the {called(body)} are recorded: the run was asked for none "
-                "(contact_states in [log]), or is of an earlier version; run it anew"
+                "(contact_states in [log]), or is of an earlier version; run it again"
             )
         return _nearest(cycle, forces, lambda one: one.cycle, f"contact forces of the {called(body)}")
 

@@ -116,10 +116,10 @@ class Cycler:
         """The state at the same end of another drive's stroke.
 
         A contact that slid remembers, on a soft rig, the force that it slid with: where what the drive holds asks for a
-        shorter stroke, the bodies are pressed anew.
+        shorter stroke, the bodies are pressed again.
         """
         if self.motion.held is not None and drive.amplitude_mm < abs(state.drive):
-            return solvers.anew(current, state, drive, self.motion.wear_increments, watch)
+            return solvers.restarted(current, state, drive, self.motion.wear_increments, watch)
         end = drive.end(1.0 if state.drive > 0.0 else -1.0)
         place, load = float(end.drive[-1]), float(end.load[-1])
         state, reports = solvers.advance(current, state, place, 0.0, load_share=load, bulk=end.bulk[-1])
@@ -194,7 +194,7 @@ class Cycler:
         """Jumps from the state after `done` cycles: a cycle traced with the wear frozen, then any number of cycles."""
         traced, in_vain = self._traced(problem, state, done), list[_Traced]()
         # A cycle that judges a jump, or leads to a loop, is that from which the next one starts: counted here, a run
-        # that is resumed between both, and traces it anew, counts as one that is not.
+        # that is resumed between both, and traces it again, counts as one that is not.
         self._count(traced)
 
         def attempt(_state: solvers.ContactState, before: float, cycles: float) -> tuple[solvers.ContactState, float]:

@@ -57,7 +57,7 @@ class Meshes(ABC):
         """The contact problem on a run's meshes."""
 
     def next_stage(self, _history: MeshHistory, _cycle: float, /) -> MeshHistory | None:
-        """The history with the meshes for a larger scar begun; None where there are none."""
+        """The history with the meshes for a larger scar in use; None where there are none."""
         return None
 
     def outgrown(self, _history: MeshHistory, _state: ContactState, _cycle: float, /) -> MeshHistory | None:
@@ -192,13 +192,13 @@ class RunFolder(RunStore):
     def _so_far(self) -> GrowingImage:
         return GrowingImage()
 
-    def found(self, *, begun: bool) -> Found:
+    def found(self, *, unfinished: bool) -> Found:
         """What is left of the run; no mesh is loaded for it.
 
-        `begun` says that this run was the last that was begun in the folder, and did not end.
+        unfinished: whether this run was the last that was started in the folder, and did not end.
         Raises ResultError if the result is damaged, and RunError if the folder holds another run.
         """
-        stopped = f"{self.path} was interrupted before its first result: it is run anew."
+        stopped = f"{self.path} was interrupted before its first result: it is run again."
         if not (self.path / RESULT_FILE_NAME).exists():
             return Found(note=stopped if (self.path / CHECKPOINT_FILE_NAME).exists() else "")
         result = self._left(self.result)
@@ -206,8 +206,8 @@ class RunFolder(RunStore):
         if own == self.identity:
             return Found(result if result.status == "complete" else None)
         if own.asked == self.identity.asked:
-            return Found(note=f"{self.path} holds this run as another version of the program made it: it is run anew.")
-        if begun:
+            return Found(note=f"{self.path} holds this run as another version of the program made it: it is run again.")
+        if unfinished:
             return Found(note=stopped)
         raise RunError(
             f"{self.path} holds a run of another study or fidelity, or of an early version of wirewear, which cannot "
@@ -273,7 +273,7 @@ def occupied_by_runs(
     asked = digest({"runs": [folder.identity.asked for folder in folders]})
 
     def found(noted: Mapping[str, Any]) -> tuple[Found, ...]:
-        return tuple(folder.found(begun=noted.get("asked") == asked) if resume else Found() for folder in folders)
+        return tuple(folder.found(unfinished=noted.get("asked") == asked) if resume else Found() for folder in folders)
 
     before = found(last_noted(output))
     if all(one.complete is not None for one in before):

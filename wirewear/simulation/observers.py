@@ -51,7 +51,7 @@ class Observer:
 class ProgressBar(Observer):
     """A bar on the terminal: cycles, energy, depth, time left. Use as a context manager.
 
-    Off a terminal, where nothing can be drawn anew, a line for each loop that is measured.
+    Off a terminal, where nothing can be drawn again, a line for each loop that is measured.
     """
 
     def __init__(self, label: str, console: Console | None = None) -> None:

@@ -142,7 +142,7 @@ class PointMeshes(Meshes):
         return with_nodes_moved(problem, self.study, self._stage(history.stage), history.moved, report)[0]
 
     def next_stage(self, history: MeshHistory, cycle: float) -> MeshHistory | None:
-        """The history with the meshes for a larger scar begun; None where there are none."""
+        """The history with the meshes for a larger scar in use; None where there are none."""
         stage = history.stage + 1
         if stage == len(self.stages) + len(self.spare):
             return None

@@ -36,7 +36,7 @@ from wirewear.study.surfaces import StatedSurface
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> solvers.CondensedBody:
     """Mesh and condense a body, or load it when the same has been condensed before.
 
-    A file that cannot be read is made anew; one that cannot be written is left out.
+    A file that cannot be read is made again; one that cannot be written is left out.
     """
     asked = {"shape": type(geometry).__name__, "geometry": geometry.as_table(), "material": asdict(material)}
     name = f"body-{identity_of(asked, CONDENSATION_CODE, {}).name}.npz"

@@ -92,7 +92,7 @@ def run_side_by_side(
             while not every.done():
                 _deliver(mailbox, observers)
         finally:
-            # Interrupted: what runs ends, what waits is not begun.
+            # Interrupted: what runs ends, what waits does not start.
             stop.set()
         _deliver(mailbox, observers)
         try:
@@ -283,7 +283,7 @@ def run_study(
 
     `observer_of` opens an observer for each run by its label. With `resume`, a run continues at its last checkpoint,
     and one that is complete is read from its file and left as it is; one that another version of the program made is
-    run anew, of which the observer is told. With `jobs` above 1, that many variants run side by side, each in a
+    run again, of which the observer is told. With `jobs` above 1, that many variants run side by side, each in a
     process of its own, or where `engine` does it, whose workers must see the folder; the results are the same.
 
     Raises StudyError if the study cannot be discretised, or asks for more memory or cycle jumps than can be had;

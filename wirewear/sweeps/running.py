@@ -118,7 +118,7 @@ class Journal:
         self.path = folder / JOURNAL
         self._identity = identity
 
-    def begun(self) -> tuple[dict[int, SweepRow], str]:
+    def rows_so_far(self) -> tuple[dict[int, SweepRow], str]:
         """Rows by their number that stand there already, and a sentence if such were given up.
         Raises RunError if another sweep's rows stand there, or the file cannot be read or written.
         """
@@ -132,7 +132,7 @@ class Journal:
             if known.made == self._identity.made:
                 rows = {row.number: row for row in map(_row, lines) if row is not None}
             else:
-                note = f"{self.path.parent} holds rows that another version of the program made: they are made anew."
+                note = f"{self.path.parent} holds rows that another version of the program made: they are made again."
         kept = [{"sweep": str(self._identity)}, *(rows[number].to_json() for number in sorted(rows))]
         with writing(RunError, f"cannot write {self.path}"):
             write_text(self.path, "".join(_line(one) for one in kept))
@@ -219,7 +219,7 @@ def run_sweep(
     watcher = observer or SweepObserver()
     with occupied(output, f"the sweep {sweep.name!r}"):
         journal = Journal(prepared_folder(output), sweep.identity)
-        rows, note = journal.begun()
+        rows, note = journal.rows_so_far()
         if note:
             watcher.note(note)
         if len(rows) < len(sweep):

@@ -200,7 +200,7 @@ def run_case(
 
     What goes wrong with the study or its simulation is in the row.
     """
-    begun = working_cpu_s()
+    start_s = working_cpu_s()
     figures, failure = None, ""
     try:
         own = varied(study, values)
@@ -213,7 +213,7 @@ def run_case(
     except MemoryError:
         failure = "there was not enough memory"
     peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-    return SweepRow(number, figures, failure, working_cpu_s() - begun, peak)
+    return SweepRow(number, figures, failure, working_cpu_s() - start_s, peak)
 
 
 def shortest_life(study: AnyStudy[Any], result: RunResult) -> float | None:

@@ -58,7 +58,7 @@ def wire_geometry(resolution: float, *, radius_mm: float = RADIUS_mm, long_patch
 
 @cache
 def condensed(geometry: BodyGeometry) -> CondensedBody:
-    """Such a body of steel, condensed anew: what is verified must not come from the cache on disk."""
+    """Such a body of steel, condensed again: what is verified must not come from the cache on disk."""
     meshed = build_body(geometry)
     return replace(condense(meshed.mesh, meshed.patch, STEEL), bricks=Bricks(STEEL, geometry.layers))
 

@@ -90,7 +90,7 @@ def search(states: WearStates, setup: Setup, observed: Observations, left_out: S
     none, *singles = together(problem, [sought(problem, own) for own in ((), *((effect,) for effect in effects))])
     best = max((none, *singles), key=lambda one: one.merit)
     around: list[tuple[str, ...]] = [()]
-    # An explanation is judged by the covariance around it: taken anew until the leader stays, or leads for the second
+    # An explanation is judged by the covariance around it: taken again until the leader stays, or leads for the second
     # time.
     while best.log_evidence > none.log_evidence + NOTICEABLE and best.names not in around:
         first = best
@@ -181,10 +181,10 @@ def _pair_fits(problem: Problem, none: Fit, singles: Sequence[Fit]) -> list[Fit]
         sought(
             problem,
             (*first.candidates, *one.candidates),
-            _joint_starts(first, begun, alone),
+            _joint_starts(first, started, alone),
             _FEW_ITERATIONS if alone else ITERATIONS,
         )
-        for begun, one in chosen
+        for started, one in chosen
     ]
     found = together(problem, joint)
     best: dict[tuple[str, ...], Fit] = {}

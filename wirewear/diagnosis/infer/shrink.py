@@ -86,7 +86,7 @@ class HeldOutScores:
         return float(np.sqrt(np.nanmean(squares)))
 
     def interval(self, squares: dict[str, Array], seed: int) -> tuple[float, float]:
-        """95 % interval of the shrink by drawing repeats and cycles anew, as whole loops."""
+        """95 % interval of the shrink by drawing repeats and cycles again, as whole loops."""
         random = np.random.default_rng(seed)
         cycles = np.unique(self.features.cycle)
         sums = {

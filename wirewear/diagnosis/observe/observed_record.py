@@ -1,6 +1,6 @@
-"""A record read, from which observables are measured: mended, its loops made ready, beside its evolution and its scars.
+"""A record from which observables are measured: repaired, its loops made ready, beside its evolution and its scars.
 
-Mended are coarse loops, at their corners, and what follows others' definitions. Loops of a coarse simulation,
+Repaired are coarse loops, at their corners, and what follows others' definitions. Loops of a coarse simulation,
 resampled, are straight lines between few points and pass for a dense logger's. The lines cut the corner between stick
 and slip, which looks like a softer rig, a rough layer or a wall of another slope.
 """
@@ -186,7 +186,7 @@ class _Lines:
         return float(np.minimum(rest**2, OUTLYING**2).sum())
 
 
-def mended(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
+def repaired(record: AnyRecord) -> tuple[AnyRecord, tuple[str, ...]]:
     """The record with coarse loops at their corners, and without figures of other definitions; notes."""
     own, notes = of_own_definitions(record)
     read, note = read_at_corners(own)

@@ -65,7 +65,7 @@ class Candidate:
         return ":".join([self.kind.name, *(word for name, word in self.chosen.items() if word != usual[name])])
 
     def unknown_spread(self, name: str) -> float:
-        """Standard deviation that a held parameter lends to the coordinate of the one that it goes with."""
+        """Standard deviation that a held parameter adds to the coordinate of the one that it goes with."""
         spreads = [0.0]
         for held in self.held.values():
             if held.held_by is not None and held.held_by[0] == name:

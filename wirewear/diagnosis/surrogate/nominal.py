@@ -65,7 +65,7 @@ def kept_or_made(
 ) -> tuple[Result, Path | None]:
     """A result by the name of its file in the cache, and that file, None where nothing can be kept.
 
-    read: of that file; one that is damaged is made anew.  make: in a folder, the result and its file there.
+    read: of that file; one that is damaged is made again.  make: in a folder, the result and its file there.
     """
     from wirewear.base.cache import allowed_bytes, keep_within, kept_file, mark_used, not_kept, remove_abandoned
 

@@ -1,4 +1,4 @@
-"""The effects, written anew for the independent model: each changes the world that a test is made in.
+"""The effects, written again for the independent model: each changes the world that a test is made in.
 
 They carry the names, parameters and units of the diagnosis' contract.
 """

@@ -95,7 +95,7 @@ def snapshots(world: World, cycles: Sequence[int], points: int = POINTS, growth:
             happens = step == due - now
             now = due if happens else now + step
             if happens:
-                # What is new wears fast again: steps grow anew.
+                # What is new wears fast again: steps grow again.
                 shapes, begun = befallen(world.incidents, due, grid, shapes), due
             state = _solve(world, bodies, shapes, now, state.radius_mm, reference, state.contact.approach_mm)
         yield Snapshot(cycle, state.loop, shapes, worn)

@@ -13,7 +13,7 @@ from studies.blind.generators.others.pair import Array, Layer, StickingPair
 
 #: Change of all pressures at which a solution is found, where forces are wanted and where bodies wear.
 FINE, COARSE, MOST_ITERATIONS = 1e-6, 1e-4, 300
-FEWEST = 4  #: Fewest cells that touch; with fewer, all that overlap touch anew.
+FEWEST = 4  #: Fewest cells that touch; with fewer, all that overlap touch again.
 
 
 class HalfSpaces:
