@@ -17,7 +17,7 @@ from solvers.contact.problem import facing_offset
 from solvers.contact_state import ContactState, Guide, IncrementReport, guide_from
 from solvers.drive import Drive, Path
 from solvers.errors import SolverError
-from solvers.wear_path import WornPlaces, cosine_places, traced_path
+from solvers.wear_path import WornPlaces, cosine_places, loop_path, traced_path
 
 # A loop is closed when it starts and ends with the same force within this share of the largest force.
 _CLOSURE = 2e-3
@@ -146,9 +146,11 @@ def closed_cycle(
     state, trace = settled(problem, state, drive, settling_increments or increments, watch, guide)
     for _ in range(_MOST_REPEATS):
         before = float(trace.tangential_force[-1])
-        state, trace = run_cycle(problem, state, drive, increments, 0.0, watch, guide)
-        guide = trace.guide
-        if abs(float(trace.tangential_force[-1]) - before) <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
+        followed = drive.steady or guide is not None
+        path = loop_path(drive, _side(state), increments, guide)
+        state, trace = _follow(problem, state, path, 0.0, watch, guide)
+        guide, change = trace.guide, abs(float(trace.tangential_force[-1]) - before)
+        if followed and change <= _CLOSURE * float(np.abs(trace.tangential_force).max()):
             break
     return state, trace
 

@@ -121,14 +121,43 @@ def _evenly_slid(drive: Drive, increments: int, guide: Guide) -> dict[float, Arr
     bodies that stuck begin to slide: an increment that does both takes friction under the load before the slip for
     that of the slip.
     """
-    stroke = guide.drive / float(np.abs(guide.drive).max())
-    along, time = drive.amplitude_mm * stroke, drive.waveform.times(stroke, guide.phase)
-    slip = np.diff(along - guide.holder_x, prepend=along[-1] - guide.holder_x[-1])
+    time, slip = _slid(drive, guide)
     even = spread_over_slip(slip, 1.0 + drive.load.shares(time) / drive.mean_load, sliding_increments(increments))
-    found = np.sort(np.append(even, _onsets(slip, np.diff(guide.phase, prepend=0.0))))
-    places = np.interp(found, np.arange(len(time) + 1), np.append(along[-1], along))
+    return _of_strokes(drive, guide, np.sort(np.append(even, _onsets(slip, np.diff(guide.phase, prepend=0.0)))))
+
+
+def _slid(drive: Drive, guide: Guide) -> tuple[Array, Array]:
+    """Times (m,) at which a guide's increments end, and by how much (m,) the bodies move over each of them, mm."""
+    stroke = _stroke(guide)
+    along = drive.amplitude_mm * stroke
+    slip = np.diff(along - guide.holder_x, prepend=along[-1] - guide.holder_x[-1])
+    return drive.waveform.times(stroke, guide.phase), slip
+
+
+def _stroke(guide: Guide) -> Array:
+    """The drive of a guide (m,) as a share of its amplitude."""
+    return np.asarray(guide.drive / float(np.abs(guide.drive).max()))
+
+
+def _of_strokes(drive: Drive, guide: Guide, found: Array) -> dict[float, Array]:
+    """Places in mm of the strokes from either side on, of numbers of a guide's increments."""
+    along = drive.amplitude_mm * _stroke(guide)
+    places = np.interp(found, np.arange(len(along) + 1), np.append(along[-1], along))
     falling = found <= np.count_nonzero(guide.phase <= 0.5)
     return {1.0: places[falling], -1.0: places[~falling]}
+
+
+def loop_path(drive: Drive, side: float, increments: int, guide: Guide | None) -> Path:
+    """The path of a cycle by which a loop is measured, from side x amplitude on: a cosine's places, and where load or
+    bulk stress change those at which bodies that stuck begin to slide by a guide of the whole cycle.
+    """
+    places = cosine_places(drive.amplitude_mm, increments // 2)
+    along = {own: own * places for own in (side, -side)}
+    if not drive.steady and guide is not None and guide.phase[0] < 0.5 < guide.phase[-1]:
+        slip = _slid(drive, guide)[1]
+        onsets = _of_strokes(drive, guide, _onsets(slip, np.diff(guide.phase, prepend=0.0)))
+        along = {own: _with_places(along[own], onsets[own]) for own in along}
+    return drive.stroke(side, along[side]) + drive.stroke(-side, along[-side])
 
 
 def _with_places(places: Array, others: Array) -> Array:

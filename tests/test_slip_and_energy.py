@@ -9,7 +9,7 @@ import pytest
 from geometry.arrays import Array
 from solvers.contact_state import Guide, Stroke
 from solvers.drive import Drive, LoadCycle
-from solvers.wear_path import traced_path, wear_path
+from solvers.wear_path import loop_path, traced_path, wear_path
 from wirewear import RunResult
 from wirewear.effects.holder import FreePlay
 from wirewear.reference import SliderLoop, slider_loop
@@ -139,8 +139,12 @@ def test_a_place_lies_where_bodies_that_stuck_begin_to_slide_by_a_load_that_fall
     drive, begins = np.cos(2.0 * np.pi * phase), (40.0 + offset) / 64.0
     holder = drive - 0.5 * np.clip(phase - begins, 0.0, 10.0 / 64.0)
     guide = Guide(phase, drive, holder, np.zeros(64), np.zeros((64, 1, 3)))
-    path = traced_path(Drive(1.0, load=LoadCycle(0.5)), 1.0, 0.0, 32, guide, half=False)
-    assert np.abs(path.phase - begins).min() < 1e-3
+    changing = Drive(1.0, load=LoadCycle(0.5))
+    for path in (traced_path(changing, 1.0, 0.0, 32, guide, half=False), loop_path(changing, 1.0, 32, guide)):
+        assert np.abs(path.phase - begins).min() < 1e-3
+    np.testing.assert_array_equal(
+        loop_path(Drive(1.0), 1.0, 32, guide).drive, loop_path(Drive(1.0), 1.0, 32, None).drive
+    )
 
 
 def test_places_of_a_cycle_whose_drive_rests_are_numbers() -> None:
