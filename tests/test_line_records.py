@@ -122,7 +122,7 @@ def test_pictures_and_loops_of_a_run_are_had_from_its_file(result: RunResult, tm
     beside = {"profiles.csv", "loops.csv", "evolution.csv", "profiles.png", "loops.png"}
     assert {one.name for one in tmp_path.iterdir()} == {"result.h5", "pictures", *beside}
     figure = line_variants([result, replace(result, variant="other")])
-    assert [axes.get_xlabel() for axes in figure.axes] == [*3 * ["x [µm]"], "displacement [µm]"]
+    assert [axes.get_xlabel() for axes in figure.axes] == [*3 * ["x [µm]"], "displacement δ [µm]"]
     loops = json.loads(wirewear("loops", path, "--json").stdout)["loops"]
     assert {"the forces are those of 1 mm of the contact"} == {loop["notes"][0] for loop in loops}
     energies = [loop["dissipated_energy_mJ"]["value"] for loop in loops]
