@@ -4,6 +4,8 @@ A quarter of the body (y >= 0, x >= 0) is swept by gmsh from a graded cross-sect
 along itself, and mirrored twice, so the mesh is symmetric to the last bit.
 """
 
+import ctypes
+import signal
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,7 +43,8 @@ def gmsh_session() -> Iterator[Any]:
             f"gmsh does not find a library of the system ({error}): install what it and VTK load, on Debian by: "
             f"apt-get install {SYSTEM_PACKAGES}."
         ) from error
-    gmsh.initialize(interruptible=False)
+    with _pipes_untouched():
+        gmsh.initialize(interruptible=False)
     try:
         for name, value in {"General.Terminal": 0, "General.NumThreads": 1, "Mesh.RandomSeed": 1}.items():
             gmsh.option.setNumber(name, value)
@@ -52,6 +55,16 @@ def gmsh_session() -> Iterator[Any]:
         raise GeometryError(f"gmsh could not mesh the body: {error}") from error
     finally:
         gmsh.finalize()
+
+
+@contextmanager
+def _pipes_untouched() -> Iterator[None]:
+    """Keep what a broken pipe does, in any thread: gmsh has it end the process, be it a server's or a notebook's."""
+    getsig, setsig = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
+    getsig.restype, setsig.restype, setsig.argtypes = ctypes.c_void_p, ctypes.c_void_p, (ctypes.c_int, ctypes.c_void_p)
+    before = getsig(signal.SIGPIPE)
+    yield
+    setsig(signal.SIGPIPE, before)
 
 
 def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tuple[Array, IntArray]:

@@ -1,5 +1,7 @@
 """Meshes and surfaces of wires, of tubes, and of blocks whose faces are a ball, a barrel, a cylinder or a flat."""
 
+import subprocess
+import sys
 from math import log, pi
 from pathlib import Path
 
@@ -313,3 +315,20 @@ def test_a_block_too_narrow_for_its_patch_is_refused() -> None:
     axis = GradedAxis(0.1, 0.2, 0.2, 0.95)
     with pytest.raises(GeometryError, match="give a wider block"):
         BlockGeometry(0.0, 0.0, 1.0, 2.0, 1.0, axis, axis, 0.2)
+
+
+@pytest.mark.parametrize("thread", [False, True])
+def test_a_process_that_has_meshed_outlives_a_broken_pipe(thread: bool) -> None:
+    """Servers and notebooks write to whoever may have gone; gmsh alone would have the process end without a word."""
+    meshing = "from threading import Thread; t = Thread(target=mesh); t.start(); t.join()" if thread else "mesh()"
+    lines = (
+        "import os; from geometry.body import gmsh_session",
+        "def mesh():",
+        "    with gmsh_session(): pass",
+        "",
+        f"{meshing}; read, write = os.pipe(); os.close(read)",
+        "try: os.write(write, b'1')",
+        "except BrokenPipeError: print('still here')",
+    )
+    ended = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False)
+    assert (ended.returncode, ended.stdout) == (0, "still here\n")
