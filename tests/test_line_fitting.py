@@ -12,7 +12,7 @@ from geometry import Cylinder, Flat, RoundedFlat
 from tests.commands import wirewear
 from tests.logger_files import CYLINDER, FLAT, LOAD_N, LENGTH_mm, line_record, write_line_german
 from tests.studies import line_study
-from wirewear.base.errors import RecordError
+from wirewear.base.errors import RecordError, StudyError
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis.fit import FittedTest, fit_record
 from wirewear.diagnosis.fit.wear import fitted_wear
@@ -254,10 +254,13 @@ def test_a_test_on_another_length_of_the_contact_is_as_much_to_the_millimetre() 
     bent = effect("displacement_load_coupling", linear_um_per_N=0.01, quadratic_um_per_N2=1e-4)
     stop = {"stop": {"worn_volume_mm3": 0.02, "depth_um": 5.0}}
     blocks = {"programme": [{"cycles": 100, "conditions": {"normal_load_N": 100.0, "held_energy_mJ": 3.0}}]}
-    whole = line_study(contact={"length_mm": 10.0}, **stop, **blocks).with_effects(spring, bent)
+    oxygen = effect("contact_oxygenation", supply_W=1e-4, starved_factor=0.3)
+    whole = line_study(contact={"length_mm": 10.0}, **stop, **blocks).with_effects(spring, bent, oxygen)
     one_mm = whole.of_length(1.0)
     assert one_mm.effects[0].values == {"stiffness_N_per_mm": 500.0}
     assert one_mm.effects[1].values == pytest.approx({"linear_um_per_N": 0.1, "quadratic_um_per_N2": 1e-2})
+    # A power per area times the square of a distance: as much for any length.
+    assert one_mm.effects[2].values == oxygen.values
     assert one_mm.conditions.normal_load_N == pytest.approx(0.1 * whole.conditions.normal_load_N)
     assert one_mm.conditions.frequency_Hz == whole.conditions.frequency_Hz
     assert one_mm.tables.stop is not None
@@ -265,7 +268,17 @@ def test_a_test_on_another_length_of_the_contact_is_as_much_to_the_millimetre() 
     assert one_mm.tables.stop.depth_um == 5.0
     assert one_mm.tables.programme[0].conditions == pytest.approx({"normal_load_N": 10.0, "held_energy_mJ": 0.3})
     again = one_mm.of_length(10.0)
-    assert [one.values for one in again.effects] == [pytest.approx(one.values) for one in (spring, bent)]
+    assert [one.values for one in again.effects] == [pytest.approx(one.values) for one in (spring, bent, oxygen)]
+
+
+def test_a_variant_of_another_length_keeps_the_load_that_is_stated_per_millimetre() -> None:
+    longer = {"longer": {"contact": {"length_mm": 20.0}}, "whole": {"conditions": {"normal_load_N": 450.0}}}
+    study = line_study(contact={"length_mm": 10.0}, conditions={"normal_load_N_per_mm": 30.0}, variants=longer)
+    assert study.conditions.normal_load_N == 300.0
+    assert study.variant("longer").conditions.normal_load_N == 600.0
+    assert study.variant("whole").conditions.normal_load_N == 450.0
+    with pytest.raises(StudyError, match=r"length_mm, which is the same for the whole test"):
+        line_study(programme=[{"cycles": 100, "contact": {"length_mm": 5.0}}])
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,7 @@ from wirewear.base.writing import json_text
 from wirewear.kinds import any_study
 from wirewear.loops import LoopError, Measured, analyse_loop
 from wirewear.simulation import ProgressBar, run_study
-from wirewear.study.consistency import merged
+from wirewear.study.keys import merged
 from wirewear.study.study import read_study
 
 

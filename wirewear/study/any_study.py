@@ -11,8 +11,8 @@ from solvers import Drive, FrictionLaw, WearLaw
 from wirewear.base.errors import StudyError, as_sentence, counted, shown
 from wirewear.base.frame import notebook_table
 from wirewear.effects import Effect, effects_of_tables
-from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency, merged
-from wirewear.study.keys import Table, values_in_no_variant
+from wirewear.study.consistency import checked_tables, default_loop_cycles, inconsistency
+from wirewear.study.keys import Table, merged, values_in_no_variant
 from wirewear.study.life import LifeTable, material_of_body
 from wirewear.study.messages import validated
 from wirewear.study.programme import Schedule, as_driven, placed, worked_cycles

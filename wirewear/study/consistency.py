@@ -7,7 +7,7 @@ from wirewear.base.errors import StudyError
 from wirewear.study.bodies import Wire
 from wirewear.study.drive import BulkTable
 from wirewear.study.fidelity import FIDELITIES
-from wirewear.study.keys import NO_PIVOT, Inconsistency, Table
+from wirewear.study.keys import NO_PIVOT, Inconsistency, Table, merged
 from wirewear.study.lengths import PLANAR_KINDS
 from wirewear.study.life import LifeTable
 from wirewear.study.lines import LineTables
@@ -25,15 +25,6 @@ def default_loop_cycles(cycles: int) -> tuple[int, ...]:
     decades = [10**exponent for exponent in range(len(str(cycles)))]
     series = {factor * decade for decade in decades for factor in (1, 2, 5)}
     return tuple(sorted({cycle for cycle in series if cycle < cycles} | {cycles}))
-
-
-def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
-    """`base` with the keys of `overrides` in their place, table by table."""
-    whole = dict(base)
-    for key, value in overrides.items():
-        below = whole.get(key)
-        whole[key] = merged(below, value) if isinstance(value, Mapping) and isinstance(below, Mapping) else value
-    return whole
 
 
 def checked_tables(

@@ -218,6 +218,15 @@ class Table(BaseModel):
     model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
 
 
+def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """`base` with the keys of `overrides` in their place, table by table."""
+    whole = dict(base)
+    for key, value in overrides.items():
+        below = whole.get(key)
+        whole[key] = merged(below, value) if isinstance(value, Mapping) and isinstance(below, Mapping) else value
+    return whole
+
+
 def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
     """Table, key and value of what a file gives for all variants while each of them has another value."""
     for name in sorted(tables.model_fields_set):

@@ -8,9 +8,12 @@ from wirewear.base.errors import WirewearError
 
 PLANAR_KINDS = ("line-contact", "cylinder-on-flat")  #: Kinds of contact whose tables are per length where they say so.
 
-#: By which power of its length a contact's number grows, by the unit at its key's end; all other numbers stay.
-_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "W": 1, "um_per_N": -1, "um_per_N2": -2}
+#: By which power of its length a contact's number grows, by the unit at its key's end; all other numbers stay. The
+#: watts of an oxygen supply are a power density times the square of a distance, whatever the length.
+_POWERS = {"N": 1, "N_per_mm": 1, "N_mm_per_rad": 1, "mJ": 1, "J": 1, "mm3": 1, "um_per_N": -1, "um_per_N2": -2}
 _UNIT = re.compile(rf"(?<!_per)_({'|'.join(_POWERS)})$")
+
+GROWING = ("conditions", "holder", "stop")  #: Tables of a study whose numbers may grow with the length.
 
 #: Keys of one millimetre and those of the whole contact, by their tables.
 _OF_WHOLE = {
@@ -35,30 +38,34 @@ _RENAMED = {
 }
 
 
-def whole_test(data: Mapping[str, Any], where: str, error: type[WirewearError]) -> dict[str, Any]:
-    """Tables of a line contact's test, its variants and blocks, with keys of the whole contact alone.
+def whole_test(
+    data: Mapping[str, Any], where: str, error: type[WirewearError], length_mm: float | None = None
+) -> dict[str, Any]:
+    """Tables of a line contact's test and its blocks, with keys of the whole contact alone.
+
+    length_mm: of the contact, where another table than [contact] of these says it.
     Raises WirewearError, of the given kind and in one sentence, if a key is given in both ways.
     """
     try:
-        return _of_whole(data)
+        return _of_whole(data, length_mm or given_length_mm(data) or 1.0)
     except ValueError as problem:
         raise error(f"{where} {problem}.") from None
 
 
-def _of_whole(data: Mapping[str, Any], length_mm: float | None = None) -> dict[str, Any]:
+def given_length_mm(data: Mapping[str, Any]) -> float | None:
+    """Length of the contact in a file's tables, None where they give no number."""
     contact = data.get("contact")
     own = contact.get("length_mm") if isinstance(contact, Mapping) else None
-    length = next((one for one in (own, length_mm) if isinstance(one, int | float)), 1.0)
+    return own if _is_number(own) else None
+
+
+def _of_whole(data: Mapping[str, Any], length_mm: float) -> dict[str, Any]:
     found = dict(data)
     for table in (*_OF_WHOLE, *_RENAMED):
         if isinstance(values := data.get(table), Mapping):
-            found[table] = _renamed(table, values, length)
+            found[table] = _renamed(table, values, length_mm)
     if isinstance(blocks := data.get("programme"), list | tuple):
-        found["programme"] = [_of_whole(one, length) if isinstance(one, Mapping) else one for one in blocks]
-    if isinstance(variants := data.get("variants"), Mapping):
-        found["variants"] = {
-            name: _of_whole(one, length) if isinstance(one, Mapping) else one for name, one in variants.items()
-        }
+        found["programme"] = [_of_whole(one, length_mm) if isinstance(one, Mapping) else one for one in blocks]
     return found
 
 
@@ -75,9 +82,12 @@ def _renamed(table: str, values: Mapping[str, Any], length_mm: float) -> dict[st
         own = per_length.get(key, renamed.get(key, key))
         if own != key and own in values:
             raise ValueError(f"gives both {key} and {own} in [{table}]: give one of the two")
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        found[own] = value * length_mm if key in per_length and is_number and length_mm != 1.0 else value
+        found[own] = value * length_mm if key in per_length and _is_number(value) and length_mm != 1.0 else value
     return found
+
+
+def _is_number(value: object) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool)
 
 
 def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
@@ -85,8 +95,7 @@ def lengthened(values: Mapping[str, Any], factor: float) -> dict[str, Any]:
 
     def own(key: str, value: Any) -> Any:
         unit = _UNIT.search(key)
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        return value * factor ** _POWERS[unit[1]] if unit is not None and is_number else value
+        return value * factor ** _POWERS[unit[1]] if unit is not None and _is_number(value) else value
 
     return {key: own(key, value) for key, value in values.items()}
 
@@ -96,7 +105,7 @@ def study_of_length(study: Mapping[str, Any], length_mm: float) -> Mapping[str, 
     if length_mm == (own := stated_length_mm(study)):
         return study
     factor, found = length_mm / own, dict(study)
-    for name in ("conditions", "holder", "stop"):
+    for name in GROWING:
         if study.get(name):
             found[name] = lengthened(study[name], factor)
     found["effects"] = [lengthened(effect, factor) for effect in study.get("effects") or ()]

@@ -14,7 +14,7 @@ from wirewear.study import keys
 from wirewear.study.drive import BULK, BulkTable, bulk_of
 from wirewear.study.faces import PadFaceOrFile
 from wirewear.study.keys import Inconsistency
-from wirewear.study.lengths import PLANAR_KINDS, key_of_whole, lengthened, whole_test
+from wirewear.study.lengths import GROWING, PLANAR_KINDS, given_length_mm, key_of_whole, lengthened, whole_test
 from wirewear.study.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
 from wirewear.study.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
 from wirewear.study.template import Template
@@ -182,8 +182,10 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
         return PLANAR_KINDS[0]
 
     @classmethod
-    def known(cls, data: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-        return whole_test(data, where, StudyError)
+    def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        length_mm = given_length_mm(variant or {}) or given_length_mm(data)
+        base, own = (whole_test(tables, where, StudyError, length_mm) for tables in (data, variant or {}))
+        return keys.merged(base, own)
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
         return key_of_whole(key, value, self.contact.length_mm)
@@ -233,26 +235,21 @@ class LineTables(CommonTables, _OfPadAndSpecimen):
 
     def of_length(self, length_mm: float) -> Self:
         """The test on another length of the contact, with as much load, force and energy to the millimetre."""
-        if length_mm == (own := self.contact.length_mm):
+        if length_mm == self.contact.length_mm:
             return self
-        factor = length_mm / own
+        factor = length_mm / self.contact.length_mm
 
         def of(table: AnyTable) -> AnyTable:
             return table.model_copy(update=lengthened(dict(table), factor))
 
-        changed = {
-            "conditions": of(self.conditions),
+        changed = {name: of(own) for name in GROWING if (own := getattr(self, name)) is not None} | {
             "programme": tuple(
                 block.model_copy(update={"conditions": lengthened(block.conditions, factor)})
                 for block in self.programme
             ),
             "contact": self.contact.model_copy(update={"length_mm": length_mm}),
-            "holder": of(self.holder),
-            "stop": None if self.stop is None else of(self.stop),
             "effects": tuple(
-                replace(
-                    effect, **lengthened({name: getattr(effect, name) for name in effect.parameters()}, length_mm / own)
-                )
+                replace(effect, **lengthened({name: getattr(effect, name) for name in effect.parameters()}, factor))
                 for effect in self.effects
             ),
         }

@@ -19,7 +19,7 @@ AnyStudy = TypeVar("AnyStudy")
 #: What a block may not change: the length of the whole test, its bodies, and how it is computed.
 _OF_THE_TEST = {
     "conditions": ("cycles", "motion_angle_deg", "approach_um"),
-    "contact": ("formulation", "primary_wire"),
+    "contact": ("formulation", "primary_wire", "length_mm"),
     "wear": ("update", "explicit_jump_cycles"),
     "bulk": (),
 }

@@ -12,7 +12,7 @@ from wirewear.base.errors import StudyError, shown
 from wirewear.base.reading import Held, parsed_toml, read_toml, require_no_other
 from wirewear.study.any_study import AnyStudy
 from wirewear.study.bodies import Body
-from wirewear.study.consistency import checked_tables, merged, of_kind
+from wirewear.study.consistency import checked_tables, of_kind
 from wirewear.study.fidelity import FIDELITIES, level_of
 from wirewear.study.lengths import PLANAR_KINDS
 from wirewear.study.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
@@ -146,12 +146,12 @@ def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
     """Build a study of any kind from nested tables such as `Study.resolved()` returns.
     Raises StudyError, in one sentence, if the tables are no valid study.
     """
-    data = of_kind(data.get("kind"))[0].known(data, where)
+    known = of_kind(data.get("kind"))[0].known
     base = {key: value for key, value in data.items() if key != "variants"}
-    tables: Any = checked_tables(base, where)
+    tables: Any = checked_tables(known(base, where), where)
     variants: tuple[tuple[str, Any], ...] = tuple(
-        (name, checked_tables(merged(base, overrides), where, overrides, f"variants.{name}"))
-        for name, overrides in variants_in(data, where)
+        (name, checked_tables(known(base, where, own), where, known(own, where), f"variants.{name}"))
+        for name, own in variants_in(data, where)
     )
     return {LineTables: LineStudy}.get(type(tables), Study)(tables, variants)
 

@@ -298,10 +298,12 @@ class CommonTables(StatesItsKind, ABC):
         return self.kind
 
     @classmethod
-    def known(cls, data: Mapping[str, Any], where: str) -> Mapping[str, Any]:
-        """A file's tables by the keys that these have; StudyError, in one sentence, if it says a thing twice."""
+    def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        """A file's tables, with what a variant has different in their place, by the keys that these tables have.
+        Raises StudyError, in one sentence, if a thing is stated twice.
+        """
         del where
-        return data
+        return keys.merged(data, variant or {})
 
     def known_as(self, key: str, value: Any) -> tuple[str, Any]:
         """A key with dots in it, and its value, as these tables hold it where a file may spell it otherwise."""
