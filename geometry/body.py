@@ -63,8 +63,10 @@ def _pipes_untouched() -> Iterator[None]:
     getsig, setsig = ctypes.pythonapi.PyOS_getsig, ctypes.pythonapi.PyOS_setsig
     getsig.restype, setsig.restype, setsig.argtypes = ctypes.c_void_p, ctypes.c_void_p, (ctypes.c_int, ctypes.c_void_p)
     before = getsig(signal.SIGPIPE)
-    yield
-    setsig(signal.SIGPIPE, before)
+    try:
+        yield
+    finally:
+        setsig(signal.SIGPIPE, before)
 
 
 def extruded_hexahedra(section: Array, quads: IntArray, lines_mm: Array) -> tuple[Array, IntArray]:

@@ -78,7 +78,7 @@ class SpreadPressure:
 
     @property
     def area_mm2(self) -> float:
-        """The contact's area."""
+        """Area of the contact, mm²."""
         return float(self.parts_mm2.sum())
 
     @cached_property

@@ -40,7 +40,7 @@ class Compliance(Protocol):
         ...
 
     def turned(self, rotation: Array) -> "Compliance":
-        """The same displacements in other axes, by a matrix (3, 3) that turns vectors into them."""
+        """The compliance in other axes, by a matrix (3, 3) that turns vectors into them."""
         ...
 
 
@@ -68,5 +68,5 @@ class ContactBody(Protocol):
         ...
 
     def update(self, print_mm: Array, force_N: Array, /) -> Array:
-        """Depth (n_a, n_t) in mm of the print after forces (n, 3) on the nodes, which found the print of before."""
+        """Depth (n_a, n_t) in mm of the print after forces (n, 3) on the nodes. print_mm: the depth before them."""
         ...

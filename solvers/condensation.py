@@ -295,11 +295,11 @@ class CondensedBody:
 
     @property
     def yields(self) -> bool:
-        """It is elastic."""
+        """False: a condensed body is elastic."""
         return False
 
     def update(self, print_mm: Array, _force_N: Array, /) -> Array:
-        """The print of before."""
+        """The print unchanged: an elastic body keeps none."""
         return print_mm
 
 

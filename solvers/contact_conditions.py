@@ -84,7 +84,7 @@ class ContactOutcome:
 
     @classmethod
     def nothing_pressed(cls, count: int, holder_x: float, height: float, tilt: float) -> "ContactOutcome":
-        """That of so many nodes that bear nothing, with the holder at that place."""
+        """The outcome of `count` open nodes without traction, with the holder at a place (mm, mm, rad)."""
         return cls(
             converged=True,
             message="nothing is pressed",

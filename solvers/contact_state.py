@@ -35,7 +35,7 @@ class WearState:
 
     @property
     def prints(self) -> tuple[Array | None, Array | None]:
-        """Those on the primary and the secondary."""
+        """Prints on the primary and the secondary, None on an elastic body."""
         return self.primary_print, self.secondary_print
 
 

@@ -80,19 +80,19 @@ class _CompilingClock(Listener):
     """Adds up the CPU time within compilations, of which one calls for another."""
 
     def __init__(self) -> None:
-        self.spent_s, self._begun_s, self._within = 0.0, 0.0, 0
+        self.spent_s, self._since_s, self._within = 0.0, 0.0, 0
 
     def on_start(self, event: Event) -> None:  # noqa: ARG002
         """A compilation begins."""
         if not self._within:
-            self._begun_s = time.process_time()
+            self._since_s = time.process_time()
         self._within += 1
 
     def on_end(self, event: Event) -> None:  # noqa: ARG002
-        """One ends."""
+        """Add the time that a compilation took as it ends."""
         self._within -= 1
         if not self._within:
-            self.spent_s += time.process_time() - self._begun_s
+            self.spent_s += time.process_time() - self._since_s
 
 
 _CLOCK = _CompilingClock()

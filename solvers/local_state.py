@@ -67,7 +67,7 @@ class LocalState:
         return np.asarray(self.fields[name].at(self))
 
     def among(self, chosen: slice) -> "LocalState":
-        """Some of the nodes."""
+        """The state at chosen nodes alone."""
         return replace(
             self,
             of_primary=lambda nodal: self.of_primary(nodal)[chosen],

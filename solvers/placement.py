@@ -44,7 +44,7 @@ class WornNodes:
 
 @dataclass(frozen=True)
 class PlacedBody:
-    """A body in the world."""
+    """A body placed in the contact's axes: x along the motion, z upwards."""
 
     patch: ContactPatch
     facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.

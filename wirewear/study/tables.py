@@ -337,7 +337,7 @@ class CommonTables(StatesItsKind, ABC):
 
     @property
     def worn_per_cycle(self) -> float:
-        """Worn volume of a stroke in gross slip on a rigid rig, 10⁻⁶ mm³."""
+        """Worn volume in gross slip over a distance of one amplitude, a quarter of a cycle's, 10⁻⁶ mm³."""
         return self.worn_by_sliding * self.conditions.normal_load_N * float(self.conditions.displacement_amplitude_um)
 
     @property

@@ -4,16 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from wirewear.sweeps.sweep import Design, SweepRow
 from wirewear.sweeps.tables import LATIN_HYPERCUBE, SOBOL
-
-if TYPE_CHECKING:
-    pass
-
 
 FEWEST_RUNS = {LATIN_HYPERCUBE: 40, SOBOL: 8}  #: Fewer complete runs (of Sobol's design: blocks) tell nothing.
 CONSTANT = 1e-9  #: Figures that vary by less than this share of their mean are constant.

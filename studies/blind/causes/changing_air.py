@@ -32,4 +32,4 @@ class ChangingAir(FrictionFactor):
 
     def at(self, cycle: float) -> float:
         taken = ((self.cycle_3, self.factor_3), (self.cycle_2, self.factor_2), (self.cycle_1, self.factor_1))
-        return next((factor for begun, factor in taken if cycle >= begun), 1.0)
+        return next((factor for start, factor in taken if cycle >= start), 1.0)
