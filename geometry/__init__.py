@@ -5,7 +5,7 @@ What it offers is loaded when it is first asked for: who catches an error needs 
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from geometry.body import BodyGeometry, BodyMesh, Elastic, build_body

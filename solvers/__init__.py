@@ -5,16 +5,17 @@ What it offers is loaded when it is first asked for: a diagnosis needs laws and 
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from solvers.adaptive_loop import closed_adaptive_cycle
-    from solvers.body import Compliance, ContactBody
-    from solvers.condensation import CondensedBody, condense
     from solvers.contact import ContactProblem, advance, press, unloaded_state
     from solvers.contact.problem import misaligned
     from solvers.contact_state import ContactState, DriveTiming, Guide, Holder, IncrementReport, WearState
     from solvers.drive import BulkStress, Drive, LoadCycle, Waveform, trapezoidal, triangular
+    from solvers.elasticity.body import Compliance, ContactBody
+    from solvers.elasticity.condensation import CondensedBody, condense
+    from solvers.elasticity.placement import PlacedBody, facing, place
     from solvers.errors import NotConvergedError, PatchLeftError, SolverError
     from solvers.fretting import (
         CycleTrace,
@@ -27,7 +28,8 @@ if TYPE_CHECKING:
         run_cycle,
         settled,
     )
-    from solvers.friction_law import (
+    from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
+    from solvers.laws.friction_law import (
         Coulomb,
         Friction,
         FrictionLaw,
@@ -38,14 +40,9 @@ if TYPE_CHECKING:
         ShearLimited,
         friction_laws,
     )
-    from solvers.interior import StuckMotion, move_stuck
-    from solvers.jumps import JumpController, JumpStep, change_by_work, take_step
-    from solvers.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
-    from solvers.local_state import LocalField, LocalState
-    from solvers.placement import PlacedBody, facing, place
-    from solvers.transfer import flattened, remeshed, transferred, transferred_wear
-    from solvers.wear import OxygenSupply, WearRates
-    from solvers.wear_law import (
+    from solvers.laws.layers import ContactLayer, RoughLayer, SurfaceLayer, ThirdBody, bare_depth
+    from solvers.laws.local_state import LocalField, LocalState
+    from solvers.laws.wear_law import (
         Archard,
         EnergyLaw,
         EnergyThreshold,
@@ -55,6 +52,9 @@ if TYPE_CHECKING:
         WornCycle,
         wear_laws,
     )
+    from solvers.stress.interior import StuckMotion, move_stuck
+    from solvers.transfer import flattened, remeshed, transferred, transferred_wear
+    from solvers.wear import OxygenSupply, WearRates
     from solvers.wear_step import CycleJump, Symmetry, closed_trace, jump_cycles, kept_by, mirror_error, symmetry_of
 
 __all__ = [

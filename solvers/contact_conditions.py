@@ -19,11 +19,11 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from geometry.arrays import Array, BoolArray
-from solvers.compliance import PairedCompliance
 from solvers.contact_state import Holder
-from solvers.friction_law import Friction
-from solvers.layers import LayersAtNodes
-from solvers.pairing import Pairing
+from solvers.elasticity.compliance import PairedCompliance
+from solvers.elasticity.pairing import Pairing
+from solvers.laws.friction_law import Friction
+from solvers.laws.layers import LayersAtNodes
 
 #: What an algorithm says of bodies that no longer touch.
 LOST_CONTACT = "all nodes opened: the bodies have lost contact"

@@ -22,8 +22,8 @@ from geometry import ContactPatch
 from geometry.arrays import Array
 from solvers.contact import ContactProblem, press, unloaded_state
 from solvers.contact_state import ContactState, IncrementReport, WearState
+from solvers.elasticity.pairing import PrimarySurface, primary_surface, vertical_gap
 from solvers.errors import SolverError
-from solvers.pairing import PrimarySurface, primary_surface, vertical_gap
 
 _LARGEST_SHARE_LOST = 1e-11  #: The share of a field's integral that may lie beside the new grid: round-off.
 

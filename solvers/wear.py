@@ -1,4 +1,4 @@
-"""Local wear on both surfaces, by the law of `solvers.wear_law` and each body's coefficient.
+"""Local wear on both surfaces, by the law of `solvers.laws.wear_law` and each body's coefficient.
 
 The primary's nodes take their share of the wear work directly; the secondary's by the transposed transfer operator, so
 worn volume equals coefficient times work to round-off on both bodies.
@@ -22,13 +22,13 @@ import numpy as np
 from geometry.arrays import Array
 from solvers.contact_state import WearState
 from solvers.errors import SolverError
-from solvers.layers import SurfaceLayer, friction_factor, receded
-from solvers.local_state import LocalState
-from solvers.wear_law import EnergyLaw, WearLaw, WornCycle
+from solvers.laws.layers import SurfaceLayer, friction_factor, receded
+from solvers.laws.local_state import LocalState
+from solvers.laws.wear_law import EnergyLaw, WearLaw, WornCycle
 
 if TYPE_CHECKING:
-    from solvers.pairing import Pairing
-    from solvers.placement import PlacedBody
+    from solvers.elasticity.pairing import Pairing
+    from solvers.elasticity.placement import PlacedBody
 
 
 _FADING = 0.3  #: That part, of the whole way.

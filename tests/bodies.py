@@ -8,10 +8,10 @@ from threadpoolctl import threadpool_limits
 
 from geometry import BodyMesh, ContactPatch, Cylinder, Elastic, GradedAxis, HexMesh, WireGeometry, build_body
 from geometry.arrays import Array
-from solvers.condensation import CondensedBody
 from solvers.contact import ContactProblem, advance, press, unloaded_state
 from solvers.contact_state import ContactState, Holder, IncrementReport
-from solvers.placement import PlacedBody, place
+from solvers.elasticity.condensation import CondensedBody
+from solvers.elasticity.placement import PlacedBody, place
 from solvers.wear import WearRates
 from wirewear.simulation import problem as wires
 

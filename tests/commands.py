@@ -2,7 +2,7 @@
 
 from click.testing import CliRunner, Result
 
-from wirewear.faces import cli
+from wirewear.app.cli import cli
 
 
 def wirewear(*words: object, code: int = 0) -> Result:

@@ -11,7 +11,7 @@ import numpy as np
 
 from wirewear import RunResult, Study, parse_study, run_study
 from wirewear.effects import Effect
-from wirewear.study import LineStudy, study_from_tables
+from wirewear.test import LineStudy, study_from_tables
 
 _STEEL_WIRES = """
 format = 1

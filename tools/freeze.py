@@ -116,7 +116,7 @@ def _write_loop(loop: Loop, path: Path) -> None:
 # Answers
 
 
-def wirewear(*arguments: str | Path, may_fail: bool = False, module: str = "wirewear.faces") -> str:
+def wirewear(*arguments: str | Path, may_fail: bool = False, module: str = "wirewear.app.cli") -> str:
     """Run the command line of the present code on one thread; returns what it prints."""
     threads = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
     path = os.pathsep.join(filter(None, (str(ROOT), os.environ.get("PYTHONPATH"))))

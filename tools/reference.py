@@ -10,19 +10,19 @@ from pydantic.fields import FieldInfo
 
 import wirewear
 from studies.blind.commands import exam
+from wirewear.app.cli import cli
 from wirewear.base.errors import UNIT_SYMBOLS, Quantity, unit_of, words_of
 from wirewear.effects import Parameter, all_effects
-from wirewear.faces import cli
 from wirewear.records.contact_tables import BallRecordTables, LineRecordTables
 from wirewear.records.importing.mapping import LineMapping
 from wirewear.records.importing.mapping import Mapping as RecordMapping
 from wirewear.records.tables import RecordTables
 from wirewear.results import COLUMN_MEANINGS, EVOLUTION_COLUMNS, LATER_COLUMNS, hdf5
-from wirewear.study.keys import quantity_of, table_of
-from wirewear.study.lines import LineTables
-from wirewear.study.points import BallOnFlatTables, PointTables
-from wirewear.study.tables import StudyTables
 from wirewear.sweeps.tables import SweepTables, Vary
+from wirewear.test.keys import quantity_of, table_of
+from wirewear.test.lines import LineTables
+from wirewear.test.points import BallOnFlatTables, PointTables
+from wirewear.test.tables import StudyTables
 
 #: Files that commands leave, and which page says more.
 FILES = (

@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wirewear import effects, reference
+    from wirewear.app.api.lives import lives
+    from wirewear.app.api.run import Run, read_result, read_results
+    from wirewear.app.api.studies import Record, load, read_record, run, run_variants
     from wirewear.base.errors import RecordError, ResultError, RunError, SensorError, StudyError, WirewearError
-    from wirewear.faces.life import lives
-    from wirewear.faces.looking import Run, read_result, read_results
-    from wirewear.faces.running import Record, load, read_record, run, run_variants
     from wirewear.loops.sensor import LoopSignals, Sensor, SensorNoise, sensor_held_stroke
     from wirewear.records import ExperimentRecord, check_record, record_of_result, write_record
     from wirewear.results import Evolution, Loop, RunResult, Scar, largest_mean_pressure_MPa, write_result
     from wirewear.simulation import run_study
-    from wirewear.study import Study, load_study, parse_study
+    from wirewear.test import Study, load_study, parse_study
 
     __version__: str
 
@@ -72,7 +72,7 @@ def _location(name: str) -> Path | None:
 
 
 _require_own_siblings()
-_loaded = import_module("geometry.late").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
+_loaded = import_module("geometry.lazy").loaded_late(__name__)  # Only now is it known whose `geometry` that is.
 
 
 def __getattr__(name: str) -> Any:

@@ -1,6 +1,6 @@
 """`python -m wirewear` is the command line."""
 
-from wirewear.faces import main
+from wirewear.app.cli import main
 
 if __name__ == "__main__":
     main()

@@ -20,11 +20,11 @@ from geometry.arrays import Array, IntArray
 from solvers.contact.problem import ContactProblem, facing_offset, law_at, layers_between, levers, normal_of
 from solvers.contact_conditions import ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, IncrementReport
+from solvers.elasticity.pairing import Pairing
 from solvers.errors import PatchLeftError
-from solvers.friction_law import Friction
-from solvers.kept_code import compiled
-from solvers.layers import LayersAtNodes
-from solvers.pairing import Pairing
+from solvers.jit_cache import compiled
+from solvers.laws.friction_law import Friction
+from solvers.laws.layers import LayersAtNodes
 from solvers.wear import Sliding, deposited
 
 

@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.compliance import displacement_at
 from solvers.contact.acceptance import accepted
 from solvers.contact.problem import (
     ContactProblem,
@@ -20,6 +19,7 @@ from solvers.contact.problem import (
 )
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
 from solvers.contact_state import ContactState, FirstGuess, IncrementReport
+from solvers.elasticity.compliance import displacement_at
 from solvers.errors import NotConvergedError, SolverError
 
 # The pairing is renewed when the holder has moved by more than this share of the smallest element since; the gap's

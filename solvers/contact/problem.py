@@ -9,18 +9,18 @@ from typing import Literal
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.between_nodes import WithinElements
-from solvers.compliance import PairedCompliance
+from solvers.contact.between_nodes import WithinElements
 from solvers.contact_conditions import ContactAlgorithm, Linearisation
 from solvers.contact_state import ContactState, DriveTiming, Holder, WearState
+from solvers.elasticity.compliance import PairedCompliance
+from solvers.elasticity.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
+from solvers.elasticity.placement import PlacedBody
 from solvers.errors import SolverError
-from solvers.friction_law import Coulomb, Friction, FrictionLaw
-from solvers.kept_code import compiled
-from solvers.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
-from solvers.local_state import LocalField, LocalState
+from solvers.jit_cache import compiled
+from solvers.laws.friction_law import Coulomb, Friction, FrictionLaw
+from solvers.laws.layers import ContactLayer, LayersAtNodes, layers_at_nodes, open_share
+from solvers.laws.local_state import LocalField, LocalState
 from solvers.newton import SemismoothNewton
-from solvers.pairing import Pairing, PrimarySurface, pair, primary_surface, vertical_gap
-from solvers.placement import PlacedBody
 from solvers.wear import WearRates
 
 _PENALTY_SHARE = 0.02  # Of the nodes' own compliance; penetration is then about 1 % of the approach on usual meshes.

@@ -17,7 +17,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact_conditions import Linearisation
-from solvers.kept_code import compiled, inlined
+from solvers.jit_cache import compiled, inlined
 from solvers.newton.terms import Carried, HolderTerms, Iterate, LinearLaws, Nodes, linear_laws, nodes_of
 
 # Slipping nodes keep their tangential unknowns while their slip is below this share of the displacement that full

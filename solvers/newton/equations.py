@@ -13,7 +13,7 @@ import numpy as np
 from scipy.linalg import lapack
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.kept_code import compiled, inlined
+from solvers.jit_cache import compiled, inlined
 from solvers.newton.conditions import (
     ContactConditions,
     Scales,

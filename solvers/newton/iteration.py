@@ -9,7 +9,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.contact_conditions import LOST_CONTACT, ContactGuess, ContactOutcome, Linearisation
-from solvers.kept_code import compiled
+from solvers.jit_cache import compiled
 from solvers.newton.conditions import NEAR_STICK, Changes, ContactConditions, stop_in_play, unbalanced_force
 from solvers.newton.equations import newton_step
 from solvers.newton.terms import Iterate

@@ -7,7 +7,7 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray
 from solvers.contact_conditions import Linearisation
-from solvers.kept_code import inlined
+from solvers.jit_cache import inlined
 
 
 class Carried(NamedTuple):

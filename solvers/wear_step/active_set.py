@@ -10,11 +10,11 @@ import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
+from solvers.elasticity.nodal_transfer import NodalTransfer
 from solvers.errors import NotConvergedError
-from solvers.friction_law import Friction
-from solvers.kept_code import compiled, inlined
-from solvers.layers import LayersAtNodes, layers_at_nodes, open_share
-from solvers.nodal_transfer import NodalTransfer
+from solvers.jit_cache import compiled, inlined
+from solvers.laws.friction_law import Friction
+from solvers.laws.layers import LayersAtNodes, layers_at_nodes, open_share
 from solvers.wear_step.coupled import Coupled
 from solvers.wear_step.orbits import Opening, scaled_rows
 from solvers.wear_step.surfaces import Cycle, Depths, Facing, moved_along

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.kept_code import compiled
-from solvers.pairing import Pairing
-from solvers.placement import PlacedBody
+from solvers.elasticity.pairing import Pairing
+from solvers.elasticity.placement import PlacedBody
+from solvers.jit_cache import compiled
 from solvers.wear_step.symmetry import Mirror
 
 _AT_ONCE = 64  # Loaded nodes whose compliances are gathered together: those of some hundred nodes fit into a cache.

@@ -12,9 +12,9 @@ from geometry.arrays import Array, BoolArray, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact.problem import faced, facing_offset, levers, vertical_gaps
 from solvers.contact_state import ContactState
-from solvers.kept_code import compiled
-from solvers.layers import layers_at_nodes
-from solvers.pairing import Pairing
+from solvers.elasticity.pairing import Pairing
+from solvers.jit_cache import compiled
+from solvers.laws.layers import layers_at_nodes
 from solvers.wear import Rate
 from solvers.wear_step.influence import displaced
 from solvers.wear_step.places import WearStop

@@ -26,8 +26,8 @@ from geometry.arrays import Array
 from solvers.contact import ContactProblem
 from solvers.contact_state import WearState
 from solvers.errors import NotConvergedError
-from solvers.friction_law import Friction
-from solvers.layers import ContactLayer, layers_at_nodes, open_share
+from solvers.laws.friction_law import Friction
+from solvers.laws.layers import ContactLayer, layers_at_nodes, open_share
 from solvers.wear import Recession, after_work
 from solvers.wear_step.active_set import CycleEquations
 from solvers.wear_step.orbits import Orbits

@@ -11,12 +11,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from geometry.arrays import Array, IntArray
-from solvers.between_nodes import WithinElements
-from solvers.compliance import displacement_at
 from solvers.contact import ContactProblem
 from solvers.contact.acceptance import require_inside_patches
+from solvers.contact.between_nodes import WithinElements
 from solvers.contact.problem import faced, levers, vertical_gaps, within_elements
 from solvers.contact_state import ContactState, Guide, WearState, guide_from
+from solvers.elasticity.compliance import displacement_at
 from solvers.errors import NotConvergedError
 from solvers.fretting import CycleTrace
 from solvers.wear_step.influence import Influences

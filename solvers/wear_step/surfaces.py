@@ -8,16 +8,16 @@ from typing import NamedTuple
 import numpy as np
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.between_nodes import WithinElements
 from solvers.contact import ContactProblem
+from solvers.contact.between_nodes import WithinElements
 from solvers.contact_state import WearState
-from solvers.friction_law import Friction
-from solvers.kept_code import compiled, inlined
-from solvers.layers import ContactLayer, open_share
-from solvers.local_state import LocalState
-from solvers.nodal_transfer import weighted_sums
-from solvers.pairing import frames_on
-from solvers.quadrature import gradient
+from solvers.elasticity.nodal_transfer import weighted_sums
+from solvers.elasticity.pairing import frames_on
+from solvers.elasticity.quadrature import gradient
+from solvers.jit_cache import compiled, inlined
+from solvers.laws.friction_law import Friction
+from solvers.laws.layers import ContactLayer, open_share
+from solvers.laws.local_state import LocalState
 from solvers.wear_step.coupled import SimilarEquations
 from solvers.wear_step.influence import Influences
 from solvers.wear_step.orbits import Orbits, Position

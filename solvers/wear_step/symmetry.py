@@ -15,7 +15,7 @@ from geometry.arrays import Array, IntArray
 from solvers.contact import ContactProblem
 from solvers.contact_state import ContactState, Guide
 from solvers.drive import Drive
-from solvers.placement import PlacedBody
+from solvers.elasticity.placement import PlacedBody
 
 # Meshes are mirrored to the last bit, their compliance to round-off of the factorisation.
 _PLACE_TOLERANCE_mm = 1e-10

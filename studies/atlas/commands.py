@@ -9,7 +9,7 @@ import click
 
 from studies.atlas.entry import ALL, ENTRIES, PREDICTIONS, Entry, Row, read_entries
 from wirewear import StudyError
-from wirewear.faces.group import Commands, OutputFolder
+from wirewear.app.cli.group import Commands, OutputFolder
 
 fidelity_option = click.option(
     "--fidelity", type=click.Choice(("quick", "standard", "fine")), default="quick", show_default=True
@@ -50,8 +50,8 @@ def _run(names: Sequence[str], fidelity: str, output: Path, *, freeze: bool) -> 
 
     from studies.atlas.page import write_page
     from studies.atlas.table import FROZEN, compared, frozen, moved, rows_table, sentence, write_table
+    from wirewear.app.cli.study_script import wide_console
     from wirewear.base.writing import prepared_folder
-    from wirewear.faces.study_script import wide_console
 
     entries = read_entries(names)
     rows = [row for entry in entries for row in _rows(entry, fidelity, output)]
@@ -110,7 +110,7 @@ def new(doi: str, name: str, kind: str, table: Path | None, into: Path) -> None:
     """Begin an entry: entry.toml, tests.csv and study.toml, to be filled in."""
     from wirewear.base.writing import write_text
     from wirewear.kinds import KINDS
-    from wirewear.study.template import study_text
+    from wirewear.test.template import study_text
 
     found = next((one for one in KINDS.values() if kind in one.names), None)
     if found is None:

@@ -17,8 +17,8 @@ from pydantic import BaseModel, ConfigDict
 
 from wirewear import StudyError
 from wirewear.base.errors import as_sentence
-from wirewear.base.reading import read_toml
-from wirewear.study.messages import validated
+from wirewear.base.files import read_toml
+from wirewear.test.messages import validated
 
 ENTRIES = Path(__file__).parent
 PREDICTIONS = "predictions.csv"

@@ -16,8 +16,8 @@ from wirewear.base.writing import json_text
 from wirewear.kinds import any_study
 from wirewear.loops import LoopError, Measured, analyse_loop
 from wirewear.simulation import ProgressBar, run_study
-from wirewear.study.keys import merged
-from wirewear.study.study import read_study
+from wirewear.test.keys import merged
+from wirewear.test.study import read_study
 
 
 def simulator(entry: Entry, fidelity: str, output: Path) -> Simulated:

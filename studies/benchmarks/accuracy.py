@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 import wirewear as ww
 from wirewear import RunResult, reference
-from wirewear.faces.study_script import StudyScript
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.pictures import style
 from wirewear.pictures.loop import draw_loop, name_axes
-from wirewear.study.fidelity import FIDELITIES
+from wirewear.test.fidelity import FIDELITIES
 from wirewear.verification.partial_slip_run import limiting_shape, worn_out_study
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"

@@ -18,8 +18,8 @@ from pathlib import Path
 import click
 
 from wirewear import Study
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.writing import prepared_folder
-from wirewear.faces.study_script import StudyScript
 from wirewear.simulation.workbench import Discretisation, build_body
 
 from .calculix_deck import CalculixTest, ContactMethod, deck
@@ -104,7 +104,7 @@ def _study_cost(fidelity: str, folder: Path) -> StudyCost | None:
     file = str(REPOSITORY / "studies" / "steel_wires" / "study.toml")
     output = tempfile.mkdtemp(dir=folder, prefix="study-")
     chosen = ["--variant", "compliant", "--fidelity", fidelity, "--jobs", "1", "--output", output]
-    command = ["-c", "from wirewear.faces import main; main()", "run", file, *chosen]
+    command = ["-c", "from wirewear.app.cli import main; main()", "run", file, *chosen]
     cost = _run_wirewear(command, folder, "study")
     return None if cost is None else StudyCost(fidelity, cost.cpu_s, cost.wall_s)
 

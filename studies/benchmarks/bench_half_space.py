@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wirewear import reference
-from wirewear.faces.study_script import StudyScript
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.simulation.workbench import contact_problem, press, unloaded_state
 
 from .crossed_wires import discretised, study

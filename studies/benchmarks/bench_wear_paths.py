@@ -18,9 +18,9 @@ import numpy as np
 from rich.table import Table
 
 from wirewear import RunResult, Study, load_study, run_study
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.base.writing import prepared_folder
-from wirewear.faces.study_script import StudyScript, wide_console
-from wirewear.study.fidelity import FIDELITIES
+from wirewear.test.fidelity import FIDELITIES
 
 STUDY = Path(__file__).parents[1] / "steel_wires" / "study.toml"
 SHORT = 1_000

@@ -22,10 +22,10 @@ from numpy.typing import NDArray
 from scipy.interpolate import LinearNDInterpolator
 from scipy.spatial import cKDTree
 
-from wirewear.faces.study_script import StudyScript
-from wirewear.interior import BodyState, body_grid, body_states, von_mises
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.results import RunResult, read_result
 from wirewear.results.scar import WIRES
+from wirewear.stress import BodyState, body_grid, body_states, von_mises
 
 Array = NDArray[np.float64]
 

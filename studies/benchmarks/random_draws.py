@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from wirewear import reference
-from wirewear.base.reading import toml_text
-from wirewear.study.bodies import hertz_of
-from wirewear.study.points import LowerAndUpper
+from wirewear.base.files import toml_text
+from wirewear.test.bodies import hertz_of
+from wirewear.test.points import LowerAndUpper
 
 #: Ranges the studies are drawn from; lengths and stiffnesses on a logarithmic scale.
 DIAMETER_mm = (0.2, 2.0)

@@ -23,9 +23,9 @@ import click
 import numpy as np
 
 from wirewear import WirewearError, parse_study, run_study
+from wirewear.app.cli.study_script import StudyScript, understanding
 from wirewear.base.engine import LocalProcesses, engine_of
 from wirewear.base.writing import prepared_folder
-from wirewear.faces.study_script import StudyScript, understanding
 
 from .random_draws import draw, draw_shapes
 

@@ -27,7 +27,8 @@ from studies.blind.scoring.figures import LARGE_GAP
 from studies.blind.scoring.judging import judged
 from studies.blind.scoring.statistics import area_under_curve
 from wirewear import ResultError, WirewearError, read_record
-from wirewear.base.reading import read_json
+from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.base.files import read_json
 from wirewear.base.writing import prepared_folder
 from wirewear.diagnosis import Diagnosed, diagnose
 from wirewear.diagnosis import record_diagnosis as judging
@@ -37,7 +38,6 @@ from wirewear.diagnosis.infer.search import Search
 from wirewear.diagnosis.infer.shrink import Shrink
 from wirewear.diagnosis.infer.where import Place, Relevance, relevance_of
 from wirewear.diagnosis.surrogate.candidates import Candidate
-from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .answering import BASELINES, baseline_answers, write_json
 from .frozen import frozen_records, unpack

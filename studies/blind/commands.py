@@ -7,8 +7,8 @@ import click
 
 from studies.blind.generators.generator import LINE_TIERS, OTHERS, POINT_TIERS, TIERS
 from studies.blind.options import outside_option, stated_scatter_option
-from wirewear.faces import prepare_streams
-from wirewear.faces.group import Commands, OutputFile, OutputFolder, scheduler_option
+from wirewear.app.cli import prepare_streams
+from wirewear.app.cli.group import Commands, OutputFile, OutputFolder, scheduler_option
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
@@ -57,8 +57,8 @@ def make(
     from rich.progress import MofNCompleteColumn, Progress
 
     from studies.blind import default_key_path, generator_of, make_batch
+    from wirewear.app.cli.study_script import progress_bar
     from wirewear.base.engine import engine_of
-    from wirewear.faces.study_script import progress_bar
 
     generator = generator_of(tier, law=law, outside=outside, stated_scatter=stated_scatter)
     with progress_bar(*Progress.get_default_columns(), MofNCompleteColumn()) as bar:
@@ -98,7 +98,7 @@ def diagnose(batch: Path, diagnoses: Path, jobs: int, scheduler: str | None) -> 
 def score(batch: Path, diagnoses: Path, key_path: Path, output: Path | None) -> None:
     """Verify a batch, score the diagnoses of its records (DIAGNOSES_DIR/<record>/diagnosis.json), and log the run."""
     from studies.blind import score_batch, score_table
-    from wirewear.faces.study_script import wide_console
+    from wirewear.app.cli.study_script import wide_console
 
     scored = score_batch(batch, diagnoses, key_path=key_path, output=output)
     wide_console(120).print(score_table(scored.report))

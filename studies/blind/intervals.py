@@ -17,9 +17,9 @@ from rich.table import Table
 
 from studies.blind import default_key_path, verified
 from studies.blind.errors import BlindError
-from wirewear.base.reading import read_json
+from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.base.files import read_json
 from wirewear.effects import Parameter, all_effects
-from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 KINDS = ("single", "pair")  #: Kinds of records whose parameters are estimated.
 

@@ -17,8 +17,8 @@ from rich import box
 from rich.table import Table
 
 from wirewear import ExperimentRecord, RecordError, WirewearError, read_record
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis import Diagnosis, diagnose
-from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.loops.sensor import Sensor, SensorNoise
 from wirewear.records.exporting import record_of_result
 from wirewear.results import RESULT_FILE_NAME, read_result

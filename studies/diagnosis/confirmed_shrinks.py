@@ -15,10 +15,10 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.base.reading import read_json
+from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.base.files import read_json
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis import confirmed, diagnose
-from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 WITHIN = 0.05  #: A shrink foreseen within so much of the one achieved counts as foreseen.
 

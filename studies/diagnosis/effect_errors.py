@@ -21,7 +21,8 @@ from rich.table import Table
 from scipy.linalg import cho_factor, cho_solve
 
 from wirewear import RecordError, WirewearError, read_record
-from wirewear.base.reading import read_json
+from wirewear.app.cli.study_script import StudyScript, understanding, wide_console
+from wirewear.base.files import read_json
 from wirewear.diagnosis.infer.covariance import smooth_covariance, solver_covariance
 from wirewear.diagnosis.observe.observable import Scale
 from wirewear.diagnosis.observe.observed_record import read_at_corners
@@ -31,7 +32,6 @@ from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.nominal import nominal_run, nominal_study
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects
-from wirewear.faces.study_script import StudyScript, understanding, wide_console
 
 from .gap_free import TRUTH
 

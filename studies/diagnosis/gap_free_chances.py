@@ -21,12 +21,12 @@ from rich.table import Table
 from scipy.stats import chi2, kstest
 
 from wirewear import RecordError, ResultError, WirewearError, read_record
-from wirewear.base.reading import read_json
+from wirewear.app.cli.study_script import StudyScript, wide_console
+from wirewear.base.files import read_json
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import estimate
 from wirewear.diagnosis.infer.inference import Problem
 from wirewear.diagnosis.infer.weighing import chance
-from wirewear.faces.study_script import StudyScript, wide_console
 
 #: Deviation of the logarithm of a whole record's variance: eighty gap-free records of nineteen tests have 0.18 of it.
 SCALE = 0.2

@@ -16,10 +16,10 @@ from pathlib import Path
 import click
 
 from wirewear import RecordError
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.engine import LocalProcesses
 from wirewear.base.writing import prepared_folder, write_text
 from wirewear.diagnosis.calibration import Constant, all_constants, scale
-from wirewear.faces.study_script import StudyScript
 
 FACTORS = {"as it is": 1.0, "halved": 0.5, "doubled": 2.0}
 TABLE = "halved_and_doubled.csv"

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis.surrogate.layered_wires import LayeredCase, layered_wires, pressing_layers, remembered
 from wirewear.diagnosis.surrogate.worn_wires import WornWires, slopes, wearing
-from wirewear.faces.study_script import StudyScript, wide_console
 
 Array = NDArray[np.float64]
 

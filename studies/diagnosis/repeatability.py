@@ -15,9 +15,9 @@ from rich import box
 from rich.table import Table
 
 from wirewear import RecordError, WirewearError, read_record
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis import prepared
 from wirewear.diagnosis.infer.covariance import Told, estimate, told_by_repeats
-from wirewear.faces.study_script import StudyScript, wide_console
 
 
 def told_by(path: Path) -> dict[str, Told]:

@@ -27,10 +27,10 @@ from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import minimize
 
 from wirewear import RecordError
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.diagnosis.calibration import FILE
 from wirewear.diagnosis.surrogate.candidates import EXPECTED
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL
-from wirewear.faces.study_script import StudyScript, wide_console
 
 from .gap_free_pairs import Pair, pairs_of
 

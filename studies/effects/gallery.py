@@ -15,16 +15,16 @@ import numpy as np
 import polars as pl
 from matplotlib.figure import Figure
 
+from wirewear.app.cli.study_script import StudyScript
 from wirewear.base.writing import prepared_folder, write_csv
 from wirewear.diagnosis.wording import plain
 from wirewear.effects import all_effects
-from wirewear.faces.study_script import StudyScript
 from wirewear.pictures.loop import draw_loop
 from wirewear.pictures.smooth import smooth_loop
 from wirewear.pictures.style import cycle_name, new_figure, save
 from wirewear.simulation import ProgressBar
-from wirewear.study import FIDELITIES
 from wirewear.sweeps.signature import Signature, signature_of, signature_study
+from wirewear.test import FIDELITIES
 from wirewear.views.signature_picture import CHANGED, NOMINAL, draw_signature
 
 HEADINGS = {

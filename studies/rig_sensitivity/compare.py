@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from rich import box
 from rich.table import Table
 
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.base.errors import ResultError
-from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.reference import hertz_crossed_cylinders, tangential_contact_modulus
 from wirewear.reference.cattaneo_mindlin import dissipated_energy, force_amplitude, partial_slip_point, slip_amplitude
-from wirewear.study import Study
 from wirewear.sweeps import Sweep, load_sweep
 from wirewear.sweeps.indices import Index, indices
 from wirewear.sweeps.sweep import FIRST, SweepRow
+from wirewear.test import Study
 
 SWEEP = Path(__file__).with_name("sweep.toml")
 

@@ -19,8 +19,8 @@ import polars as pl
 from matplotlib.figure import Figure
 
 from wirewear import ResultError
+from wirewear.app.cli.study_script import StudyScript, progress_bar, wide_console
 from wirewear.base.verdicts import Comparison, Finding, comparison_table, finding_table
-from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure, save, variant_style
 
 from .rigs import CONTACTS, LEVELS, Change, Rig, equally_stiff, shipped, simulated

@@ -15,8 +15,8 @@ from wirewear import ResultError, RunError
 from wirewear.loops import analyse_loop
 from wirewear.results import RunResult
 from wirewear.simulation import run_study, simulate
-from wirewear.study import LineStudy, study_from_tables
-from wirewear.study.study import read_study
+from wirewear.test import LineStudy, study_from_tables
+from wirewear.test.study import read_study
 
 Array = NDArray[np.float64]
 

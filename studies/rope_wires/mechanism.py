@@ -20,10 +20,10 @@ from matplotlib.ticker import FuncFormatter
 
 from wirewear import lives
 from wirewear.base.errors import counted
-from wirewear.interior.damage import Begun, Damage
 from wirewear.pictures import style
 from wirewear.simulation import simulate
-from wirewear.study import study_from_tables
+from wirewear.stress.damage import Begun, Damage
+from wirewear.test import study_from_tables
 
 STUDY = Path(__file__).with_name("study.toml")
 CYCLES = [1, 10, 100, 300, 1000, 3000]  #: Recorded; lives that are longer go on as the last one.

@@ -17,9 +17,9 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from wirewear import ExperimentRecord, read_record
+from wirewear.app.cli.study_script import comparison_command, wide_console
 from wirewear.base.verdicts import Finding, comparison_table, finding_table
 from wirewear.comparison.comparison import RecordComparison, compare
-from wirewear.faces.study_script import comparison_command, wide_console
 from wirewear.pictures import amplitude_evolution, loops_by_cycle, save, scar_sections
 from wirewear.views.comparison_page import write_comparison
 

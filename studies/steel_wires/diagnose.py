@@ -17,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from wirewear import read_record
+from wirewear.app.cli.study_script import StudyScript, wide_console
 from wirewear.base.errors import counted
 from wirewear.base.verdicts import Finding, finding_table
 from wirewear.base.writing import prepared_folder
@@ -24,7 +25,6 @@ from wirewear.diagnosis import Diagnosed, Estimate, calibrated, diagnose
 from wirewear.diagnosis.infer.shrink import physical_gap
 from wirewear.diagnosis.surrogate.forward import simulate
 from wirewear.diagnosis.surrogate.inputs import Setup
-from wirewear.faces.study_script import StudyScript, wide_console
 from wirewear.pictures import save
 from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.style import VARIANT_COLOURS, new_figure

@@ -16,8 +16,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from wirewear.app.cli.study_script import StudyScript, progress_bar, wide_console
 from wirewear.base.writing import json_text
-from wirewear.faces.study_script import StudyScript, progress_bar, wide_console
 from wirewear.reference import contact_modulus, mindlin_stiffness, tangential_contact_modulus
 
 from .contact_stiffness import line_contact_stiffness

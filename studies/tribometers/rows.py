@@ -10,7 +10,7 @@ from typing import Any
 from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError, as_sentence, shown
 from wirewear.reference import Elastic
-from wirewear.study.materials import material_named
+from wirewear.test.materials import material_named
 
 from .contact_stiffness import ASSUMED
 

@@ -104,7 +104,7 @@ def _command(asked: Mapping[str, Any]) -> int:
     if asked["common"]:
         give_up_capabilities()
     is_exam = asked["arguments"][0] == "studies.blind"
-    module, arguments = "studies.blind.commands" if is_exam else "wirewear.faces", asked["arguments"][is_exam:]
+    module, arguments = "studies.blind.commands" if is_exam else "wirewear.app.cli", asked["arguments"][is_exam:]
     if asked["whole"]:
         os.environ["PYTHONPATH"] = str(Path(__file__).parents[2])
         os.execv(sys.executable, [sys.executable, "-c", f"from {module} import main; main()", *arguments])

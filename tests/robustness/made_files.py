@@ -10,7 +10,7 @@ from tests.robustness.commands import FLAT, STUDY
 from wirewear import parse_study, record_of_result, run_study, write_record
 from wirewear.kinds import load_any_study
 from wirewear.simulation import Moment, Observer
-from wirewear.study import LineStudy
+from wirewear.test import LineStudy
 
 #: A diagnosis, as short as one can be.
 ANSWER: Mapping[str, Any] = {

@@ -21,7 +21,7 @@ from tests.robustness.reading_commands import commands
 from tests.robustness.sandbox import MOST_BYTES, ended_in_child
 from tests.robustness.served import load_everything, serve
 from wirewear import WirewearError
-from wirewear.base.budget import MOST_MEMORY_GB
+from wirewear.base.memory import MOST_MEMORY_GB
 
 REFUSALS = {"LoopError", "GeometryError", "SolverError", "PatchLeftError"}
 

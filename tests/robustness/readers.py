@@ -19,8 +19,8 @@ from wirewear.kinds import load_any_study
 from wirewear.records.importing import import_record
 from wirewear.records.importing.loop_sources import read_loops
 from wirewear.results import read_results as read_runs
-from wirewear.simulation.folder import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.simulation.plan import RunPlan
+from wirewear.simulation.store import CHECKPOINT_FILE_NAME, read_checkpoint
 from wirewear.sweeps import load_sweep
 from wirewear.sweeps.running import Journal
 from wirewear.sweeps.sweep import SweepRow

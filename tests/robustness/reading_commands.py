@@ -15,8 +15,8 @@ from tests.robustness.commands import MAPPING, STUDY
 from tests.robustness.readers import BATCH_LOG, OF_BATCH, Made, Reader, of_study
 from tests.robustness.record_mutations import small_record
 from wirewear import WirewearError, read_result
+from wirewear.app.cli.commands import cli
 from wirewear.base.hdf5 import sealed
-from wirewear.faces.commands import cli
 from wirewear.results import RunResult
 from wirewear.sweeps.running import JOURNAL
 

@@ -34,7 +34,7 @@ FORBIDDEN = ("subprocess.Popen", "os.system", "os.exec", "os.posix_spawn", "os.f
 INSTALLED = tuple(str(Path(each)) for each in dict.fromkeys((sys.prefix, *site.getsitepackages())))
 
 #: What is kept of the functions that numba compiled is the program's own, not data.
-OWN_UNPICKLING = "solvers.kept_code"
+OWN_UNPICKLING = "solvers.jit_cache"
 
 
 @dataclass(frozen=True)

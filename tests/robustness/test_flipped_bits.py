@@ -25,12 +25,12 @@ from tests.robustness.commands import STUDY
 from tests.robustness.made_files import ANSWER, made_runs, scored
 from wirewear import WirewearError, parse_study, read_record, read_result
 from wirewear.base.cache import Identity, cache_directory
+from wirewear.base.files import with_checksum
 from wirewear.base.locks import LOCK_FILE_NAME, occupied
-from wirewear.base.reading import with_checksum
 from wirewear.results import read_results as read_runs
 from wirewear.simulation import discretise
-from wirewear.simulation.folder import read_checkpoint
 from wirewear.simulation.problem import _load
+from wirewear.simulation.store import read_checkpoint
 from wirewear.sweeps.running import JOURNAL, Journal
 from wirewear.sweeps.sweep import SweepRow
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from time import time
 from typing import Any
 
-from solvers.kept_code import chosen_cache, private_folder
+from solvers.jit_cache import chosen_cache, private_folder
 from wirewear.base.errors import KeptNothingWarning, WirewearError
 from wirewear.base.writing import why_not_written
 
@@ -34,14 +34,14 @@ _BENEATH = ("gmsh", "numpy", "scikit-fem", "scipy")  #: Packages whose versions 
 
 #: What makes meshes and condenses bodies, relative to the folder that holds the packages.
 CONDENSATION_CODE = (
-    "geometry", "solvers/condensation.py", "solvers/errors.py", "solvers/kept_code.py", "solvers/patch_compliance.py",
-    "solvers/strain.py",
+    "geometry", "solvers/errors.py", "solvers/jit_cache.py", "solvers/elasticity/condensation.py",
+    "solvers/elasticity/patch_compliance.py", "solvers/elasticity/strain.py",
 )  # fmt: skip
 
 #: What a run comes from.
 RUN_CODE = (
     "geometry", "solvers", "wirewear/base/course.py", "wirewear/effects", "wirewear/loops", "wirewear/base/errors.py",
-    "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/study",
+    "wirewear/reference", "wirewear/results", "wirewear/simulation", "wirewear/test",
 )  # fmt: skip
 ALL_CODE = ("geometry", "solvers", "wirewear")  #: The whole program.
 

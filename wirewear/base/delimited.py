@@ -21,8 +21,8 @@ import numpy as np
 from geometry.arrays import Array, IntArray
 from wirewear.base.blocks import counts_in, numbered
 from wirewear.base.errors import RecordError, shown
+from wirewear.base.files import read_bytes, utf8
 from wirewear.base.naming import MISSING
-from wirewear.base.reading import read_bytes, utf8
 from wirewear.base.spreadsheets import (
     UNCOMPUTED,
     Sheet,

@@ -16,9 +16,9 @@ from math import inf
 from secrets import token_hex
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
-from wirewear.base.budget import end_with_parent
 from wirewear.base.cache import WARNED, cache_directory, code_hash
 from wirewear.base.errors import EngineError, LostTaskError, tell_plainly
+from wirewear.base.memory import end_with_parent
 from wirewear.base.writing import writing
 
 Result = TypeVar("Result")

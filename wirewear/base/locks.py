@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import RunError
-from wirewear.base.reading import require_unchanged, with_checksum
+from wirewear.base.files import require_unchanged, with_checksum
 from wirewear.base.writing import prepared_folder, writing
 
 LOCK_FILE_NAME = ".wirewear-lock"

@@ -9,8 +9,8 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-from wirewear.base.budget import free_memory, require_room
 from wirewear.base.errors import RecordError, counted
+from wirewear.base.memory import free_memory, require_room
 
 CELL_bytes = 200  #: What a cell takes in memory at most while its sheet becomes text, in bytes.
 

@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from wirewear.base.errors import RecordError
-from wirewear.base.reading import TABLE_FILE_NAME, Held, require_no_other
+from wirewear.base.files import TABLE_FILE_NAME, Held, require_no_other
 from wirewear.comparison.maps import (
     FreshContact,
     RegressionLine,
@@ -25,7 +25,7 @@ from wirewear.loops import LoopError, LoopFigures
 from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
-from wirewear.records.of_test import Source
+from wirewear.records.test_tables import Source
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
 

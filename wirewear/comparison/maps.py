@@ -25,7 +25,7 @@ from wirewear.base.errors import StudyError
 from wirewear.reference.cattaneo_mindlin import PartialSlipPoint, loading_displacement, partial_slip_point
 from wirewear.reference.half_space import partial_slip_stress
 from wirewear.reference.hertz import contact_modulus, gap_curvatures, hertz_elliptic, tangential_contact_modulus
-from wirewear.study.study import point_study
+from wirewear.test.study import point_study
 
 LOADS = np.geomspace(0.1, 10.0, 41)  #: Loads of the map, relative to the test's.
 

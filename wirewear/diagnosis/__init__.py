@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.answer import Cause, Diagnosis, Estimate

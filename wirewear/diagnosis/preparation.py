@@ -18,7 +18,7 @@ from wirewear.diagnosis.surrogate.nominal_model import nominal_model
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.records import AnyRecord, Remark
 from wirewear.records.checking import remarks_told
-from wirewear.study import AnyStudy
+from wirewear.test import AnyStudy
 
 _NOT_STATED = (
     "[stated] gives no {}: what the record tells stands in for it, or the wear of steel on steel, so that no gap is "

@@ -33,7 +33,7 @@ from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.diagnosis.wording import Diagnosed, of_laws, of_scatter, of_the_record, of_zero, sentence_of
 from wirewear.effects import all_effects, measurements
 from wirewear.records import AnyRecord
-from wirewear.study import AnyStudy
+from wirewear.test import AnyStudy
 
 _KNOWN = constants("diagnose")
 

@@ -23,7 +23,7 @@ from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import all_effects, all_measurements, effect_named
 from wirewear.records import AnyRecord
-from wirewear.study import AnyStudy
+from wirewear.test import AnyStudy
 
 #: What to look at where a gap behaves like something at a seam.
 SEAMS = {

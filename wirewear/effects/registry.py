@@ -9,7 +9,7 @@ from typing import Any
 
 from rich.table import Table
 
-from solvers.plugins import installed
+from solvers.laws.plugins import installed
 from wirewear.base.errors import StudyError, shown
 from wirewear.effects import contact, holder, measurements, sensors, wear
 from wirewear.effects.effect import Effect

@@ -42,7 +42,7 @@ def load_any_study(path: str | Path, *, varied: bool = False) -> Any:
     Raises StudyError, in one sentence, if the file cannot be read, is no valid study of its kind, or states a key that
     acts in none of its runs.
     """
-    from wirewear.study.study import read_study
+    from wirewear.test.study import read_study
 
     return any_study(read_study(path), str(path), varied=varied)
 
@@ -51,9 +51,9 @@ def any_study(tables: Mapping[str, Any], where: str, *, varied: bool = False) ->
     """A study of whatever kind its tables say, with its surfaces levelled; `where` names their origin in messages.
     Raises StudyError, in one sentence, as `load_any_study` does.
     """
-    from wirewear.study import study_from_tables
-    from wirewear.study.consistency import require_no_idle_key
-    from wirewear.study.surfaces import surfaces_in
+    from wirewear.test import study_from_tables
+    from wirewear.test.consistency import require_no_idle_key
+    from wirewear.test.surfaces import surfaces_in
 
     if any(surfaces_in(tables)):
         from wirewear.kinds.surfaces import with_levelled

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from wirewear.interior.state import Inside
     from wirewear.records.exporting import Surface
     from wirewear.records.importing.guessed_conditions import Touching
     from wirewear.records.importing.guessing import GuessedMapping
-    from wirewear.study.template import Template
+    from wirewear.stress.state import Inside
+    from wirewear.test.template import Template
 
 
 class _Elsewhere:

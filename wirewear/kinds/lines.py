@@ -21,13 +21,13 @@ class LineContacts(Kind):
     scatters: ClassVar[bool] = False
     options: ClassVar[frozenset[str]] = frozenset(("length_mm", "radius_mm", "face_half_width_mm", "edge_radius_mm"))
     rigid_N_per_mm: ClassVar[float] = 1e7  # stiffer than what a record may state
-    template = elsewhere("wirewear.study.lines:LINE_CONTACT")
+    template = elsewhere("wirewear.test.lines:LINE_CONTACT")
     refined = elsewhere("wirewear.simulation:LINES")
-    inside = elsewhere("wirewear.interior.lines:INSIDE_LINES")
+    inside = elsewhere("wirewear.stress.lines:INSIDE_LINES")
     write_meshes = elsewhere("wirewear.simulation:write_line_meshes")
     touching = elsewhere("wirewear.records.importing.guessing:line_contact")
     surfaces = elsewhere("wirewear.records.exporting:profile_surfaces")
-    write_fields = elsewhere("wirewear.interior.lines:write_line_fields")
+    write_fields = elsewhere("wirewear.stress.lines:write_line_fields")
     drawings = elsewhere("wirewear.pictures.lines:line_drawings")
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:

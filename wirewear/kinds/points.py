@@ -19,10 +19,10 @@ class AtAPoint(Kind):
     inside_options: ClassVar[frozenset[str]] = frozenset(("--integration-points", "--no-pictures", "--animate"))
     scatters: ClassVar[bool] = True
     refined = elsewhere("wirewear.simulation:POINTS")
-    inside = elsewhere("wirewear.interior.bodies:INSIDE_POINTS")
+    inside = elsewhere("wirewear.stress.bodies:INSIDE_POINTS")
     write_meshes = elsewhere("wirewear.simulation:write_meshes")
     surfaces = elsewhere("wirewear.records.exporting:scar_surfaces")
-    write_fields = elsewhere("wirewear.interior.writing:write_fields")
+    write_fields = elsewhere("wirewear.stress.writing:write_fields")
     drawings = elsewhere("wirewear.pictures:drawings")
 
     def write_beside(self, results: Sequence[RunResult], folder: Path) -> None:
@@ -40,7 +40,7 @@ class CrossedWires(AtAPoint):
     names: ClassVar[tuple[str, ...]] = (name,)
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm", "crossing_angle_deg"))
     rigid_N_per_mm: ClassVar[float] = 1e6
-    template = elsewhere("wirewear.study.template:CROSSED_WIRES")
+    template = elsewhere("wirewear.test.template:CROSSED_WIRES")
     touching = elsewhere("wirewear.records.importing.guessing:crossed_wires")
 
 
@@ -51,7 +51,7 @@ class AnyBodies(AtAPoint):
     names: ClassVar[tuple[str, ...]] = (name,)
     options: ClassVar[frozenset[str]] = frozenset()
     rigid_N_per_mm: ClassVar[float] = 1e7
-    template = elsewhere("wirewear.study.points:ANY_BODIES")
+    template = elsewhere("wirewear.test.points:ANY_BODIES")
 
     def touching(self, *_: Any) -> Any:
         """No options tell shapes; RecordError says so."""
@@ -68,5 +68,5 @@ class BallOnFlat(AtAPoint):
     names: ClassVar[tuple[str, ...]] = (name,)
     options: ClassVar[frozenset[str]] = frozenset(("diameter_mm",))
     rigid_N_per_mm: ClassVar[float] = 1e7
-    template = elsewhere("wirewear.study.points:BALL")
+    template = elsewhere("wirewear.test.points:BALL")
     touching = elsewhere("wirewear.records.importing.guessing:ball_on_flat")

@@ -15,9 +15,9 @@ from wirewear.base.guessing import known_columns
 from wirewear.records.importing.height_maps import MapScale, height_map, is_map
 from wirewear.records.importing.mapping import ScarSource
 from wirewear.records.importing.profilometry import MapOfBody, grid_of_points, levelled, scar_of
-from wirewear.study import LineStudy, study_from_tables
-from wirewear.study.messages import validated
-from wirewear.study.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
+from wirewear.test import LineStudy, study_from_tables
+from wirewear.test.messages import validated
+from wirewear.test.surfaces import COLUMNS, StatedSurface, kept, surfaces_in
 
 #: Lines x (n_x,) and y (n_y,) along and across the motion, and depths (n_x, n_y), all in µm.
 Map = tuple[Array, Array, Array]

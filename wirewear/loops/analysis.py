@@ -6,13 +6,24 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirewear.loops import opening
+from wirewear.loops.branch_fits import BranchFits, branch_fits_of
 from wirewear.loops.branches import Branch, upright
 from wirewear.loops.cleaning import NORMAL_CLIPPED, OPENS, CleanLoop, clean_loop
-from wirewear.loops.courses import Courses, courses_of, static_overshoot, stick_slip
+from wirewear.loops.energy import (
+    MICROJOULE_IN_MILLIJOULE,
+    MOST_IN_PARTIAL_SLIP,
+    by_energy,
+    dissipated_energy,
+    energy_ratio,
+    force_amplitude,
+    mean_force,
+    narrow,
+    slip_amplitude,
+)
 from wirewear.loops.figures import LoopFigures, Measured
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
-from wirewear.loops.opening import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
+from wirewear.loops.lag import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
+from wirewear.loops.stick_slip import static_overshoot, stick_slip
 from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
@@ -73,7 +84,7 @@ def allowed_slip(slip_um: Measured, amplitude_um: Measured, energy_mJ: Measured,
     slip = bounded(slip_um, amplitude_um.value)
     if slip is not None:
         return slip
-    energy_uJ = max(energy_mJ.value, 0.0) / opening.MICROJOULE_IN_MILLIJOULE
+    energy_uJ = max(energy_mJ.value, 0.0) / MICROJOULE_IN_MILLIJOULE
     least = min(energy_uJ / max(4.0 * force_N.value, 1e-300), amplitude_um.value)
     return Measured(0.5 * (least + amplitude_um.value), (least, amplitude_um.value))
 
@@ -132,10 +143,10 @@ def analyse_loop(
     loop, courses = _followed(loop)
     loop, courses, other, lag = _in_time(loop, courses)
     forward, backward = courses.both
-    force = opening.mean_force(loop)
-    energy = opening.dissipated_energy(loop)
-    slip = opening.slip_amplitude(loop, forward, backward, force.value)
-    still = opening.dissipated_energy(loop.without_drift).value
+    force = mean_force(loop)
+    energy = dissipated_energy(loop)
+    slip = slip_amplitude(loop, forward, backward, force.value)
+    still = dissipated_energy(loop.without_drift).value
     if not energy.interval95[0] <= still <= energy.interval95[1]:
         moved = abs(loop.may_drift_by) * float(np.ptp(loop.time))
         loop = loop.noted(MAY_DRIFT.format(moved, moved / float(np.ptp(loop.displacement_um)), still))
@@ -158,16 +169,16 @@ def analyse_loop(
     position_stiffness = sliding_stiffness(stiffness, corner)
     sliding = sliding_figures(loop, courses.both, tops, position_stiffness) if slides else SlidingFigures()
     zero = courses.force_zero
-    amplitude, largest_force = _displacement_amplitude(loop, courses), opening.force_amplitude(loop, tops)
+    amplitude, largest_force = _displacement_amplitude(loop, courses), force_amplitude(loop, tops)
     high = sliding.height_N
-    widest = None if high is None or min(energy.value, high.value) <= 0.0 else opening.by_energy(energy, high)
-    reread = widest is not None and opening.narrow(slip, widest, amplitude.value)
+    widest = None if high is None or min(energy.value, high.value) <= 0.0 else by_energy(energy, high)
+    reread = widest is not None and narrow(slip, widest, amplitude.value)
     read = widest if widest is not None and reread else slip
     if widest is not None:
         read = read.reaching(widest.value)
     if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
-    ratio = opening.energy_ratio(energy, amplitude, largest_force)
+    ratio = energy_ratio(energy, amplitude, largest_force)
     if not courses.slide and not viscous and ratio is not None and (hidden := _hidden(courses, ratio)):
         loop = loop if OPENS in loop.notes else loop.noted(hidden)
         read = _all_along(read, courses, energy, amplitude)
@@ -185,7 +196,7 @@ def analyse_loop(
         end_hook_ratio=sliding.hook,
         corner_curvature=None if corner is None else corner.curvature,
         energy_ratio=ratio,
-        system_free_ratio=opening.energy_ratio(energy, slip, largest_force),
+        system_free_ratio=energy_ratio(energy, slip, largest_force),
         mean_force_N=force,
         asymmetry=sliding.asymmetry,
         free_play_um=courses.free_play,
@@ -205,9 +216,9 @@ def analyse_loop(
     return within_bounds(replace(found, notes=tuple(notes)))
 
 
-def _hidden(courses: Courses, ratio: Measured) -> str | None:
+def _hidden(courses: BranchFits, ratio: Measured) -> str | None:
     """Why a loop without a plateau may slide all along; None if nothing shows it."""
-    if ratio.interval95[0] > opening.MOST_IN_PARTIAL_SLIP:
+    if ratio.interval95[0] > MOST_IN_PARTIAL_SLIP:
         return HIDDEN.format(ratio.value)
     return WALLED if all(_stiffens(branch) for branch, _ in courses.both) else None
 
@@ -222,42 +233,42 @@ def _stiffens(branch: Branch) -> bool:
     return end > STIFFER * max(middle, 0.0)
 
 
-def _all_along(read: Measured, courses: Courses, energy: Measured, amplitude: Measured) -> Measured:
+def _all_along(read: Measured, courses: BranchFits, energy: Measured, amplitude: Measured) -> Measured:
     """δ0 of a contact that slides all along, which has one height all along; the interval holds the width read, too."""
     (forward, _), (backward, _) = courses.both
     centre, half = forward.origin_um + amplitude.value, MIDDLE_SHARE * amplitude.value
     height = height_at((forward, backward), (np.inf,), centre, half)
-    found = opening.by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
+    found = by_energy(energy, height).reaching(read.value) if height.interval95[0] > 0.0 else read
     return found.reaching(amplitude.value)
 
 
-def _in_time(loop: CleanLoop, courses: Courses) -> tuple[CleanLoop, Courses, float, float]:
+def _in_time(loop: CleanLoop, courses: BranchFits) -> tuple[CleanLoop, BranchFits, float, float]:
     """The loop and its branches, a late force read earlier; another energy that they may have, and the lag behind it.
 
     That is the energy as read where the force was late for certain, and else the one without the lag that the
     reversals allow for. What comes early for certain is noted: a late displacement is not all that makes it so.
     """
-    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), opening.dissipated_energy(loop).value
+    lag, as_read = None if goes_with_velocity(loop) else lag_of(loop), dissipated_energy(loop).value
     if lag is None:
         return loop, courses, as_read, 0.0
     sooner = earlier(loop, lag.value)
-    value = opening.dissipated_energy(sooner).value
+    value = dissipated_energy(sooner).value
     if not is_certain(lag):
         return loop, courses, value, lag.value
     if lag.value < 0.0:
-        most = opening.dissipated_energy(earlier(loop, lag.interval95[0])).value
+        most = dissipated_energy(earlier(loop, lag.interval95[0])).value
         return loop.noted(EARLY.format(-lag.value, value)), courses, most, lag.value
     sooner = sooner.noted(LATE.format(lag.value, as_read))
-    return sooner, courses_of(sooner), as_read, 0.0
+    return sooner, branch_fits_of(sooner), as_read, 0.0
 
 
-def _followed(loop: CleanLoop) -> tuple[CleanLoop, Courses]:
+def _followed(loop: CleanLoop) -> tuple[CleanLoop, BranchFits]:
     """Branches and their micro-slip; samples without times may be unevenly spread, then the raw drive fits better."""
-    courses = courses_of(loop)
+    courses = branch_fits_of(loop)
     if not loop.smoothed or loop.times_known:
         return loop, courses
     raw = loop.without_smooth_drive()
-    raw_courses = courses_of(raw)
+    raw_courses = branch_fits_of(raw)
     if raw_courses.misfit < 0.8 * courses.misfit:
         return raw, raw_courses
     return loop, courses
@@ -273,7 +284,7 @@ def _from_zero(loop: CleanLoop, friction: Measured | None, zero: Measured | None
     )
 
 
-def _displacement_amplitude(loop: CleanLoop, courses: Courses) -> Measured:
+def _displacement_amplitude(loop: CleanLoop, courses: BranchFits) -> Measured:
     as_read = loop.displacement_um - loop.lean_um_per_N * loop.force_N
     length_um = float(np.ptp(as_read)) if loop.lean_um_per_N else courses.length_um
     deviation = loop.amplitude_noise_um if loop.smoothed else loop.raw_noise_um
@@ -285,10 +296,10 @@ def _energy_friction(loop: CleanLoop, energy: Measured, slip: Measured) -> Measu
     if loop.normal_force_N is None or not energy.value or not slip.value:
         return None
     load = Measured.from_deviation(float(np.mean(loop.normal_force_N)), loop.normal_noise_N)
-    return energy.over(slip, load, times=0.25 / opening.MICROJOULE_IN_MILLIJOULE)
+    return energy.over(slip, load, times=0.25 / MICROJOULE_IN_MILLIJOULE)
 
 
-def _notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
+def _notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line: bool) -> tuple[str, ...]:
     notes = list(loop.notes)
     if loop.normal_force_N is None and not {OPENS, NORMAL_CLIPPED} & set(notes):
         notes.append("no normal force was given, so coefficients of friction are left out")
@@ -318,7 +329,7 @@ def _sticks(found: LoopFigures) -> bool:
     return slip.value < max(slip.interval95[1] - slip.value, STUCK * found.displacement_amplitude_um.value)
 
 
-def _stiffness_notes(loop: CleanLoop, courses: Courses, found: LoopFigures, *, no_line: bool) -> list[str]:
+def _stiffness_notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line: bool) -> list[str]:
     if loop.lean_um_per_N:
         return [RUNS_ON]
     if no_line:

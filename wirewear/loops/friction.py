@@ -8,9 +8,9 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.loops.branches import Branch, MicroSlip, slides_visibly
 from wirewear.loops.cleaning import CleanLoop
-from wirewear.loops.courses import Course
 from wirewear.loops.figures import Measured, mean_of
 from wirewear.loops.robust import LinearFit, best_fit, fit_linear
+from wirewear.loops.stick_slip import Course
 
 MIDDLE_SHARE = 0.4
 

@@ -6,7 +6,7 @@ offers is loaded when it is first asked for: pages share its colours and curves,
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from wirewear.pictures.gallery import (

@@ -18,7 +18,7 @@ from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.supports import HeldBody, Supports, draw_boundary_conditions
 from wirewear.results import BODIES, RunResult, Scar, read_loops
-from wirewear.study import LineStudy
+from wirewear.test import LineStudy
 
 
 def line_supports(study: LineStudy, pad: PlanarMesh, specimen: PlanarMesh) -> Figure:

@@ -11,7 +11,7 @@ from geometry import BodyMesh
 from geometry.arrays import Array, IntArray
 from wirewear.pictures.mesh import round_facets, upper_position
 from wirewear.pictures.style import GREY, INK, new_figure, panel_letters
-from wirewear.study import Study
+from wirewear.test import Study
 
 HELD_COLOUR, ELASTIC_COLOUR, LOAD_COLOUR, MOTION_COLOUR = "#0072B2", "#56B4E9", "#D55E00", "#009E73"
 _ARROW = {"arrowstyle": "-|>", "linewidth": 1.6, "mutation_scale": 12, "shrinkA": 0, "shrinkB": 0}

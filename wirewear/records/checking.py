@@ -8,9 +8,9 @@ from rich.padding import Padding
 from rich.text import Text
 
 from wirewear.base.errors import RecordError, counted
-from wirewear.base.reading import TABLE_FILE_NAME
+from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
-from wirewear.records import course_checks, exchanges, loop_checks
+from wirewear.records import course_checks, loop_checks, swap_checks
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, listed, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
 from wirewear.records.surfaces import PROFILES, SCARS
@@ -50,11 +50,11 @@ _CHECKS: Sequence[Callable[[CheckedRecord], Iterator[Remark]]] = (
     course_checks.drift,
     course_checks.evolution,
     course_checks.impossible_evolution,
-    exchanges.renumbered,
-    exchanges.exchanged_evolutions,
-    exchanges.exchanged_loops,
-    exchanges.copied_loops,
-    exchanges.copied_evolution,
+    swap_checks.renumbered,
+    swap_checks.exchanged_evolutions,
+    swap_checks.exchanged_loops,
+    swap_checks.copied_loops,
+    swap_checks.copied_evolution,
 )
 
 

@@ -8,18 +8,18 @@ from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import RecordError
 from wirewear.records import tables
-from wirewear.records.of_test import Metadata, OfRecord
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.tables import PointRecordTables, PointTest, RecordTables, curved
+from wirewear.records.test_tables import Metadata, OfRecord
 from wirewear.results.scar import BODIES
-from wirewear.study import keys, study_from_tables
-from wirewear.study.bodies import Body
-from wirewear.study.drive import BULK, BulkTable
-from wirewear.study.faces import FACE_KEYS, PadFace, half_width_of
-from wirewear.study.keys import Inconsistency, Table, one_of
-from wirewear.study.lengths import PLANAR_KINDS, stated_length_mm, whole_test
-from wirewear.study.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen, WearOfBodies
-from wirewear.study.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
+from wirewear.test import keys, study_from_tables
+from wirewear.test.bodies import Body
+from wirewear.test.drive import BULK, BulkTable
+from wirewear.test.faces import FACE_KEYS, PadFace, half_width_of
+from wirewear.test.keys import Inconsistency, Table, one_of
+from wirewear.test.lengths import PLANAR_KINDS, stated_length_mm, whole_test
+from wirewear.test.lines import CYLINDER_ON_FLAT, Extent, Pad, Specimen, WearOfBodies
+from wirewear.test.points import BALL_ON_FLAT, POINT_CONTACT, BallAndFlat, LowerAndUpper
 
 
 class RecordContact(keys.Table):

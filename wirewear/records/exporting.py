@@ -11,9 +11,9 @@ import numpy as np
 
 from geometry import Flat, Profile
 from geometry.arrays import Array
-from wirewear.base.budget import free_memory, size_text
 from wirewear.base.errors import RecordError, counted
-from wirewear.base.reading import TABLE_FILE_NAME
+from wirewear.base.files import TABLE_FILE_NAME
+from wirewear.base.memory import free_memory, size_text
 from wirewear.base.writing import prepared_folder, require_absent, write_csv, writing
 from wirewear.loops import LoopError, LoopFigures, Sensor, analyse_loop
 from wirewear.records.contact_tables import TABLES, AnyTables
@@ -22,11 +22,11 @@ from wirewear.records.tables import Noise, known_of
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
 from wirewear.records.writing import frame_of, loops_frame
 from wirewear.results import BODIES, Loop, RunResult, Scar, age_at, sensor_of
-from wirewear.study.faces import FACE_KEYS, PadFace
-from wirewear.study.keys import Table
-from wirewear.study.lengths import lengthened
-from wirewear.study.messages import validated
-from wirewear.study.surfaces import surfaces_in
+from wirewear.test.faces import FACE_KEYS, PadFace
+from wirewear.test.keys import Table
+from wirewear.test.lengths import lengthened
+from wirewear.test.messages import validated
+from wirewear.test.surfaces import surfaces_in
 
 #: The map reaches this many times as far as the scar, so that most of it is unworn; of a body's radius at most a share,
 #: beyond which no instrument sees its flanks.

@@ -15,18 +15,27 @@ import numpy as np
 from pydantic import BaseModel, ValidationError
 
 from geometry.arrays import Array, BoolArray
-from wirewear.base import reading
 from wirewear.base.errors import RecordError, shown
+from wirewear.base.files import (
+    TABLE_FILE_NAME,
+    Held,
+    parsed_toml,
+    read_bytes,
+    read_text,
+    read_toml,
+    require_no_other,
+    require_within,
+)
 from wirewear.base.writing import set_aside
 from wirewear.records.columns import Column, ColumnTable, read_columns
 from wirewear.records.contact_tables import TABLES, AnyTables, BallRecordTables, LineRecordTables
 from wirewear.records.normal_force import pressing
-from wirewear.records.of_test import OfTest
 from wirewear.records.surfaces import SCARS, WornSurfaces
 from wirewear.records.tables import RecordTables
+from wirewear.records.test_tables import OfTest
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop
-from wirewear.study.keys import Table, quantity_of
-from wirewear.study.messages import first_problem, known_fields, same_but_for_unit, telling_problem
+from wirewear.test.keys import Table, quantity_of
+from wirewear.test.messages import first_problem, known_fields, same_but_for_unit, telling_problem
 
 _REPEAT = Column("repeat", 0, 1e6, whole=True, complete=True)
 _CYCLE = Column("cycle", 0, 1e12, whole=True, complete=True)
@@ -58,9 +67,9 @@ _LAST = re.compile(rb"^# sha256 ([0-9a-f]{64}) of the text above\n\Z", re.MULTIL
 
 def tables_of_file(path: Path) -> type[AnyTables]:
     """The tables of a record's folder, its experiment.toml or a mapping, by the kind of contact that it describes."""
-    table = path / reading.TABLE_FILE_NAME if path.is_dir() else path
+    table = path / TABLE_FILE_NAME if path.is_dir() else path
     try:
-        found = reading.read_toml(table, RecordError) if table.is_file() else {}
+        found = read_toml(table, RecordError) if table.is_file() else {}
     except RecordError:
         found = {}  # to be told by whoever reads it
     # A study has such tables, too, and says of which kind it is.
@@ -78,15 +87,15 @@ def read_record(folder: str | Path, contact_kind: str | None = None) -> AnyRecor
     Raises RecordError, in one sentence with file, line and column, if the record cannot be read, or is of another kind.
     """
     folder = Path(folder)
-    if folder.name == reading.TABLE_FILE_NAME and not folder.is_dir():
+    if folder.name == TABLE_FILE_NAME and not folder.is_dir():
         folder = folder.parent
-    reading.require_no_other(folder, RecordError, reading.Held.RECORD)
+    require_no_other(folder, RecordError, Held.RECORD)
     if not folder.is_dir():
         what = "is a file" if folder.is_file() else "does not exist"
         if (aside := set_aside(folder)) is not None:
             what += f", but the record before is in {aside}, where a command left it that was killed: rename it"
-        raise RecordError(f"{folder} {what}: a record is a folder with {reading.TABLE_FILE_NAME} and CSV files.")
-    path = folder / reading.TABLE_FILE_NAME
+        raise RecordError(f"{folder} {what}: a record is a folder with {TABLE_FILE_NAME} and CSV files.")
+    path = folder / TABLE_FILE_NAME
     model = tables_of_file(folder)
     if contact_kind not in (None, model.contact_kind):
         raise RecordError(f"{path} is the record of a {model.contact_kind}, where one of {contact_kind} is needed.")
@@ -131,15 +140,11 @@ def _data_file(folder: Path, files: Table, key: str) -> Path:
     path: Path = folder / getattr(files, key)
     try:
         if path.is_file():
-            reading.require_within(path, folder, RecordError, f"{folder / reading.TABLE_FILE_NAME}: {key} in [files]")
+            require_within(path, folder, RecordError, f"{folder / TABLE_FILE_NAME}: {key} in [files]")
             return path
     except OSError as error:  # a name too long
-        raise RecordError(
-            f"{folder / reading.TABLE_FILE_NAME}: {key} cannot be looked up ({error.strerror})."
-        ) from None
-    raise RecordError(
-        f"{folder / reading.TABLE_FILE_NAME}: {key} in [files] is {path.name!r}, but there is no file {path}."
-    )
+        raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} cannot be looked up ({error.strerror}).") from None
+    raise RecordError(f"{folder / TABLE_FILE_NAME}: {key} in [files] is {path.name!r}, but there is no file {path}.")
 
 
 def loops_in(table: ColumnTable) -> Iterator[MeasuredLoop]:
@@ -228,13 +233,13 @@ def require_unchanged(table_path: Path) -> tuple[str, ...]:
     """See that a record's tables are as they were written; notes on experiment.toml itself.
     Raises RecordError if a table has changed, or experiment.toml cannot be read.
     """
-    data = reading.read_bytes(table_path, RecordError, "TOML file")
+    data = read_bytes(table_path, RecordError, "TOML file")
     folder = table_path.parent.resolve()
     for found, name in _LINE.findall(data):
         path = table_path.parent / Path(name.decode("utf-8", "replace")).name
         if not path.is_file() or not path.resolve().is_relative_to(folder):
             continue
-        if hashlib.sha256(reading.read_bytes(path, RecordError)).hexdigest() != found.decode():
+        if hashlib.sha256(read_bytes(path, RecordError)).hexdigest() != found.decode():
             raise RecordError(
                 f"{path} is not as it was written: it is damaged, or was changed; if that was on purpose, delete the "
                 f"line of its checksum from {table_path.name}."
@@ -253,8 +258,8 @@ def read_tables(path: Path, model: type[Model]) -> tuple[Model, tuple[str, ...]]
     Raises RecordError, in one sentence with line and column, if the file cannot be read, or is no valid TOML of that
     model.
     """
-    text = reading.read_text(path, RecordError, "TOML file")
-    data = reading.parsed_toml(text, str(path), RecordError)
+    text = read_text(path, RecordError, "TOML file")
+    data = parsed_toml(text, str(path), RecordError)
     return _checked(model.known(data, str(path)), text, path, model)
 
 

@@ -24,14 +24,14 @@ from geometry import Elastic
 from geometry.arrays import Array
 from wirewear.loops import LoopFigures
 from wirewear.records.course_checks import accumulated_energy_J
-from wirewear.records.exchanges import copied_scars
 from wirewear.records.profiles import MeasuredProfile
 from wirewear.records.remarks import CheckedRecord, Remark, listed
 from wirewear.records.scars import MeasuredScar
+from wirewear.records.swap_checks import copied_scars
 from wirewear.records.values import ExperimentRecord, LineRecord
 from wirewear.reference.hertz import contact_modulus, hertz_line
 from wirewear.results.scar import called
-from wirewear.study.bodies import Gap, hertz_of
+from wirewear.test.bodies import Gap, hertz_of
 
 #: Curvatures along the motion that carry a contact nowhere, and leans that are none, by round-off.
 STRAIGHT_per_mm, UPRIGHT = 1e-9, 1e-9

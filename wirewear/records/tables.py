@@ -7,15 +7,15 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 from pydantic import Field, PlainValidator
 
 from wirewear.base.errors import Quantity, RecordError, shown
-from wirewear.records.of_test import Metadata, OfRecord, OfTest
 from wirewear.records.scars import MeasuredScar
 from wirewear.records.surfaces import SCARS
+from wirewear.records.test_tables import Metadata, OfRecord, OfTest
 from wirewear.results.scar import WIRES, called
-from wirewear.study import keys
-from wirewear.study.bodies import Body, unworn_stiffness_N_per_um
-from wirewear.study.keys import Inconsistency
-from wirewear.study.tables import CROSSED_WIRES, Asked, HolderTable
-from wirewear.study.wires import BothWires, Wires
+from wirewear.test import keys
+from wirewear.test.bodies import Body, unworn_stiffness_N_per_um
+from wirewear.test.keys import Inconsistency
+from wirewear.test.tables import CROSSED_WIRES, Asked, HolderTable
+from wirewear.test.wires import BothWires, Wires
 
 DRIVES = ("sensor", "stroke")
 

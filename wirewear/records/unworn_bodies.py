@@ -9,7 +9,7 @@ import numpy as np
 from geometry import Barrel, Flat
 from geometry.arrays import Array
 from wirewear.results.scar import called
-from wirewear.study.faces import Face
+from wirewear.test.faces import Face
 
 ALIKE = 1e-3  #: A radius that differs by less is the stated one.
 

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wirewear.base import reading
 from wirewear.base.errors import RecordError
+from wirewear.base.files import TABLE_FILE_NAME, read_bytes, spelled, toml_text
 from wirewear.base.locks import occupied
 from wirewear.base.writing import (
     folder_in_one_step,
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 #: All that wirewear writes of a record, of whatever kind of contact.
 _FILES = (
-    reading.TABLE_FILE_NAME,
+    TABLE_FILE_NAME,
     *dict.fromkeys(
         f"{key}.csv"
         for tables in TABLES.values()
@@ -74,10 +74,10 @@ def require_place(folder: Path, *, made_of: Sequence[Path] = (), overwrite: bool
 
 def _lost(folder: Path, made_of: Sequence[Path]) -> str | None:
     """What would be lost in a folder, in words; empty where a record there was made in the same way."""
-    path = folder / reading.TABLE_FILE_NAME
+    path = folder / TABLE_FILE_NAME
     if not path.is_file():
         return next((name for name in _FILES if os.path.lexists(folder / name)), None)
-    text = reading.read_bytes(path, RecordError, "TOML file").decode("utf-8", "replace")
+    text = read_bytes(path, RecordError, "TOML file").decode("utf-8", "replace")
     try:
         unchanged = "# sha256 " in text and not require_unchanged(path)
     except RecordError:
@@ -94,7 +94,7 @@ def _origin(folder: Path, made_of: Sequence[Path]) -> str:
     if not made_of:
         return ""
     place = os.fsencode(os.path.relpath(made_of[0].resolve(), folder.resolve()))
-    return _MADE_OF + reading.spelled(place.decode("utf-8", "backslashreplace"))
+    return _MADE_OF + spelled(place.decode("utf-8", "backslashreplace"))
 
 
 def write_record(
@@ -134,9 +134,9 @@ def write_record(
     ):
         for key, frame in frames.items():
             write_csv(partial / files[key], frame)
-        text = reading.toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
+        text = toml_text(tables.model_dump(mode="json", exclude_none=True, exclude_unset=True))
         origin = f"\n{_origin(folder, made_of)}\n" if made_of else ""
-        write_text(partial / reading.TABLE_FILE_NAME, with_checksums(text + origin, partial, files))
+        write_text(partial / TABLE_FILE_NAME, with_checksums(text + origin, partial, files))
     return folder
 
 

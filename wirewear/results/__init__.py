@@ -5,11 +5,11 @@ What it offers is loaded when it is first asked for: the command line names posi
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 from wirewear.results.positions import POSITIONS
 
 if TYPE_CHECKING:
-    from wirewear.base.reading import RESULT_FILE_NAME
+    from wirewear.base.files import RESULT_FILE_NAME
     from wirewear.results.contact_forces import ContactForces, largest_mean_pressure_MPa, largest_means
     from wirewear.results.hdf5 import read_result, read_results, write_result
     from wirewear.results.scar import BODIES, Scar

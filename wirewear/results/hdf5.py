@@ -37,14 +37,14 @@ import numpy as np
 
 from geometry import Elastic
 from wirewear.base.errors import ResultError
+from wirewear.base.files import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.hdf5 import GrowingImage, hdf5_image, opened_hdf5, write_arrays
-from wirewear.base.reading import RESULT_FILE_NAME, Held, require_no_other
 from wirewear.base.writing import write_bytes, writing
-from wirewear.results import earlier_lines
+from wirewear.results import format_1 as earlier_lines
 from wirewear.results.contact_forces import POSITION_COLUMNS, ContactForces, geometry_of
 from wirewear.results.scar import FIELD_COLUMNS, GRID_COLUMNS, Scar
 from wirewear.results.values import LOOP_COLUMNS, Evolution, Loop, RunResult
-from wirewear.study.lengths import whole_test
+from wirewear.test.lengths import whole_test
 
 T = TypeVar("T")
 

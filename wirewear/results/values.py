@@ -10,7 +10,7 @@ from typing import Any, NoReturn, Self, TypeVar
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.layers import SurfaceLayer, bare_depth, work_through
+from solvers.laws.layers import SurfaceLayer, bare_depth, work_through
 from wirewear.base.errors import NoColumnError, ResultError, StudyError, as_sentence, counted
 from wirewear.effects import Age, Seam, applied, effects_of_tables
 from wirewear.loops import LoopSignals, Sensor
@@ -25,7 +25,7 @@ from wirewear.results.scar import (
     require_finite,
     require_increasing,
 )
-from wirewear.study.lengths import study_of_length
+from wirewear.test.lengths import study_of_length
 
 _IDEAL = Sensor()
 _NEW = Age.new()

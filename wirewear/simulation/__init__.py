@@ -7,7 +7,7 @@ its own stands in `line_model` and `line_runs`.
 
 from typing import TYPE_CHECKING
 
-from geometry.late import loaded_late
+from geometry.lazy import loaded_late
 
 if TYPE_CHECKING:
     from wirewear.simulation.contact_forces import mean_pressures

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from geometry import BodyGeometry
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, CycleTrace, PlacedBody
-from solvers.interior import forces_on_bodies
+from solvers.stress.interior import forces_on_bodies
 from wirewear.results import ContactForces, largest_means
 from wirewear.simulation.plan import RunPlan
 

@@ -22,8 +22,8 @@ from wirewear.results.scar import called
 from wirewear.simulation.discretisation import discretise
 from wirewear.simulation.line_model import line_plan
 from wirewear.simulation.runs import ObserverOf, run_study
-from wirewear.study import AnyStudy, LineStudy, Study
-from wirewear.study.any_study import alone
+from wirewear.test import AnyStudy, LineStudy, Study
+from wirewear.test.any_study import alone
 
 # Orders seen outside these are luck or noise. Nothing in the solver is of a higher order than the second.
 _LEAST_ORDER, _LARGEST_ORDER = 0.5, 2.0

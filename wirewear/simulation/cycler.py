@@ -6,11 +6,11 @@ from functools import cached_property
 
 import solvers
 from wirewear.effects import Age
-from wirewear.simulation.folder import Meshes
-from wirewear.simulation.held import AmplitudeSearch, HeldFigure
+from wirewear.simulation.control import AmplitudeSearch, HeldFigure
 from wirewear.simulation.measures import Probe
-from wirewear.simulation.tally import Tally
-from wirewear.study.tables import Stop
+from wirewear.simulation.statistics import Tally
+from wirewear.simulation.store import Meshes
+from wirewear.test.tables import Stop
 
 #: Told of every increment: the state after it, and the cycles done before the jump that it belongs to.
 Watch = Callable[[solvers.ContactState, float], None]

@@ -15,11 +15,11 @@ from solvers import ContactProblem, ContactState, JumpController, JumpStep, Patc
 from wirewear.base.errors import counted
 from wirewear.results import RunResult
 from wirewear.simulation.cycler import Cycler, FrettingTest
-from wirewear.simulation.folder import Checkpoint, MeshHistory, RunStore
 from wirewear.simulation.observers import Observer, moment_of
 from wirewear.simulation.problem import standing_out
 from wirewear.simulation.recorded import Recorded
-from wirewear.study.tables import Stop
+from wirewear.simulation.store import Checkpoint, MeshHistory, RunStore
+from wirewear.test.tables import Stop
 
 #: A stop is met within this share, or within a cycle.
 _STOPPED = 1e-3

@@ -16,8 +16,8 @@ from wirewear.simulation.expected_contact import (
     expected_contact,
     patch_axes,
 )
-from wirewear.study import Body, Study
-from wirewear.study.fidelity import WIRE_LEVELS, WireLevel, level_of
+from wirewear.test import Body, Study
+from wirewear.test.fidelity import WIRE_LEVELS, WireLevel, level_of
 
 #: Elements of a pad's contact over those of a ball's: at a flat's edge pressure rises within a fifth of its radius.
 _AT_EDGES = 2.5

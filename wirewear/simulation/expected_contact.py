@@ -13,15 +13,15 @@ import numpy as np
 
 from geometry.arrays import Array
 from solvers import Archard, ContactProblem, ContactState, Coulomb, EnergyLaw, WearRates
-from solvers.between_nodes import SpreadPressure
+from solvers.contact.between_nodes import SpreadPressure
 from wirewear import reference
 from wirewear.effects import Age, ContactLaw, Effect, Loading, Seam, Specimens, applied
 from wirewear.results import BORNE, BORNE_IS
 from wirewear.results.scar import called
-from wirewear.study import AnyStudy, Study
-from wirewear.study.bodies import hertz_of, on_pad
-from wirewear.study.faces import Face, half_width_of
-from wirewear.study.life import TENSILE_STRENGTH, LifeTable
+from wirewear.test import AnyStudy, Study
+from wirewear.test.bodies import hertz_of, on_pad
+from wirewear.test.faces import Face, half_width_of
+from wirewear.test.life import TENSILE_STRENGTH, LifeTable
 
 # Effects may add this factor to the worn volume before the patch grows: 8 % of its half-width in 3D. Runs with and
 # without effects that fit into the margin have the same meshes and differ by nothing else.

@@ -19,16 +19,16 @@ from geometry import (
 )
 from solvers import ContactProblem, PlacedBody, condense, place
 from wirewear import reference
-from wirewear.base.budget import free_memory
 from wirewear.base.errors import StudyError
+from wirewear.base.memory import free_memory
 from wirewear.results import PRESSURE_LENGTH
 from wirewear.simulation.expected_contact import wear_factors
 from wirewear.simulation.problem import laws_of, measured, too_much
-from wirewear.study.faces import Face, WIDEST_mm, half_width_of
-from wirewear.study.fidelity import LINE_LEVELS, level_of
-from wirewear.study.study import LineStudy
-from wirewear.study.surfaces import StatedSurface
-from wirewear.study.tables import HolderTable
+from wirewear.test.faces import Face, WIDEST_mm, half_width_of
+from wirewear.test.fidelity import LINE_LEVELS, level_of
+from wirewear.test.study import LineStudy
+from wirewear.test.surfaces import StatedSurface
+from wirewear.test.tables import HolderTable
 
 # Elements in the middle of a flat contact, where nothing changes quickly, over those at its edges.
 _MIDDLE = 5.0

@@ -12,7 +12,6 @@ from wirewear.effects import problem_with
 from wirewear.results import ContactForces, Loop, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_on
 from wirewear.simulation.cycler import FrettingTest
-from wirewear.simulation.folder import MeshHistory, OneMesh
 from wirewear.simulation.line_model import (
     LinePlan,
     bodies,
@@ -23,7 +22,8 @@ from wirewear.simulation.line_model import (
 )
 from wirewear.simulation.plan import PlannedRun
 from wirewear.simulation.recorded import Recorded, worn_bodies
-from wirewear.study import LineStudy
+from wirewear.simulation.store import MeshHistory, OneMesh
+from wirewear.test import LineStudy
 
 
 class LineRunRecord(Recorded):

@@ -11,15 +11,14 @@ import numpy as np
 
 from geometry import BodyGeometry, GeometryError
 from solvers import ContactProblem, ContactState
-from wirewear.base.budget import free_memory
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, counted
+from wirewear.base.memory import free_memory
 from wirewear.results.flat import TIME_SERIES_FILES
+from wirewear.simulation.control import held_of
 from wirewear.simulation.cycler import FrettingTest, Motion
 from wirewear.simulation.discretisation import Discretisation, ElementSizes, affordable_meshes, discretise, unknowns
 from wirewear.simulation.expected_contact import ExpectedContact
-from wirewear.simulation.folder import Meshes, MeshHistory, Report
-from wirewear.simulation.held import held_of
 from wirewear.simulation.problem import (
     condense_bodies,
     contact_problem,
@@ -30,9 +29,10 @@ from wirewear.simulation.problem import (
     with_nodes_moved,
     worn_depths,
 )
-from wirewear.study import Study
-from wirewear.study.consistency import default_loop_cycles
-from wirewear.study.fidelity import WIRE_LEVELS, level_of
+from wirewear.simulation.store import Meshes, MeshHistory, Report
+from wirewear.test import Study
+from wirewear.test.consistency import default_loop_cycles
+from wirewear.test.fidelity import WIRE_LEVELS, level_of
 
 #: Growth of the scar's half-width that one mesh is to serve.
 _GROWTH_PER_STAGE = 1.8

@@ -12,10 +12,9 @@ import numpy as np
 import solvers
 from geometry import BodyGeometry, BodyMesh, ContactPatch, Elastic, LoweredSurface, Profile, build_body
 from geometry.arrays import Array
-from solvers.condensation import condense
-from solvers.patch_compliance import Bricks, PatchCompliance
-from solvers.placement import rotation_to_world
-from wirewear.base.budget import size_text
+from solvers.elasticity.condensation import condense
+from solvers.elasticity.patch_compliance import Bricks, PatchCompliance
+from solvers.elasticity.placement import rotation_to_world
 from wirewear.base.cache import (
     CONDENSATION_CODE,
     allowed_bytes,
@@ -26,11 +25,12 @@ from wirewear.base.cache import (
     not_kept,
 )
 from wirewear.base.errors import StudyError, counted
+from wirewear.base.memory import size_text
 from wirewear.base.writing import in_one_step
 from wirewear.effects import Age, Seam, Specimens, applied, problem_with
 from wirewear.results.scar import called
-from wirewear.study import AnyStudy, Study
-from wirewear.study.surfaces import StatedSurface
+from wirewear.test import AnyStudy, Study
+from wirewear.test.surfaces import StatedSurface
 
 
 def condensed_body(geometry: BodyGeometry, material: Elastic, directory: Path | None = None) -> solvers.CondensedBody:

@@ -22,7 +22,7 @@ from solvers import (
     measured_holder,
 )
 from solvers.contact.problem import facing_offset
-from solvers.quadrature import at_points
+from solvers.elasticity.quadrature import at_points
 from solvers.transfer import spread_once
 from wirewear.base.cache import installed
 from wirewear.results import (
@@ -38,14 +38,14 @@ from wirewear.results import (
     Scar,
 )
 from wirewear.simulation.contact_forces import pressure_figures
+from wirewear.simulation.control import HeldFigure
 from wirewear.simulation.expected_contact import borne_settings, law_error
-from wirewear.simulation.folder import MeshHistory
-from wirewear.simulation.held import HeldFigure
 from wirewear.simulation.measures import dissipated_energy_mJ, slip_amplitude_mm
 from wirewear.simulation.problem import worn_depths
-from wirewear.simulation.tally import Tally, judge, mirrored_mismatch
-from wirewear.study import Body, Study
-from wirewear.study.surfaces import LayerTable
+from wirewear.simulation.statistics import Tally, judge, mirrored_mismatch
+from wirewear.simulation.store import MeshHistory
+from wirewear.test import Body, Study
+from wirewear.test.surfaces import LayerTable
 
 Worn = tuple[PlacedBody, Array, Array, Array, Array]
 

@@ -14,21 +14,21 @@ from typing import Any, TypeVar
 import numpy as np
 
 from solvers import ContactProblem, ContactState, CycleTrace, IncrementReport
-from wirewear.base.budget import end_with_parent, free_memory
 from wirewear.base.engine import Done, Engine, LocalProcesses, results_of
 from wirewear.base.errors import LostTaskError, RunError
+from wirewear.base.memory import end_with_parent, free_memory
 from wirewear.base.writing import prepared_folder
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, ContactForces, RunResult, Scar
 from wirewear.simulation.contact_forces import forces_of
 from wirewear.simulation.cycling import cycle_through
-from wirewear.simulation.folder import Found, MeshHistory, RunFolder, RunStore, occupied_by_runs
 from wirewear.simulation.line_runs import LineRun, LineRunRecord
 from wirewear.simulation.observers import Moment, Observer
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.recorded import MEASURED, Recorded, holder_settings, scars_of
-from wirewear.simulation.tally import bends
-from wirewear.study import AnyStudy, LineStudy, Study
-from wirewear.study.any_study import alone
+from wirewear.simulation.statistics import bends
+from wirewear.simulation.store import Found, MeshHistory, RunFolder, RunStore, occupied_by_runs
+from wirewear.test import AnyStudy, LineStudy, Study
+from wirewear.test.any_study import alone
 
 _POLL_s = 0.1
 

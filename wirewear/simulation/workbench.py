@@ -15,8 +15,8 @@ from solvers import (
     run_cycle,
     unloaded_state,
 )
-from solvers.condensation import compliance_of, piece_to_condense, schur_complements
-from solvers.strain import stiffness_matrix
+from solvers.elasticity.condensation import compliance_of, piece_to_condense, schur_complements
+from solvers.elasticity.strain import stiffness_matrix
 from wirewear.base.errors import ResultError
 from wirewear.base.writing import in_one_step, writing
 from wirewear.results.scar import called
@@ -24,7 +24,7 @@ from wirewear.simulation.discretisation import Discretisation, discretise
 from wirewear.simulation.line_model import line_plan, require_affordable_lines
 from wirewear.simulation.plan import RunPlan
 from wirewear.simulation.problem import contact_problem
-from wirewear.study import LineStudy, Study
+from wirewear.test import LineStudy, Study
 
 __all__ = [
     "BodyMesh", "ContactProblem", "ContactState", "Cylinder", "Discretisation", "Elastic", "Flat", "GradedAxis",

@@ -11,11 +11,11 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from wirewear.base.budget import free_disk, free_memory, size_text
 from wirewear.base.cache import Identity, digest
 from wirewear.base.engine import Engine
 from wirewear.base.errors import EngineError, LostTaskError, RunError, StudyError, WirewearError, counted
 from wirewear.base.locks import occupied
+from wirewear.base.memory import free_disk, free_memory, size_text
 from wirewear.base.writing import prepared_folder, write_text, writing
 from wirewear.simulation import needed_memory
 from wirewear.sweeps.sweep import Sweep, SweepRow, run_case

@@ -15,7 +15,7 @@ from wirewear.effects import Effect, Seam
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.results import Loop, RunResult, read_loops
 from wirewear.simulation import ObserverOf, run_study
-from wirewear.study import Study, parse_study
+from wirewear.test import Study, parse_study
 
 _STUDY = "signature_study.toml"
 

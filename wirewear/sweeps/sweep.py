@@ -14,20 +14,20 @@ import numpy as np
 from scipy.stats import qmc
 
 from geometry.arrays import Array
-from solvers.kept_code import working_cpu_s
+from solvers.jit_cache import working_cpu_s
 from wirewear.base.cache import RUN_CODE, Identity, added_code, identity_of
 from wirewear.base.errors import StudyError, WirewearError, counted
-from wirewear.base.reading import Held, read_toml, require_no_other
+from wirewear.base.files import Held, read_toml, require_no_other
 from wirewear.base.writing import prepared_folder
 from wirewear.effects import effect_named
-from wirewear.interior.life import life_of, require_life
 from wirewear.kinds import kind_of, load_any_study
 from wirewear.results import PRESSURE_LENGTH, RESULT_FILE_NAME, RunResult, write_result
 from wirewear.simulation import simulate
-from wirewear.study import AnyStudy
-from wirewear.study.any_study import alone, life_data
-from wirewear.study.messages import validated
+from wirewear.stress.life import life_of, require_life
 from wirewear.sweeps.tables import GRID, LATIN_HYPERCUBE, LOGARITHMIC, SOBOL, SweepTables, Vary
+from wirewear.test import AnyStudy
+from wirewear.test.any_study import alone, life_data
+from wirewear.test.messages import validated
 
 DIGITS = 12  #: Values are rounded to so many digits, so that one design is the same everywhere to the last bit.
 
@@ -50,7 +50,7 @@ TECHNICAL = (*QUALITY, PRESSURE_LENGTH)  #: Figures that tell how a run was made
 DEPTH = "max_depth_"  #: What columns of depths begin with; then comes a body, the held one last.
 _BEFORE_DEPTHS = 4  #: How many of `AT_END` stand before the depths.
 EFFECTS = "effects"
-CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/interior")
+CODE = (*RUN_CODE, "wirewear/sweeps", "wirewear/stress")
 
 
 @dataclass(frozen=True)

@@ -5,8 +5,8 @@ from typing import Annotated
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import Quantity, shown
-from wirewear.study import FIDELITIES
-from wirewear.study.keys import CheckedFlag, NamedTable, Table, checked_text, one_of
+from wirewear.test import FIDELITIES
+from wirewear.test.keys import CheckedFlag, NamedTable, Table, checked_text, one_of
 
 GRID, LATIN_HYPERCUBE, SOBOL = "grid", "latin-hypercube", "sobol"
 LINEAR, LOGARITHMIC = "linear", "logarithmic"

@@ -14,10 +14,10 @@ from geometry.arrays import Array, IntArray
 from wirewear.base.engine import Engine
 from wirewear.base.errors import StudyError
 from wirewear.results import RESULT_FILE_NAME, read_result
-from wirewear.study import Study
 from wirewear.sweeps.running import RESULTS, SweepObserver, run_sweep
 from wirewear.sweeps.sweep import DIGITS, FIRST, TECHNICAL, Design, Sweep, SweepRow, VariedInput
 from wirewear.sweeps.tables import LATIN_HYPERCUBE
+from wirewear.test import Study
 
 RUNS = 30  #: Runs beside the one in the middle; a second degree of five inputs has 21 terms.
 FARTHEST = 3.0  #: Inputs farther than so many standard deviations from the middle are not drawn.

@@ -21,7 +21,7 @@ import numpy as np
 
 from geometry import BodyGeometry, ContactPatch, Cylinder, Elastic, GradedAxis, Layering, WireGeometry, build_body
 from solvers import CondensedBody, ContactProblem, Holder, WearRates, condense, facing, place, press, unloaded_state
-from solvers.patch_compliance import Bricks
+from solvers.elasticity.patch_compliance import Bricks
 from wirewear import reference
 from wirewear.reference import PointContact
 from wirewear.simulation import mean_pressures

@@ -11,9 +11,9 @@ import numpy as np
 from geometry import BlockGeometry, BodyGeometry, BodyMesh, GradedAxis, Layering, WireGeometry, build_body, build_planar
 from geometry.arrays import Array, IntArray
 from solvers import ContactProblem, ContactState, Holder, advance, condense, press, unloaded_state
-from solvers.interior import Interior, forces_on_bodies
-from solvers.strain import IntegrationPoints, integration_points, von_mises
-from solvers.surface_stress import SurfaceStress
+from solvers.elasticity.strain import IntegrationPoints, integration_points, von_mises
+from solvers.stress.interior import Interior, forces_on_bodies
+from solvers.stress.surface_stress import SurfaceStress
 from wirewear import reference
 from wirewear.verification.hertz import (
     LOAD_N,

@@ -15,10 +15,10 @@ import solvers
 from geometry import BodyMesh, Cylinder, Elastic, Flat, GradedAxis, PlanarGeometry, PlanarMesh, build_planar
 from geometry.arrays import Array
 from solvers import advance, press, unloaded_state
-from solvers.interior import Interior, forces_on_bodies
-from solvers.line_surface_stress import LineSurfaceStress
-from solvers.strain import integration_points
-from solvers.surface_stress import SurfaceStress
+from solvers.elasticity.strain import integration_points
+from solvers.stress.interior import Interior, forces_on_bodies
+from solvers.stress.line_surface_stress import LineSurfaceStress
+from solvers.stress.surface_stress import SurfaceStress
 from wirewear import reference
 from wirewear.simulation import mean_pressures
 from wirewear.verification.rows import Level, Row, compared

@@ -16,11 +16,11 @@ import numpy as np
 
 import solvers
 from geometry.arrays import Array
-from solvers.pairing import pair
+from solvers.elasticity.pairing import pair
 from wirewear import reference
 from wirewear.results import RunResult
 from wirewear.simulation import last_of, simulate
-from wirewear.study import LineStudy, study_from_tables
+from wirewear.test import LineStudy, study_from_tables
 from wirewear.verification.hertz import (
     LOAD_N,
     STEEL,

@@ -14,8 +14,8 @@ import numpy as np
 from solvers import CondensedBody, Holder
 from wirewear import reference
 from wirewear.simulation import discretise, simulate
-from wirewear.study import Study, study_from_tables
-from wirewear.study.bodies import hertz_of
+from wirewear.test import Study, study_from_tables
+from wirewear.test.bodies import hertz_of
 from wirewear.verification import hertz
 from wirewear.verification.partial_slip import FRICTION, sliding_rows
 from wirewear.verification.rows import Level, Row, compared

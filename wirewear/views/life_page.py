@@ -17,10 +17,10 @@ from geometry.arrays import Array
 from wirewear.base import frame
 from wirewear.base.errors import ResultError, counted
 from wirewear.base.writing import json_text, write_csv, write_text, writing
-from wirewear.interior.life import BodyLife
-from wirewear.interior.pictures import STRESS_COLOURS
 from wirewear.pictures.style import INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save, svg
-from wirewear.study.materials import material_named
+from wirewear.stress.life import BodyLife
+from wirewear.stress.pictures import STRESS_COLOURS
+from wirewear.test.materials import material_named
 
 _PAGE = Path(__file__).parent / "life.html"
 _DRAWN = 1e-3  #: Sums below this share of the largest are drawn as none.

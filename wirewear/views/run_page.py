@@ -22,7 +22,7 @@ from wirewear.comparison.maps import (
     tension_lines,
 )
 from wirewear.loops import LoopError, LoopFigures, analyse_loop
-from wirewear.loops.opening import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
+from wirewear.loops.energy import ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION
 from wirewear.pictures.smooth import chosen_cycles, smooth_loop, smooth_scar, worn_half_extent
 from wirewear.results import BORNE, BORNE_IS, PLAY_TRAVEL, PRESSURE_LENGTH, SPRING_TRAVEL, Loop, RunResult, Scar
 from wirewear.results.flat import named_for_users

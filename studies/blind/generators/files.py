@@ -16,7 +16,7 @@ from studies.blind.errors import BlindError
 from studies.blind.generators.cases import Case
 from studies.blind.generators.line_nominal import LineNominal
 from studies.blind.generators.nominal import Nominal
-from wirewear.base.reading import toml_text
+from wirewear.base.files import toml_text
 from wirewear.base.writing import folder_in_one_step, writing
 from wirewear.records import AnyRecord, MeasuredProfile, MeasuredScar, RecordTables
 from wirewear.records.contact_tables import BallRecordTables, LineRecordTables

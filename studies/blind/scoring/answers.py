@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.blind.errors import BlindError
-from wirewear.base.reading import read_json, require_unchanged
+from wirewear.base.files import read_json, require_unchanged
 
 FILE_NAME = "diagnosis.json"
 VERDICTS = ("no_gap", "explained", "ambiguous", "unexplained")

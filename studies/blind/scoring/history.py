@@ -11,7 +11,7 @@ from typing import Any
 
 from studies.blind.errors import BlindError
 from wirewear.base.cache import code_hash
-from wirewear.base.reading import parsed_json, read_text
+from wirewear.base.files import parsed_json, read_text
 from wirewear.base.writing import write_text, writing
 
 LOG, SCORE_JSON = "scored_runs.jsonl", "score.json"

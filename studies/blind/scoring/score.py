@@ -15,7 +15,7 @@ from studies.blind.scoring.judging import Judgement, Truth, judged
 from studies.blind.scoring.table import aim_rows, share_text, words
 from studies.blind.sealing import fingerprint, opened, read_key_file
 from wirewear.base import frame
-from wirewear.base.reading import read_json
+from wirewear.base.files import read_json
 from wirewear.base.writing import json_text, usable_folder, write_text, writing
 
 KINDS = (

@@ -26,7 +26,7 @@ from wirewear.records.exporting import true_loop
 from wirewear.records.values import believed_tables, stated_friction
 from wirewear.results import RunResult, read_loops
 from wirewear.simulation import Observer, run_study
-from wirewear.study import study_from_tables
+from wirewear.test import study_from_tables
 
 #: Relative deviation of plays read from loops: those of 4 and 5 µm of two other codes are read 2 and 4 % too small.
 PLAY_DEVIATION = 0.03

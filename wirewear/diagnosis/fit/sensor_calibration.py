@@ -14,8 +14,8 @@ from wirewear.loops import Measured, Sensor
 from wirewear.records import ExperimentRecord, MeasuredEvolution
 from wirewear.records.tables import Noise
 from wirewear.simulation import contact_problem, discretise, require_affordable_wires
-from wirewear.study import Study
-from wirewear.study.any_study import alone
+from wirewear.test import Study
+from wirewear.test.any_study import alone
 
 #: Where the near displacement is taken: the moving wire at the contact, against ground or against the fixed wire at
 #: the contact; or the moving wire's holder against the fixed wire's.

@@ -23,7 +23,7 @@ from wirewear.loops.branches import remaining_force
 from wirewear.records import AnyRecord
 from wirewear.records.normal_force import median_load_N
 from wirewear.records.values import believed_tables
-from wirewear.study import study_from_tables
+from wirewear.test import study_from_tables
 
 #: By how much worn depths miss the way that bodies come together, beyond the first 10 µm of the article's run: growing
 #: contacts give back up to 0.7 of 0.9 µm of approach.

@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from wirewear.base.errors import UNIT_SYMBOLS
 from wirewear.base.frame import notebook_table
 from wirewear.records import AnyRecord
-from wirewear.study import AnyStudy
+from wirewear.test import AnyStudy
 
 #: Logarithm of the factor beyond which an interval is as good as open: Student's t of two tests leaves at most that.
 _OPEN = float(stdtrit(1, 0.975))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometry.arrays import Array, BoolArray, IntArray
-from solvers.plugins import installed
+from solvers.laws.plugins import installed
 from wirewear.base.errors import WirewearError
 from wirewear.diagnosis.observe import channels
 from wirewear.diagnosis.observe.along_branches import KneePeak, PlateauForce, ShelfTravel, Stick

@@ -15,8 +15,8 @@ from wirewear.base.errors import StudyError
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.inputs import Setup
 from wirewear.effects import Effect, Parameter, Stated, all_effects
-from wirewear.study import LineStudy, Study
-from wirewear.study.bodies import Gap
+from wirewear.test import LineStudy, Study
+from wirewear.test.bodies import Gap
 
 #: Where numerical freedoms lie on average, if not at their neutral value: a quick run sees a scar longer than the slip
 #: and blunts its walls, so that the state that fits others' loops is one of less wear with steeper slopes.

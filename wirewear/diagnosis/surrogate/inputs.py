@@ -12,9 +12,9 @@ from geometry.arrays import Array
 from wirewear.diagnosis.calibration import constants
 from wirewear.diagnosis.surrogate.loop_states import SINE, FastMotion
 from wirewear.effects import COLUMNS, Age, Ageing, Chain, ContactLaw, Seam, Stated, applied
-from wirewear.study import AnyStudy
-from wirewear.study.programme import Schedule, held_by, worked_course
-from wirewear.study.tables import compliance
+from wirewear.test import AnyStudy
+from wirewear.test.programme import Schedule, held_by, worked_course
+from wirewear.test.tables import compliance
 
 #: Friction force and amplitude of the article's test of wires, for which effects state what one expects of them.
 _KNOWN = constants("model.setup")

@@ -22,7 +22,7 @@ from wirewear.diagnosis.surrogate import loop_states
 from wirewear.diagnosis.surrogate.line_wear import WornLine, WornLineContact, between, transformed, worn_line
 from wirewear.diagnosis.surrogate.wear_states import NUMERICAL, WearStates
 from wirewear.reference import Elastic, contact_modulus
-from wirewear.study.faces import Face
+from wirewear.test.faces import Face
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.surrogate.inputs import Setup

@@ -16,7 +16,7 @@ import numpy as np
 from geometry.arrays import Array
 from solvers import OxygenSupply
 from wirewear.results.scar import crossings
-from wirewear.study.faces import Face
+from wirewear.test.faces import Face
 
 #: Places from the middle to the edge; steps over which the worn area grows; its first share of the last.
 _PLACES, _STEPS, _FIRST_SHARE = 81, 26, 0.01

@@ -18,10 +18,10 @@ from wirewear.diagnosis.calibration import constants
 from wirewear.records import AnyRecord
 from wirewear.records.values import believed_study
 from wirewear.results import RESULT_FILE_NAME, RunResult, read_result
-from wirewear.study import AnyStudy, LineStudy, Study
-from wirewear.study.bodies import Gap
-from wirewear.study.programme import held_by
-from wirewear.study.tables import Wear
+from wirewear.test import AnyStudy, LineStudy, Study
+from wirewear.test.bodies import Gap
+from wirewear.test.programme import held_by
+from wirewear.test.tables import Wear
 
 Result = TypeVar("Result")
 

@@ -19,9 +19,9 @@ from wirewear.diagnosis.surrogate.wear_states import WearStates
 from wirewear.effects import Effect
 from wirewear.records import ExperimentRecord, LineRecord
 from wirewear.results.scar import called
-from wirewear.study import AnyStudy, LineStudy, Study
-from wirewear.study.bodies import Gap
-from wirewear.study.programme import held_keys
+from wirewear.test import AnyStudy, LineStudy, Study
+from wirewear.test.bodies import Gap
+from wirewear.test.programme import held_keys
 
 
 @dataclass(frozen=True)

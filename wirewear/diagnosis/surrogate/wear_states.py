@@ -28,8 +28,8 @@ from wirewear.diagnosis.surrogate.layered_wires import (
     layered_wires,
 )
 from wirewear.diagnosis.surrogate.loop_states import FULL_SLIP, ODD_POWERS, sliding, state_of, states_of
-from wirewear.study import study_from_tables
-from wirewear.study.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
+from wirewear.test import study_from_tables
+from wirewear.test.bodies import Gap, hertz_of, unworn_stiffness_N_per_um
 
 if TYPE_CHECKING:
     from wirewear.diagnosis.surrogate.inputs import Setup

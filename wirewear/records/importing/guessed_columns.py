@@ -12,8 +12,8 @@ from wirewear.base.delimited import read_delimited
 from wirewear.base.errors import RecordError
 from wirewear.base.naming import KNOWN_UNITS, RAW_UNITS, UNIT_OF, recognised, stem_and_unit, units_of
 from wirewear.records.importing.mapping import ColumnMapping, Source
-from wirewear.records.importing.reader import OPEN
 from wirewear.records.importing.sources import layout_of, read_source
+from wirewear.records.importing.text_reader import OPEN
 
 #: What parts samples has so few different values, over their number; columns that are looked at for that.
 LABELLED, MOST_LABELS = 0.06, 40

@@ -20,11 +20,11 @@ from wirewear.records.importing.height_maps import MapScale, StatedMap, stated_m
 from wirewear.records.importing.importing import drives_motion, loops_of
 from wirewear.records.importing.mapping import PROFILOMETER, LoopSource
 from wirewear.records.importing.profilometry import ASKEW_deg, grid_of_points
-from wirewear.records.importing.reader import OPEN
+from wirewear.records.importing.text_reader import OPEN
 from wirewear.records.levelling import direction_deg
 from wirewear.records.values import MeasuredLoop
 from wirewear.results.scar import WIRES, called
-from wirewear.study.bodies import Body
+from wirewear.test.bodies import Body
 
 #: Amplitudes of a test's cycles that differ by more than this share of the largest are a programme of their own.
 ONE_AMPLITUDE = 0.1

@@ -12,9 +12,9 @@ import numpy as np
 from geometry.arrays import Array
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import FIELD_UNITS, RecordError
+from wirewear.base.files import DELIMITERS
 from wirewear.base.guessing import GuessedLayout, guessed_layout
 from wirewear.base.naming import UNIT_OF, recognised, units_of
-from wirewear.base.reading import DELIMITERS
 from wirewear.records.importing.guessed_columns import (
     EVOLUTION_KEYS,
     LOOP_KEYS,
@@ -27,7 +27,7 @@ from wirewear.records.importing.guessed_columns import (
     values_of,
 )
 from wirewear.records.importing.loggers import kind_of, readers
-from wirewear.records.importing.reader import OPEN, TextReader
+from wirewear.records.importing.text_reader import OPEN, TextReader
 
 FEWEST = 16  #: Fewer samples tell nothing.
 

@@ -7,21 +7,21 @@ from pathlib import Path
 from typing import Any
 
 from wirewear.base.errors import RecordError, as_sentence
-from wirewear.base.reading import toml_text
+from wirewear.base.files import toml_text
 from wirewear.records.contact_tables import BallTest, LineTest, RecordContact
 from wirewear.records.importing.guessed_columns import GuessedFile
 from wirewear.records.importing.guessed_conditions import Touching, body_of, conditions_of, listed, map_source, scars_of
 from wirewear.records.importing.guessed_files import joined, listed_once, looked_into, mapped_columns
 from wirewear.records.importing.height_maps import is_map, matrix_of
-from wirewear.records.importing.reader import OPEN, open_lines
 from wirewear.records.importing.sources import name_pattern
+from wirewear.records.importing.text_reader import OPEN, open_lines
 from wirewear.results.scar import WIRES
-from wirewear.study.faces import FACE_KEYS, PadFace
-from wirewear.study.lengths import PLANAR_KINDS
-from wirewear.study.lines import CYLINDER_ON_FLAT
-from wirewear.study.messages import validated
-from wirewear.study.points import BALL_ON_FLAT, BallAndFlat
-from wirewear.study.wires import Wires
+from wirewear.test.faces import FACE_KEYS, PadFace
+from wirewear.test.lengths import PLANAR_KINDS
+from wirewear.test.lines import CYLINDER_ON_FLAT
+from wirewear.test.messages import validated
+from wirewear.test.points import BALL_ON_FLAT, BallAndFlat
+from wirewear.test.wires import Wires
 
 #: What only options tell where no file holds loops.
 _OPTIONS = {

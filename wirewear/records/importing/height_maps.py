@@ -15,11 +15,11 @@ from pathlib import Path
 import numpy as np
 
 from geometry.arrays import Array
-from wirewear.base.budget import require_room
 from wirewear.base.delimited import DelimitedLayout, DelimitedText, contents_of, fields_of, read_delimited
 from wirewear.base.errors import FIELD_UNITS, RecordError
 from wirewear.base.guessing import GuessedLayout, guessed_layout
-from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, reason_of
+from wirewear.base.memory import require_room
+from wirewear.records.importing.text_reader import DAMAGED_FILE_ERRORS, reason_of
 from wirewear.records.importing.x3p import read_x3p
 
 Map = tuple[Array, Array, Array]  #: Lines x (n_x,), y (n_y,) and heights (n_x, n_y), all in µm.

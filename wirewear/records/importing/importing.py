@@ -19,7 +19,7 @@ from wirewear.records.importing import sources
 from wirewear.records.importing.loggers import kind_of
 from wirewear.records.importing.mapping import MAPPINGS, EvolutionSource, LoopSource
 from wirewear.records.importing.profilometry import surfaces_of
-from wirewear.records.importing.reader import TextReader, require_mapping
+from wirewear.records.importing.text_reader import TextReader, require_mapping
 from wirewear.records.normal_force import pressing
 from wirewear.records.reading import EVOLUTION_COLUMNS, read_tables, tables_of_file
 from wirewear.records.values import AnyRecord, ExperimentRecord, MeasuredEvolution, MeasuredLoop

@@ -12,13 +12,13 @@ import h5py
 import numpy as np
 
 from geometry.arrays import Array
-from solvers.plugins import installed
-from wirewear.base.budget import HARMLESS, MOST_EXPANSION, require_room
+from solvers.laws.plugins import installed
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError, nearest, shown
 from wirewear.base.hdf5 import require_self_contained
+from wirewear.base.memory import HARMLESS, MOST_EXPANSION, require_room
 from wirewear.base.writing import is_special
-from wirewear.records.importing.reader import DAMAGED_FILE_ERRORS, Channel, Reader, TextReader, reason_of
+from wirewear.records.importing.text_reader import DAMAGED_FILE_ERRORS, Channel, Reader, TextReader, reason_of
 
 #: The head of a file, whose last four bytes say the version and how numbers are ordered.
 _HEAD, _TAG = 128, 8
@@ -314,7 +314,7 @@ def readers() -> Mapping[str, Reader]:
     Raises RecordError if a package's entry point holds no reader, or one whose kind is taken.
     """
     found: dict[str, Reader] = {kind.kind: kind() for kind in LIBRARY}
-    home = "wirewear.records.importing.reader"
+    home = "wirewear.records.importing.text_reader"
     for place, reader in installed(ENTRY_POINT_GROUP, Reader, "reader", home, ("kind",), _problem):
         if reader.kind in found:
             raise RecordError(

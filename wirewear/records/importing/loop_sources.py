@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from geometry.arrays import Array
 from wirewear.base.delimited import CSV
 from wirewear.base.errors import FIELD_UNITS, RecordError, nearest, shown
+from wirewear.base.files import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.base.guessing import GuessedLayout, NoTableError, guessed_layout
-from wirewear.base.reading import DELIMITERS, TABLE_FILE_NAME, Held, require_no_other
 from wirewear.loops.cleaning import FEWEST_SAMPLES
 from wirewear.loops.clock import read_clock
 from wirewear.loops.cycles import outline, split_cycles
@@ -24,8 +24,8 @@ from wirewear.records.importing.guessed_columns import GuessedFile, loop_columns
 from wirewear.records.importing.guessed_files import table_of
 from wirewear.records.importing.importing import in_rows
 from wirewear.records.importing.loggers import kind_of
-from wirewear.records.importing.reader import TextReader
 from wirewear.records.importing.sources import require_recorded
+from wirewear.records.importing.text_reader import TextReader
 from wirewear.records.normal_force import require_pressing
 from wirewear.records.remarks import plural
 from wirewear.records.values import MeasuredLoop

@@ -7,13 +7,13 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator, Field, PlainValidator
 
 from wirewear.base.errors import FIELD_UNITS, UNITS_PER_LENGTH, Quantity, shown
-from wirewear.base.reading import DELIMITERS, is_encoding_of_text
+from wirewear.base.files import DELIMITERS, is_encoding_of_text
 from wirewear.records.contact_tables import BallTest, LineTest, ShapesTest
 from wirewear.records.importing.height_maps import MapScale
 from wirewear.records.importing.loggers import readers
-from wirewear.records.of_test import Metadata
 from wirewear.records.tables import Frame, Noise, PointTest, RecordConditions, Stated, WiresTest
-from wirewear.study.keys import CheckedFlag, Table, checked_text, one_of
+from wirewear.records.test_tables import Metadata
+from wirewear.test.keys import CheckedFlag, Table, checked_text, one_of
 
 PROFILOMETER = "profilometer"  #: Kind of the files that hold a height map, which SurfaceTopography reads.
 

@@ -21,8 +21,8 @@ from wirewear.records.spikes import without_spikes
 from wirewear.records.surfaces import PROFILES, SCARS
 from wirewear.records.unworn_bodies import FaceSurface, RoundSurface
 from wirewear.results.scar import called
-from wirewear.study.bodies import Body, Wire
-from wirewear.study.faces import Face
+from wirewear.test.bodies import Body, Wire
+from wirewear.test.faces import Face
 
 FEWEST_POINTS = 100  #: Fewer points tell no cylinder.
 

@@ -8,15 +8,15 @@ import numpy as np
 
 from geometry.arrays import Array
 from wirewear.base.blocks import NUMBER_WORDS
-from wirewear.base.budget import within
 from wirewear.base.delimited import DelimitedLayout
 from wirewear.base.errors import RecordError
-from wirewear.base.reading import DELIMITERS, require_within
+from wirewear.base.files import DELIMITERS, require_within
+from wirewear.base.memory import within
 from wirewear.records.importing.loggers import kind_of, readers
 from wirewear.records.importing.mapping import PROFILOMETER, ColumnMapping, Source, unit_factor
-from wirewear.records.importing.reader import TextReader
+from wirewear.records.importing.text_reader import TextReader
 from wirewear.records.reading import RECORD_COLUMNS
-from wirewear.study.keys import Table
+from wirewear.test.keys import Table
 
 PATTERN_s = 2.0  #: A pattern that needs longer for a file's name would need for ever.
 

@@ -24,7 +24,7 @@ from studies.blind.generators.sampling import LoggedTest, logged_channels, logge
 from wirewear.base.errors import RunError, WirewearError
 from wirewear.records import MeasuredScar
 from wirewear.results import RunResult
-from wirewear.study import Study, study_from_tables
+from wirewear.test import Study, study_from_tables
 
 #: Loops are logged at these cycles too, so that the evolution can be read between them.
 BETWEEN = (1, 10, *(factor * 10**decade for decade in range(2, 7) for factor in (1, 3)))

@@ -26,7 +26,7 @@ from wirewear.effects import Effect, Seam
 from wirewear.records import LineRecord, MeasuredEvolution, MeasuredLoop, MeasuredProfile
 from wirewear.records.values import believed_study
 from wirewear.results import BODIES, RunResult
-from wirewear.study import LineStudy
+from wirewear.test import LineStudy
 
 #: Loops are logged at these shares of decades too; scars of other wear rates are read beyond the test's end.
 BETWEEN = (1, 10, 100, 300, 1000, 3000, 10000, 30000)

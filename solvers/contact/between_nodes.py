@@ -1,0 +1,213 @@
+"""A contact between its nodes: where its edge runs, how pressure is spread over elements, and laws as integrals of it.
+
+A pressure that falls as the root of the distance from the contact's edge has a square that is smooth up to it
+(Johnson, Contact Mechanics, 1985, section 5.1). It is fitted to the nodes (`fitted_square`) and sampled within
+elements. The outermost nodes bear what open ones beside them would, more or less by where the mesh lies, so they hardly
+count in the fit. What equilibrium fixes is the load: the edge is moved by one distance all around until the samples
+carry it. Of Hertz's ellipse, the inner nodes thus give the peak pressure p0, and the load P the area 3 P / (2 p0).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from math import pi
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.laws.friction_law import Friction
+from solvers.stress.subgrid_traction import SubgridTraction, fitted_square, refined
+
+#: Samples across a contact that few elements span, and of an element each way at least and at most.
+_ACROSS, _FEWEST, _MOST = 72, 2, 8
+_AROUND = 4  #: Nodes without pressure about the contact that are looked at.
+_TRUST_AT_EDGE = 0.02  #: Weight of the outermost nodes: where few lie inside, they keep the fit determined.
+_MOVED, _HALVINGS = 0.25, 20  #: How far the edge is moved at most, in elements, and how exactly.
+_OFF = 0.06  #: Of an element: how well the edge is known, of Hertz's ellipses on meshes of all levels.
+_LARGEST = 1.5  #: An integral over elements, over that of nodes, or the other way round.
+
+
+@dataclass(frozen=True, eq=False)
+class SpreadPressure:
+    """Pressure at m samples within the elements of a patch's n nodes, normal forces kept."""
+
+    nodal_MPa: Array  #: (n,) as solved for.
+    areas_mm2: Array  #: (n,) of the nodes.
+    places_mm: Array  #: (m, 2) of the samples under pressure, in the patch's axes.
+    pressure_MPa: Array  #: (m,).
+    parts_mm2: Array  #: (m,) areas of the samples.
+    edge_mm: Array  #: (e, 2) places where lines of samples leave the contact.
+    weights: csr_matrix  #: (n, m) hat functions of the nodes at the samples.
+    samples: int = 1  #: Of an element each way.
+
+    @classmethod
+    def of(cls, patch: ContactPatch, pressure_MPa: Array, smooth: bool = True) -> "SpreadPressure":
+        """From nodal pressures (n,) on a patch; without samples where there is none.
+
+        smooth: whether unworn surfaces part, so that inner nodes and the load fix the edge; else all nodes do.
+        """
+        nodal, shape = np.maximum(pressure_MPa, 0.0), patch.shape
+        areas = patch.node_areas()
+        rows, columns = (_about(np.asarray(nodal.reshape(shape).any(axis=1 - axis))) for axis in (0, 1))
+        inner = nodal.reshape(shape)[rows][:, columns]
+        if not inner.size:
+            nothing = np.zeros((0, 2))
+            return cls(nodal, areas, nothing, np.zeros(0), np.zeros(0), nothing, csr_matrix((len(nodal), 0)))
+        narrow = min(size - 2 * _AROUND for size in inner.shape if size > 1)
+        samples = min(max(-(-_ACROSS // max(narrow, 1)), _FEWEST), _MOST)
+        tractions = -inner[..., None] * np.array([0.0, 0.0, 1.0])
+        fitted = fitted_square(inner, _TRUST_AT_EDGE) if smooth else SubgridTraction.of_nodes(tractions).square
+        square = refined(fitted, samples)
+        lines = [
+            np.interp(np.arange(size) / samples, np.arange(len(own)), own)
+            for size, own in zip(square.shape, (patch.axial_mm[rows], patch.transverse_mm[columns]), strict=True)
+        ]
+        parts = np.outer(*(np.gradient(line) if len(line) > 1 else np.ones(1) for line in lines))
+        load = float(areas @ nodal)
+        square = _carrying(square, parts, load, samples) if smooth else square
+        inside = square > 0.0
+        parts, found = parts[inside], np.sqrt(square[inside])
+        carried = float(parts @ found)
+        places = np.column_stack([part[inside] for part in np.meshgrid(*lines, indexing="ij")])
+        edge = _edge(square, lines)
+        scale = load / carried if carried > 0.0 else 1.0
+        hats = _hats(shape, rows, columns, inside, samples)
+        return cls(nodal, areas, places, scale * found, parts, edge, hats, samples)
+
+    @property
+    def area_mm2(self) -> float:
+        """Area of the contact, mm²."""
+        return float(self.parts_mm2.sum())
+
+    @cached_property
+    def edge_distance_mm(self) -> Array:
+        """Distance (m,) of the samples from the contact's edge; infinite where it has none on the patch."""
+        from scipy.spatial import KDTree
+
+        if not len(self.edge_mm):
+            return np.full(len(self.places_mm), np.inf)
+        return np.asarray(KDTree(self.edge_mm).query(self.places_mm)[0])
+
+    def averaged(self, values: Array, elsewhere: float) -> Array:
+        """Means (n,) of values (m,) at the samples over the nodes' supports by load, or a value for none.
+
+        Their mean by the nodes' loads is that of the samples by theirs.
+        """
+        weights, of_nodes = self.pressure_MPa * self.parts_mm2, self.areas_mm2 * self.nodal_MPa
+        load, of_values = self.weights @ weights, self.weights @ (weights * values)
+        mean = np.divide(of_values, load, out=np.full(len(load), elsewhere), where=load > 0.0)
+        wanted, found = float(weights @ values) * float(of_nodes.sum()), float(of_nodes @ mean) * float(weights.sum())
+        return np.asarray(mean * wanted / found if found > 0.0 else mean)
+
+    def integrals(self, friction: Friction) -> tuple[float, float]:
+        """A law's limit integrated over elements and summed over nodes, N; a local coefficient counts by its mean."""
+        coefficient = float(np.mean(friction.coefficient))
+        of_elements = self.parts_mm2 @ friction.law.limit(coefficient, self.pressure_MPa)
+        return float(of_elements), float(self.areas_mm2 @ friction.law.limit(coefficient, self.nodal_MPa))
+
+    def share(self, friction: Friction) -> float:
+        """What a law's limit is over that by its nodes' pressures alone."""
+        of_elements, of_nodes = self.integrals(friction)
+        if not of_nodes > 0.0 or not of_elements > 0.0:
+            return 1.0
+        return min(max(of_elements / of_nodes, 1.0 / _LARGEST), _LARGEST)
+
+    def law_error(self, friction: Friction) -> float:
+        """By how much a law's integral may be off, relative, as the contact's area is known so well alone: under the
+        same load another area has pressures that much lower.
+        """
+        if friction.law.proportional or not len(self.pressure_MPa):
+            return 0.0
+        coefficient, pressure = float(np.mean(friction.coefficient)), self.pressure_MPa
+        limit = float(self.parts_mm2 @ friction.law.limit(coefficient, pressure))
+        slope = float((self.parts_mm2 * pressure) @ friction.law.derivative(coefficient, pressure))
+        return 2.0 * self.edge_error * abs(1.0 - slope / limit) if limit > 0.0 else 0.0
+
+    @cached_property
+    def edge_error(self) -> float:
+        """Half the share of the contact's area that its edge, counted in elements, sweeps where it may stand elsewhere.
+
+        Each line of samples crosses the edge twice: for convex contacts the crossings along both axes add up to 4/π of
+        the perimeter (Cauchy-Crofton). Of an ellipse along the grid this is `_OFF` over its half-width in elements.
+        """
+        return _OFF * pi / 8.0 * self.samples * len(self.edge_mm) / max(len(self.pressure_MPa), 1)
+
+
+@dataclass(frozen=True, eq=False)
+class WithinElements:
+    """How pressure is spread on a patch at the positions of k nodes or unknowns; found when it is first asked for."""
+
+    patch: ContactPatch
+    pressures_MPa: Sequence[Array]  #: Of the patch's nodes, each (n,).
+    position: IntArray  #: (k,) to which of them each belongs.
+    fresh: float = 1.0  #: How much integrals over elements count: worn bodies touch in bands that they move over.
+
+    @cached_property
+    def spreads(self) -> tuple[SpreadPressure, ...]:
+        """How pressure is spread at each position, one for each of `pressures_MPa`."""
+        return tuple(SpreadPressure.of(self.patch, pressure, self.fresh > 0.5) for pressure in self.pressures_MPa)
+
+    def among(self, chosen: slice) -> "WithinElements":
+        """How pressure is spread about the chosen nodes alone."""
+        return WithinElements(self.patch, self.pressures_MPa, self.position[chosen], self.fresh)
+
+    def share(self, friction: Friction) -> Array:
+        """What a law's limit is over that by nodes' pressures alone, (k,)."""
+        if self.fresh == 0.0:
+            return np.ones(len(self.position))
+        return 1.0 + self.fresh * (np.array([own.share(friction) for own in self.spreads])[self.position] - 1.0)
+
+
+def _about(loaded: BoolArray) -> slice:
+    """The lines (n,) that bear load, with some around them."""
+    found = np.flatnonzero(loaded)
+    if not found.size:
+        return slice(0, 0)
+    return slice(max(int(found[0]) - _AROUND, 0), int(found[-1]) + _AROUND + 1)
+
+
+def _carrying(square: Array, parts: Array, load: float, samples: int) -> Array:
+    """A pressure's square, so many samples an element, with the edge moved until areas (as the square's) carry a load.
+
+    Where a field changes by its slope times a distance, its zero moves by that distance; its peaks stay.
+    """
+    slopes = [np.gradient(square, 1.0 / samples, axis=axis) for axis, size in enumerate(square.shape) if size > 1]
+    slope, inwards, outwards = np.sqrt(sum(each**2 for each in slopes)), -_MOVED, _MOVED
+    for _ in range(_HALVINGS):
+        moved = 0.5 * (inwards + outwards)
+        carried = float((parts * np.sqrt(np.maximum(square + moved * slope, 0.0))).sum())
+        inwards, outwards = (moved, outwards) if carried < load else (inwards, moved)
+    return np.asarray(square + 0.5 * (inwards + outwards) * slope)
+
+
+def _edge(square: Array, lines: Sequence[Array]) -> Array:
+    """Places (e, 2) where a field changes its sign between neighbouring samples."""
+    found = []
+    for axis in (0, 1):
+        along, others = np.moveaxis(square, axis, 0), lines[1 - axis]
+        i, j = np.nonzero((along[1:] > 0.0) != (along[:-1] > 0.0))
+        share = along[i, j] / (along[i, j] - along[i + 1, j])
+        crossed = lines[axis][i] + share * (lines[axis][np.minimum(i + 1, len(lines[axis]) - 1)] - lines[axis][i])
+        found.append(np.column_stack([crossed, others[j]][:: 1 if axis == 0 else -1]))
+    return np.concatenate(found)
+
+
+def _hats(shape: tuple[int, ...], rows: slice, columns: slice, inside: BoolArray, samples: int) -> csr_matrix:
+    """Hat functions of a patch's nodes, all but some lines of which are left out, at the samples inside (n, m)."""
+    i, j = np.nonzero(inside)
+    sample, node, value = [], [], []
+    for di in (0, 1):
+        for dj in (0, 1):
+            a, b = i // samples + di, j // samples + dj
+            weight = np.ones(len(i))
+            for place, step in ((i, di), (j, dj)):
+                part = (place % samples) / samples
+                weight = weight * (part if step else 1.0 - part)
+            kept = weight > 0.0
+            sample.append(np.flatnonzero(kept))
+            node.append((a + rows.start)[kept] * shape[1] + (b + columns.start)[kept])
+            value.append(weight[kept])
+    entries = (np.concatenate(value), (np.concatenate(node), np.concatenate(sample)))
+    return csr_matrix(entries, (shape[0] * shape[1], len(i)))

@@ -1,0 +1,1 @@
+"""Elastic bodies as a contact sees them: condensation, compliance, placement, and their coupling by mortars."""

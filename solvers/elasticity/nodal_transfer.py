@@ -1,0 +1,289 @@
+"""Transfer between the nodes of two grids, and from a contact's nodes to a patch's: weights at few nodes each.
+
+Where the grids' axes lie along one another, a product of hat functions is integrated along one axis and along the
+other apart: a row of the transfer is the outer product of a row along each.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import prod
+from typing import NamedTuple
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.jit_cache import compiled, inlined
+
+ROUND_OFF = 1e-9  #: How far beside a patch, in cells, a point still counts as on it.
+
+
+class NodalTransfer(NamedTuple):
+    """Weights of a patch's nodes at each of k contact nodes, row after row."""
+
+    first: IntArray  #: (k + 1,) where each row's entries begin and the last ends.
+    columns: IntArray  #: (e,) patch nodes.
+    weights: Array  #: (e,).
+    size: int  #: Number n of the patch's nodes.
+
+    @classmethod
+    def single(cls, nodes: IntArray, weights: Array, size: int) -> NodalTransfer:
+        """One patch node with a weight for each contact node, both (k,)."""
+        return cls(np.arange(len(nodes) + 1), nodes, weights, size)
+
+    @classmethod
+    def of(cls, matrix: csr_matrix) -> NodalTransfer:
+        """That of a (k, n) matrix; see `sparse`."""
+        return cls(matrix.indptr, matrix.indices, matrix.data, int(matrix.shape[1]))
+
+    def averaged(self, field: Array, rows: IntArray | None = None) -> Array:
+        """Weighted sum of a nodal field (n,) or (n, c) at each contact node, or at some of them, (k,) or (k, c)."""
+        chosen = np.arange(len(self.first) - 1) if rows is None else rows
+        values = np.ascontiguousarray(field).reshape(self.size, prod(field.shape[1:]))
+        result = weighted_sums(self.first, self.columns, self.weights, values, chosen)
+        return result.reshape(len(chosen), *field.shape[1:])
+
+    def spread(self, values: Array) -> Array:
+        """What values (k,) or (k, c) at the contact nodes come to at the patch's, (n,) or (n, c): the transpose."""
+        rows = np.ascontiguousarray(values).reshape(len(self.first) - 1, prod(values.shape[1:]))
+        result = _spread(self.first, self.columns, self.weights, rows, self.size)
+        return result.reshape(self.size, *values.shape[1:])
+
+    def faced_by(self, rows: IntArray) -> IntArray:
+        """The patch nodes (e,) of the entries of some contact nodes (m,), row after row."""
+        return _entries(self.first, self.columns, rows)
+
+    def at_heaviest(self, chosen: IntArray) -> NodalTransfer:
+        """This transfer with the whole weight of some rows (m,) at that of their nodes which weighs most."""
+        return NodalTransfer(*_at_heaviest(self.first, self.columns, self.weights, chosen), self.size)
+
+    @property
+    def sparse(self) -> csr_matrix:
+        """The same as a (k, n) matrix."""
+        return csr_matrix((self.weights, self.columns, self.first), shape=(len(self.first) - 1, self.size))
+
+
+@compiled
+def loaded_nodes(forces: Array) -> IntArray:
+    """Nodes (l,), increasing, on which forces (n, 3) act."""
+    found = np.empty(len(forces), dtype=np.int64)
+    used = 0
+    for node in range(len(forces)):
+        if forces[node, 0] != 0.0 or forces[node, 1] != 0.0 or forces[node, 2] != 0.0:
+            found[used] = node
+            used += 1
+    return found[:used]
+
+
+@compiled
+def _entries(first: IntArray, columns: IntArray, rows: IntArray) -> IntArray:
+    size = 0
+    for row in rows:
+        size += first[row + 1] - first[row]
+    found = np.empty(size, dtype=np.int64)
+    used = 0
+    for row in rows:
+        for entry in range(first[row], first[row + 1]):
+            found[used] = columns[entry]
+            used += 1
+    return found
+
+
+@compiled
+def weighted_sums(first: IntArray, columns: IntArray, weights: Array, field: Array, rows: IntArray) -> Array:
+    """A transfer's sums (m, c) of a field (n, c) at its rows (m,)."""
+    result = np.zeros((len(rows), field.shape[1]))
+    for k in range(len(rows)):
+        for entry in range(first[rows[k]], first[rows[k] + 1]):
+            for c in range(field.shape[1]):
+                result[k, c] += weights[entry] * field[columns[entry], c]
+    return result
+
+
+@compiled
+def _spread(first: IntArray, columns: IntArray, weights: Array, values: Array, size: int) -> Array:
+    result = np.zeros((size, values.shape[1]))
+    for row in range(len(first) - 1):
+        for entry in range(first[row], first[row + 1]):
+            for c in range(values.shape[1]):
+                result[columns[entry], c] += weights[entry] * values[row, c]
+    return result
+
+
+@compiled
+def _at_heaviest(
+    first: IntArray, columns: IntArray, weights: Array, chosen: IntArray
+) -> tuple[IntArray, IntArray, Array]:
+    whole = np.zeros(len(first) - 1, np.bool_)
+    for row in chosen:
+        whole[row] = True
+    starts, used = np.zeros_like(first), 0
+    new_columns, new_weights = np.empty_like(columns), np.empty_like(weights)
+    for row in range(len(whole)):
+        heaviest = first[row]
+        for entry in range(first[row], first[row + 1]):
+            if not whole[row] or entry == first[row]:
+                new_columns[used], new_weights[used] = columns[entry], weights[entry]
+                used += 1
+                continue
+            new_weights[used - 1] += weights[entry]
+            if weights[entry] > weights[heaviest]:
+                heaviest = entry
+                new_columns[used - 1] = columns[entry]
+        starts[row + 1] = used
+    return starts, new_columns[:used].copy(), new_weights[:used].copy()
+
+
+@dataclass(frozen=True)
+class GaussLines:
+    """Gauss points along one axis of a patch, q in each of its c cells; of a planar body's width one of length 1."""
+
+    positions: Array  #: (c, q), mm, as the next.
+    lengths: Array
+    lower: Array  #: (q,) hat function of the cell's lower line at its points.
+
+    @property
+    def planar(self) -> bool:
+        """Whether this is a planar body's width."""
+        return self.positions.shape == (1, 1)
+
+
+def gauss_lines(lines: Array, points: int) -> GaussLines:
+    """Gauss points between grid lines (c + 1,)."""
+    if len(lines) == 1:
+        return GaussLines(lines[:, None], np.ones((1, 1)), np.ones(1))
+    abscissae, weights = np.polynomial.legendre.leggauss(points)
+    size = np.diff(lines)[:, None]
+    share = 0.5 * (abscissae + 1.0)
+    return GaussLines(lines[:-1, None] + share * size, 0.5 * weights * size, 1.0 - share)
+
+
+class CommonAxes(NamedTuple):
+    """How positions (x, y) in a patch's axes are seen in those of another: (signs * ((x, y) - offset)), or swapped."""
+
+    swapped: bool  #: Whether the patch's first axis lies along the other's second.
+    signs: Array  #: (2,) for the patch's axes, as the next.
+    offset: Array
+
+    @classmethod
+    def of(cls, turn: Array, offset: Array) -> CommonAxes | None:
+        """Those of positions at `turn @ (position - offset)`; None where the axes lie at another angle."""
+        if turn[0, 1] == 0.0 == turn[1, 0]:
+            return cls(False, np.array([turn[0, 0], turn[1, 1]]), offset)
+        if turn[0, 0] == 0.0 == turn[1, 1]:
+            return cls(True, np.array([turn[1, 0], turn[0, 1]]), offset)
+        return None
+
+
+def transfer_along_axes(
+    nodes: IntArray, along: GaussLines, across: GaussLines, axes: CommonAxes, patch: ContactPatch
+) -> tuple[BoolArray, IntArray, IntArray, Array]:
+    """Which supports of nodes (k,) leave the other body's `patch`, and the transfer from there as `NodalTransfer` keeps
+    it: first, columns, weights.
+    """
+    lines = (patch.transverse_mm, patch.axial_mm) if axes.swapped else (patch.axial_mm, patch.transverse_mm)
+    strides = (1, len(patch.transverse_mm)) if axes.swapped else (len(patch.transverse_mm), 1)
+    count_t = 1 if across.planar else len(across.positions) + 1
+    of_axes = (
+        (own.positions, own.lengths, own.lower, axes.signs[c], axes.offset[c], lines[c], own.planar, strides[c])
+        for c, own in enumerate((along, across))
+    )
+    return _products(nodes, count_t, *next(of_axes), *next(of_axes))
+
+
+@inlined
+def cell_of(lines: Array, value: float, near: int) -> int:
+    """The cell between lines that holds a value, the first or the last for one beside them; looked for from one near
+    by, for positions mostly follow each other.
+    """
+    while near > 0 and lines[near] > value:
+        near -= 1
+    while near < len(lines) - 2 and lines[near + 1] <= value:
+        near += 1
+    return near
+
+
+@compiled
+def _along_line(
+    positions: Array, lengths: Array, lower: Array, sign: float, offset: float, other: Array, planar: bool
+) -> tuple[BoolArray, IntArray, IntArray, Array]:
+    """Of every line of an axis: whether its support leaves the other grid, and integrals of products of hat functions.
+
+    other: (m,) the other grid's lines.  The rows: first (lines + 1,), columns, values.
+    """
+    cells = positions.shape[0]
+    count = 1 if planar else cells + 1
+    outside, first = np.zeros(count, dtype=np.bool_), np.zeros(count + 1, dtype=np.int64)
+    columns, values = np.empty(count * len(other), dtype=np.int64), np.empty(count * len(other))
+    row = np.zeros(len(other))
+    used = at = 0
+    for i in range(count):
+        low, high = len(other), -1
+        for cell in range(max(i - 1, 0), min(i + 1, cells)):
+            for p in range(len(lower)):
+                weight = lengths[cell, p] * (lower[p] if cell == i else 1.0 - lower[p])
+                share = 0.0
+                if len(other) > 1:
+                    place = sign * (positions[cell, p] - offset)
+                    at = cell_of(other, place, at)
+                    share = (place - other[at]) / (other[at + 1] - other[at])
+                    if share < -ROUND_OFF or share > 1.0 + ROUND_OFF:
+                        outside[i] |= weight > 0.0
+                        continue
+                    row[at + 1] += weight * share
+                row[at] += weight * (1.0 - share)
+                low, high = min(low, at), max(high, min(at + 1, len(other) - 1))
+        for c in range(low, high + 1):
+            columns[used], values[used] = c, row[c]
+            row[c] = 0.0
+            used += 1
+        first[i + 1] = used
+    return outside, first, columns, values
+
+
+@compiled
+def _products(
+    nodes: IntArray,
+    count_t: int,
+    positions_a: Array,
+    lengths_a: Array,
+    lower_a: Array,
+    sign_a: float,
+    offset_a: float,
+    other_a: Array,
+    planar_a: bool,
+    stride_a: int,
+    positions_t: Array,
+    lengths_t: Array,
+    lower_t: Array,
+    sign_t: float,
+    offset_t: float,
+    other_t: Array,
+    planar_t: bool,
+    stride_t: int,
+) -> tuple[BoolArray, IntArray, IntArray, Array]:
+    """The outer products of rows along both axes, of each `_along_line`'s arguments and the other grid's stride."""
+    outside_a, first_a, columns_a, values_a = _along_line(
+        positions_a, lengths_a, lower_a, sign_a, offset_a, other_a, planar_a
+    )
+    outside_t, first_t, columns_t, values_t = _along_line(
+        positions_t, lengths_t, lower_t, sign_t, offset_t, other_t, planar_t
+    )
+    count = len(nodes)
+    outside, first = np.empty(count, dtype=np.bool_), np.zeros(count + 1, dtype=np.int64)
+    for k in range(count):
+        i, j = nodes[k] // count_t, nodes[k] % count_t
+        outside[k] = outside_a[i] or outside_t[j]
+        first[k + 1] = first[k] + (first_a[i + 1] - first_a[i]) * (first_t[j + 1] - first_t[j])
+    columns, weights = np.empty(first[-1], dtype=np.int64), np.empty(first[-1])
+    used = 0
+    for k in range(count):
+        i, j = nodes[k] // count_t, nodes[k] % count_t
+        for a in range(first_a[i], first_a[i + 1]):
+            for t in range(first_t[j], first_t[j + 1]):
+                columns[used] = columns_a[a] * stride_a + columns_t[t] * stride_t
+                weights[used] = values_a[a] * values_t[t]
+                used += 1
+    return outside, first, columns, weights

@@ -1,0 +1,393 @@
+"""The compliance of a body at its contact patch, kept by its mirror symmetries.
+
+A body that is its own mirror image about a plane answers forces that are even about it with even displacements, odd
+ones with odd ones. Each kind belongs to the piece on one side alone, held on the plane accordingly: its displacement
+across the plane is zero there if it is even, that along the plane if it is odd. So a body with two such planes is four
+times a quarter, a quarter of the numbers (Glockner, J. Struct. Div. ASCE 99 (1973) 71).
+
+What bricks get wrong of the displacements near a loaded node, so that it can be made good.
+
+Near the contact both bodies are half-spaces. There a node that is pressed gives way half as much again in the elements
+of the body that carries the tractions, and too little in the other, which sees them spread by the mortar. What it ought
+to give way is the mean displacement of its cell under uniform traction on its own. The difference is found wave by
+wave: bricks alike along both axes answer a wave of nodal forces with a wave, layer below layer, and a half-space does
+so in closed form (Johnson, Contact Mechanics, 1985, sections 3.2 and 3.6, transformed). It fades within a few elements,
+as long waves are resolved.
+
+Displacements and forces are (..., 3): x, y, and z outwards.
+"""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from geometry import Elastic, HexMesh
+from geometry.arrays import Array, ComplexArray, IntArray
+from solvers.elasticity.strain import integration_points
+from solvers.jit_cache import compiled
+
+Pair = tuple[float, float]
+
+_DEPTH = 24.0  #: How deep the lattice reaches, in elements.
+_REACH = 6.0  #: The correction reaches so many of the larger elements.
+_ALIASES = 4  #: Shorter waves beneath those that a lattice tells apart, which a cell's uniform traction contains.
+_NEGLIGIBLE = 1e-3  #: Shares of a wave that are left out.
+#: Corners of a brick along each axis, in the order of its nodes; the first four are below.
+_CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 0, 1], [1, 1, 1], [0, 1, 1]])
+
+_ONE, _TWO = np.uint64(1), np.uint64(2)  # Of the type that indices have in the innermost loop.
+
+
+@dataclass(frozen=True)
+class Bricks:
+    """The elements under a contact patch."""
+
+    material: Elastic
+    layers: Pair  #: Thickness of the uppermost ones in mm, and the factor by which it grows from layer to layer.
+
+
+def reach(size_mm: Pair) -> tuple[int, int]:
+    """How many elements of a size a correction reaches along each axis."""
+    along, across = (int(np.ceil(_REACH * max(size_mm) / each)) for each in size_mm)
+    return along, across
+
+
+@lru_cache(maxsize=256)
+def missing_displacement(own: Bricks, own_mm: Pair, other: Bricks, other_mm: Pair, turn: tuple[Pair, Pair]) -> Array:
+    """Displacement that two bodies' elements lack about a node of the first by a unit force on it, mm/N.
+
+    Returns (2 a + 1, 2 t + 1, 3, 3) for the nodes up to `reach` away, by component of displacement and force, in the
+    first body's axes. The first carries the tractions, the other one faces it; bricks measure `own_mm` and `other_mm`.
+    turn: (2, 2) from the first body's plane axes to the other's. The other's lattice may lie anywhere beneath the
+    first's: the mean of all places is taken.
+    """
+    counts = tuple(2 * each + 1 for each in reach(own_mm))
+    numbers = (2.0 * np.pi * np.fft.fftfreq(n) for n in counts)
+    along, across = (each.ravel() for each in np.meshgrid(*numbers, indexing="ij"))
+    lacking = _of_cells(along, across, own_mm, own.material) - _of_bricks(along, across, own_mm, own)
+    to_other = np.zeros((3, 3))
+    to_other[:2, :2], to_other[2, 2] = turn, -1.0
+    lacking += to_other.T @ _lacking_in_other(along, across, own_mm, other, other_mm, to_other) @ to_other
+    lacking[0] = 0.0
+    found = np.fft.ifft2(lacking.reshape(*counts, 3, 3), axes=(0, 1)).real
+    return np.asarray(np.fft.fftshift(found, axes=(0, 1)))
+
+
+def half_space_response(kx: Array, ky: Array, material: Elastic) -> ComplexArray:
+    """Displacement of a half-space's surface by waves of traction of wave numbers (n,) in 1/mm, (n, 3, 3); 0 for 0."""
+    size = np.hypot(kx, ky)
+    inverse = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
+    n = np.stack([kx * inverse, ky * inverse])
+    nu = material.poissons_ratio
+    result = np.zeros((len(kx), 3, 3), dtype=np.complex128)
+    for i in range(2):
+        for j in range(2):
+            result[:, i, j] = 2.0 * inverse * ((i == j) - nu * n[i] * n[j])
+        result[:, 2, i] = 1j * (1.0 - 2.0 * nu) * inverse * n[i]
+        result[:, i, 2] = -result[:, 2, i]
+    result[:, 2, 2] = 2.0 * (1.0 - nu) * inverse
+    return np.asarray(result * ((1.0 + nu) / material.youngs_modulus_MPa))
+
+
+def _aliases(along: Array, across: Array, count: int) -> list[tuple[Array, Array, Array]]:
+    """Waves that look alike at the nodes, and what share of each a uniform traction on the cells contains."""
+    found = []
+    for m in range(-count, count + 1):
+        for n in range(-count, count + 1):
+            x, y = along + 2.0 * np.pi * m, across + 2.0 * np.pi * n
+            found.append((x, y, np.sinc(x / (2.0 * np.pi)) * np.sinc(y / (2.0 * np.pi))))
+    return found
+
+
+def _of_cells(along: Array, across: Array, size: Pair, material: Elastic) -> ComplexArray:
+    """Mean displacement of cells by waves of forces on cells, each spread evenly over its own, (n, 3, 3)."""
+    result = np.zeros((len(along), 3, 3), dtype=np.complex128)
+    for x, y, cell in _aliases(along, across, _ALIASES):
+        result += (cell**2)[:, None, None] * half_space_response(x / size[0], y / size[1], material)
+    return np.asarray(result / (size[0] * size[1]))
+
+
+def _lacking_in_other(
+    along: Array, across: Array, size: Pair, bricks: Bricks, other: Pair, to_other: Array
+) -> ComplexArray:
+    """What the facing body's bricks lack, in its own axes; they are loaded by hat functions and seen as their means."""
+    result = np.zeros((len(along), 3, 3), dtype=np.complex128)
+    seen: list[tuple[IntArray, Array, Array]] = []
+    for x, y, cell in _aliases(along, across, _ALIASES):
+        k = to_other[:2, :2] @ np.stack([x / size[0], y / size[1]])
+        result += (cell**2)[:, None, None] * half_space_response(k[0], k[1], bricks.material)
+        angles = k * np.array(other)[:, None]
+        share = (cell * np.sinc(angles[0] / (2.0 * np.pi)) * np.sinc(angles[1] / (2.0 * np.pi))) ** 4
+        which = np.flatnonzero((share > _NEGLIGIBLE) & (np.hypot(*angles) > 0.0))
+        seen.append((which, share[which] * other[0] * other[1], angles[:, which]))
+    all_angles = np.concatenate([angles for *_, angles in seen], axis=1)
+    found = _of_bricks(all_angles[0], all_angles[1], other, bricks)
+    weights = np.concatenate([share for _, share, _ in seen])
+    np.subtract.at(result, np.concatenate([which for which, *_ in seen]), weights[:, None, None] * found)
+    return np.asarray(result / (size[0] * size[1]))
+
+
+def _of_bricks(along: Array, across: Array, size: Pair, bricks: Bricks) -> ComplexArray:
+    """Displacement of nodes by waves of nodal forces, which turn by these angles from node to node, (n, 3, 3).
+
+    A wave of no length is left out: it has none.
+    """
+    waves = np.exp(1j * (np.outer(along, _CORNERS[:4, 0]) + np.outer(across, _CORNERS[:4, 1])))
+    phase = (waves.conj()[:, :, None] * waves[:, None, :]).reshape(-1, 16)
+    thickness, growth = bricks.layers
+    layers = [thickness]
+    while sum(layers) < _DEPTH * max(size):
+        layers.append(layers[-1] * growth)
+    answer = np.zeros((len(along), 3, 3), dtype=np.complex128)
+    for k, stiffness in enumerate(_between_sides(size, np.array(layers[::-1]), bricks.material)):
+        below, rise, fall, above = (phase @ stiffness).reshape(len(along), 4, 3, 3).swapaxes(0, 1)
+        # The lowest side is held.
+        answer = above - fall @ np.linalg.solve(below + answer, rise) if k else above
+    return np.asarray(np.linalg.inv(answer))
+
+
+def _between_sides(size: Pair, thickness_mm: Array, material: Elastic) -> Array:
+    """Stiffness of bricks of different thickness, (l, 16, 36): of the pairs of one side's corners with another's, of
+    forces on a side (below, above) by displacements of a side.
+    """
+    count = len(thickness_mm)
+    corners = _CORNERS * np.array([*size, 1.0]) * np.stack([np.ones(count), np.ones(count), thickness_mm], -1)[:, None]
+    points = integration_points(HexMesh(corners.reshape(-1, 3), np.arange(8 * count).reshape(-1, 8), {}))
+    unit = np.tile(np.eye(24).reshape(24, 1, 8, 3), (1, count, 1, 1)).reshape(24, -1, 3)
+    columns = np.array([points.internal_forces(points.stresses(material, one)) for one in unit])
+    # Axes: side, corner and component moved; layer; side, corner and component of the force.
+    forces = columns.reshape(2, 4, 3, count, 2, 4, 3).transpose(3, 5, 1, 4, 0, 6, 2)
+    return np.ascontiguousarray(forces.reshape(count, 16, 36))
+
+
+@dataclass(frozen=True)
+class PatchCompliance:
+    """Displacements of a patch's nodes by forces on them, in mm/N; unknown 3 i + k belongs to node i and axis k."""
+
+    shape: tuple[int, int]  #: (n_a, n_t) nodes of the patch.
+    #: The patch's axes, 0 along the body and 1 across it, about whose zero the body is its own mirror image.
+    planes: tuple[int, ...]
+    #: (2^p, 3 q, 3 q) for p planes: how the q nodes on the planes' non-negative sides, in the patch's order, move by
+    #: forces on themselves, and by forces on their mirror images, these forces reflected as their nodes are. The last
+    #: plane is the first to change. Each is symmetric.
+    blocks: Array
+    #: (3, 3) from the body's axes, in which its planes are given, to those of forces and displacements.
+    rotation: Array = field(default_factory=lambda: np.eye(3))
+
+    @classmethod
+    def of_parities(cls, shape: tuple[int, int], planes: tuple[int, ...], parts: Array) -> "PatchCompliance":
+        """From the compliances (2^p, 3 q, 3 q) of the piece on the planes' non-negative sides, which are used up.
+
+        Even about each plane before odd, the last plane first to change. Nodes on a plane carry the piece's half of the
+        forces there; what is held on a plane has compliance zero.
+        """
+        kinds = parts.reshape(*(2,) * len(planes), *parts.shape[1:])
+        for axis in range(len(planes)):
+            even, odd = np.moveaxis(kinds, axis, 0)
+            # A force on one side is half its even and half its odd part.
+            even += odd
+            even *= 0.5
+            np.subtract(even, odd, out=odd)
+        return cls(shape, planes, parts)
+
+    def turned(self, rotation: Array) -> "PatchCompliance":
+        """The same displacements in other axes, by a matrix (3, 3) that turns vectors into them."""
+        if np.array_equal(rotation, np.eye(3)):
+            return self
+        triples = np.ascontiguousarray(self.blocks).reshape(-1, 3) @ rotation.T
+        rows = triples.reshape(-1, 3, self.blocks.shape[-1])
+        return replace(self, blocks=(rotation @ rows).reshape(self.blocks.shape), rotation=rotation @ self.rotation)
+
+    def with_neighbours(self, near: Array, kind: IntArray, share: Array) -> "PatchCompliance":
+        """The same with displacements added of nodes by forces on nodes up to (a, t) lines away.
+
+        near: (m, 2 a + 1, 2 t + 1, 3, 3) in the body's axes, of m kinds of node: by the lines from the loaded node to
+        the moved one, which get the mean of what their kinds say.  kind, share: of the piece's nodes (q,), and what
+        their kind's is multiplied by. What is added is made symmetric as the body is.
+        """
+        for axis in self.planes:
+            mirror = np.ones(3)
+            mirror[axis] = -1.0
+            near = 0.5 * (near + mirror[:, None] * np.flip(near, 1 + axis) * mirror)
+        near = 0.5 * (near + near[:, ::-1, ::-1].swapaxes(-1, -2))
+        blocks = self.blocks.copy()
+        flips = np.zeros((len(blocks), 2), dtype=np.int64)
+        for k, axis in enumerate(reversed(self.planes)):
+            flips[:, axis] = (np.arange(len(blocks)) >> k) & 1
+        turned = self.rotation @ near @ self.rotation.T @ self._reflections[:, None, None, None]
+        piece = np.array(_piece(self.shape, self.planes))
+        _add_near(blocks, piece, flips, np.ascontiguousarray(turned), kind, share)
+        return replace(self, blocks=blocks)
+
+    def piece_nodes(self) -> IntArray:
+        """The patch's nodes (q,) on the non-negative sides of the planes, to which `blocks` belong."""
+        lines = (np.arange(n)[n // 2 if axis in self.planes else 0 :] for axis, n in enumerate(self.shape))
+        return np.asarray(
+            np.add.outer(*(each * step for each, step in zip(lines, (self.shape[1], 1), strict=True)))
+        ).ravel()
+
+    def between(self, moved: IntArray, loaded: IntArray, out: Array | None = None, add: Array | None = None) -> Array:
+        """Displacements of some nodes (k,) by unit forces on others (l,), (3 k, 3 l), written to `out` if given.
+
+        add: (3,) factors of the forces' components, with which the displacements are added to what `out` holds.
+        """
+        result = np.empty((3 * len(moved), 3 * len(loaded))) if out is None else out
+        if self._signs is not None:
+            forces = self._signs if add is None else self._signs * add
+            _gather_mirrored(self.blocks, *self._places, self._signs, forces, moved, loaded, result, add is not None)
+        elif add is not None:
+            result += self.between(moved, loaded) * np.tile(add, len(loaded))
+        else:
+            _gather(self.blocks, *self._places, self._reflections, moved, loaded, result)
+        return result
+
+    @cached_property
+    def dense(self) -> Array:
+        """The whole matrix (3 n, 3 n), put together when it is first asked for."""
+        everywhere = np.arange(self.shape[0] * self.shape[1])
+        return self.between(everywhere, everywhere)
+
+    def diagonal(self) -> Array:
+        """Displacement of each unknown by a unit force on itself, (3 n,)."""
+        side, place = self._places
+        q = len(self.blocks[0]) // 3
+        node = np.arange(q)
+        own = self.blocks[0].reshape(q, 3, q, 3)[node, :, node, :]
+        reflections = self._reflections[side]
+        return np.asarray(np.einsum("nak,nkl,nla->na", reflections, own[place], reflections).ravel())
+
+    @cached_property
+    def _places(self) -> tuple[IntArray, IntArray]:
+        """Which image of the piece each node (n,) belongs to, and which of the piece's nodes it is the image of."""
+        along, across = (np.arange(n) for n in self.shape)
+        sides = [np.zeros(n, dtype=np.int64) for n in self.shape]
+        for k, axis in enumerate(self.planes):
+            middle = self.shape[axis] // 2
+            lines = np.arange(self.shape[axis]) - middle
+            sides[axis] = np.where(lines < 0, 2 ** (len(self.planes) - 1 - k), 0)
+            if axis == 0:
+                along = np.abs(lines)
+            else:
+                across = np.abs(lines)
+        width = _piece(self.shape, self.planes)[1]
+        return (sides[0][:, None] + sides[1]).ravel(), (along[:, None] * width + across).ravel()
+
+    @cached_property
+    def _reflections(self) -> Array:
+        """Of vectors into each image of the piece, (2^p, 3, 3)."""
+        found = [np.eye(3)]
+        for axis in self.planes:
+            found = [each for one in found for each in (one, one @ self._reflection(axis))]
+        return np.array(found)
+
+    @cached_property
+    def _signs(self) -> Array | None:
+        """What the reflections do to components, (2^p, 3), where they only change signs."""
+        if (self._reflections * (1.0 - np.eye(3))).any():
+            return None
+        return np.ascontiguousarray(np.einsum("gkk->gk", self._reflections))
+
+    def _reflection(self, axis: int) -> Array:
+        """Of vectors about one of the planes, (3, 3)."""
+        mirror = np.eye(3)
+        mirror[axis, axis] = -1.0
+        return np.asarray(self.rotation @ mirror @ self.rotation.T)
+
+
+def _piece(shape: tuple[int, int], planes: tuple[int, ...]) -> tuple[int, int]:
+    """Nodes of the patch on the non-negative sides of its planes, each of which has nodes on it."""
+    along, across = ((n + 1) // 2 if axis in planes else n for axis, n in enumerate(shape))
+    return along, across
+
+
+@compiled
+def _add_near(blocks: Array, piece: IntArray, flips: IntArray, near: Array, kind: IntArray, share: Array) -> None:
+    """flips: (2^p, 2) whether an image of the piece is reversed along an axis.  near: (2^p, m, ...) with forces
+    reflected as the image is.
+    """
+    rows, columns = near.shape[2] // 2, near.shape[3] // 2
+    for image in range(len(blocks)):
+        for i in range(piece[0] * piece[1]):
+            own_a, own_t = i // piece[1], i % piece[1]
+            # Of the nodes on lines near enough; the patch's middle line is its own image.
+            for other_a in range(0 if flips[image, 0] else max(own_a - rows, 0), piece[0]):
+                a = own_a + (other_a if flips[image, 0] else -other_a)
+                if abs(a) > rows:
+                    break
+                for other_t in range(0 if flips[image, 1] else max(own_t - columns, 0), piece[1]):
+                    t = own_t + (other_t if flips[image, 1] else -other_t)
+                    if abs(t) > columns:
+                        break
+                    j = other_a * piece[1] + other_t
+                    moved = near[image, kind[i], a + rows, t + columns]
+                    loaded = near[image, kind[j], a + rows, t + columns]
+                    for u in range(3):
+                        for v in range(3):
+                            blocks[image, 3 * i + u, 3 * j + v] += 0.5 * (
+                                share[i] * moved[u, v] + share[j] * loaded[u, v]
+                            )
+
+
+@compiled
+def _gather_mirrored(
+    blocks: Array,
+    side: IntArray,
+    place: IntArray,
+    signs: Array,
+    forces: Array,
+    moved: IntArray,
+    loaded: IntArray,
+    result: Array,
+    add: bool,
+) -> None:
+    """Blocks of nodes whose images differ by signs (2^p, 3) of their displacements' and their forces' components."""
+    # Unsigned and known beforehand: this is a run's innermost loop.
+    count = len(loaded)
+    block, column = np.empty((len(blocks), count), dtype=np.uint64), np.empty(count, dtype=np.uint64)
+    factors = np.empty((count, 3))
+    for j in range(count):
+        other = side[loaded[j]]
+        for own in range(len(blocks)):
+            block[own, j] = own ^ other
+        column[j] = 3 * place[loaded[j]]
+        for c in range(3):
+            factors[j, c] = forces[other, c]
+    for i in range(len(moved)):
+        own, row = side[moved[i]], 3 * place[moved[i]]
+        chosen = block[own]
+        for a in range(3):
+            sign, target = signs[own, a], result[3 * i + a]
+            for j in range(count):
+                source = blocks[chosen[j], row + a]
+                x = sign * factors[j, 0] * source[column[j]]
+                y = sign * factors[j, 1] * source[column[j] + _ONE]
+                z = sign * factors[j, 2] * source[column[j] + _TWO]
+                if add:
+                    x, y, z = x + target[3 * j], y + target[3 * j + 1], z + target[3 * j + 2]
+                target[3 * j], target[3 * j + 1], target[3 * j + 2] = x, y, z
+
+
+@compiled
+def _gather(
+    blocks: Array, side: IntArray, place: IntArray, reflections: Array, moved: IntArray, loaded: IntArray, result: Array
+) -> None:
+    """Blocks of nodes whose images differ by any reflection (2^p, 3, 3) of their vectors."""
+    half = np.empty((3, 3))
+    for i in range(len(moved)):
+        own, row = side[moved[i]], 3 * place[moved[i]]
+        for j in range(len(loaded)):
+            other, column = side[loaded[j]], 3 * place[loaded[j]]
+            block = blocks[own ^ other]
+            for a in range(3):
+                for b in range(3):
+                    total = 0.0
+                    for c in range(3):
+                        total += reflections[own, a, c] * block[row + c, column + b]
+                    half[a, b] = total
+            for a in range(3):
+                for b in range(3):
+                    total = 0.0
+                    for c in range(3):
+                        total += half[a, c] * reflections[other, c, b]
+                    result[3 * i + a, 3 * j + b] = total

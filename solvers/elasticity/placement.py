@@ -1,0 +1,208 @@
+"""Bodies placed in the world: orientation, worn surface as a height field, compliance in world axes.
+
+World frame: x is the direction of motion, z the contact normal from the lower to the upper body, origin at the first
+contact. Positions on a surface are plane coordinates (x, y); worn depth is vertical and below the fresh surface,
+whether the mesh's nodes have been moved there or not: where they are only matters to the compliance.
+"""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import cos, log, sin
+from typing import Any
+
+import numpy as np
+
+from geometry import ContactPatch
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.elasticity.body import Compliance, ContactBody
+from solvers.elasticity.patch_compliance import Bricks, PatchCompliance, missing_displacement
+from solvers.elasticity.quadrature import gradient
+
+_ALIKE = 2.0  #: Elements whose sizes differ by less than this factor are corrected alike, in proportion to their size.
+_KINDS = 2  #: Elements larger than the finest by more than so many of these factors are corrected as those are.
+
+
+@dataclass(frozen=True)
+class SurfaceSample:
+    """A worn surface at n plane points."""
+
+    height: Array  #: (n,) in mm, in world z relative to the body's origin.
+    slope: Array  #: (n, 2) its gradient in world axes.
+    nodes: IntArray  #: (n, 4) patch nodes that interpolate at the points; (n, 2) on planar bodies.
+    weights: Array  #: Their bilinear weights.
+    inside: BoolArray  #: (n,) whether the point lies on the patch.
+
+
+@dataclass(frozen=True)
+class WornNodes:
+    """A surface worn by `depth` (n_a, n_t) at its patch's n nodes, in mm."""
+
+    depth: Array
+    heights: Array  #: (n,) in world z relative to the body's origin.
+    gradient: Array  #: (n, 2) of the depth, along the patch's axes.
+
+
+@dataclass(frozen=True)
+class PlacedBody:
+    """A body placed in the contact's axes: x along the motion, z upwards."""
+
+    patch: ContactPatch
+    facing: int  #: +1 for the lower body (its patch faces +z), -1 for the upper one.
+    axis_angle_rad: float  #: Angle of the body's axis against the motion.
+    folded: Compliance  #: Of the patch in mm/N, world axes.
+    world_to_patch: Array  #: (2, 2) turns plane vectors into the patch's axes.
+    incline: float = 0.0  #: Rise of the whole surface along x, mm per mm.
+    bricks: Bricks | None = None  #: The elements under the patch, as of the body.
+    yielding: ContactBody | None = None  #: The body in its own axes, where forces leave a print on it.
+
+    @property
+    def compliance(self) -> Array:
+        """The whole compliance, (3 n, 3 n)."""
+        return self.folded.dense
+
+    def printed(self, print_mm: Array | None, force_N: Array) -> Array | None:
+        """Depth (n_a, n_t) of the print after forces (n, 3) in world axes, with the sign of those on the upper body;
+        None on an elastic body.
+        """
+        if self.yielding is None or print_mm is None:
+            return print_mm
+        return self.yielding.update(print_mm, -self.facing * force_N @ self.folded.rotation)
+
+    @cached_property
+    def node_positions(self) -> Array:
+        """Plane positions (x, y) of the patch's nodes relative to the body's origin, shape (n, 2)."""
+        return self.patch.grid() @ self.world_to_patch
+
+    @cached_property
+    def node_areas(self) -> Array:
+        """Plane area that belongs to each of the patch's nodes, (n,), mm²."""
+        return self.patch.node_areas()
+
+    @cached_property
+    def edge_nodes(self) -> BoolArray:
+        """Which of the patch's nodes lie on its outer edge, (n,)."""
+        return self.patch.edge_nodes()
+
+    @cached_property
+    def mirror_images(self) -> dict[tuple[float, float], IntArray | None]:
+        """Where mirrors (sign_x, sign_y) tried so far take the patch's nodes, (n,); None if not onto the body."""
+        return {}
+
+    @cached_property
+    def _fresh_node_heights(self) -> Array:
+        return np.asarray(self.patch.profile.height(self.patch.grid()))
+
+    def worn(self, depth_mm: Array) -> WornNodes:
+        """The surface worn by `depth_mm` (n_a, n_t) at the patch's nodes.
+
+        The latest is kept: increments on frozen surfaces ask for the same array again and again, and none changes it.
+        """
+        latest = self._latest_worn
+        if not latest or latest[0].depth is not depth_mm:
+            height = self.facing * (self._fresh_node_heights - depth_mm.ravel())
+            height += self.incline * self.node_positions[:, 0]
+            latest[:] = [WornNodes(depth_mm, height, gradient(depth_mm, self.patch))]
+        return latest[0]
+
+    @cached_property
+    def _latest_worn(self) -> list[WornNodes]:
+        return []
+
+    @cached_property
+    def latest_block(self) -> list[Any]:
+        """The block of the compliance that was gathered last, or nothing; see `solvers.elasticity.compliance`."""
+        return []
+
+    def sample(self, points_mm: Array, depth_mm: Array) -> SurfaceSample:
+        """The surface worn by `depth_mm` (n_a, n_t) at plane points (n, 2) given relative to the body's origin."""
+        local = points_mm @ self.world_to_patch.T
+        patch = self.patch
+        nodes, weights, inside = patch.locate(local)
+        worn = interpolated(depth_mm.ravel(), nodes, weights)
+        along, across = patch.gradient(depth_mm).T
+        wear_slope = np.column_stack([interpolated(along, nodes, weights), interpolated(across, nodes, weights)])
+        height = self.facing * (patch.profile.height(local) - worn) + self.incline * points_mm[:, 0]
+        slope = self.facing * (patch.profile.slope(local) - wear_slope) @ self.world_to_patch
+        slope[:, 0] += self.incline
+        return SurfaceSample(height, slope, nodes, weights, inside)
+
+
+def place(body: ContactBody, *, upper: bool, axis_angle_rad: float) -> PlacedBody:
+    """Put a body below or above the contact plane with its axis at an angle to the motion."""
+    rotation = rotation_to_world(upper=upper, axis_angle_rad=axis_angle_rad)
+    folded = body.folded.turned(rotation)
+    return PlacedBody(
+        body.patch,
+        -1 if upper else 1,
+        axis_angle_rad,
+        folded,
+        rotation[:2, :2].T,
+        bricks=body.bricks,
+        yielding=body if body.yields else None,
+    )
+
+
+def rotation_to_world(*, upper: bool, axis_angle_rad: float) -> Array:
+    """The matrix (3, 3) that turns a body's axes into the world's; an upper body is turned over about its own axis."""
+    c, s = cos(axis_angle_rad), sin(axis_angle_rad)
+    # Rounding of cos(pi/2) would break the exact symmetry of wires crossed at right angles.
+    c, s = (0.0 if abs(c) < 1e-15 else c), (0.0 if abs(s) < 1e-15 else s)
+    turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    flip = np.diag([1.0, -1.0, -1.0]) if upper else np.eye(3)
+    return np.asarray(turn @ flip)
+
+
+def interpolated(nodal: Array, nodes: IntArray, weights: Array) -> Array:
+    """A nodal field at points whose nodes and weights are (n, c), shape (n,)."""
+    return np.asarray(np.einsum("ij,ij->i", nodal[nodes], weights))
+
+
+def facing(primary: PlacedBody, secondary: PlacedBody) -> PlacedBody:
+    """The body that carries the tractions, with what both bodies' elements lack near a loaded node.
+
+    The near field belongs to the pair: a force on a node of the primary reaches the secondary spread over elements of
+    both. Bodies without bricks under their patches are left as they are.
+    """
+    own, other, folded = primary.bricks, secondary.bricks, primary.folded
+    if own is None or other is None or not isinstance(folded, PatchCompliance):
+        return primary
+    turn = secondary.world_to_patch @ primary.world_to_patch.T
+    finest = (*_finest(primary.patch), *_finest(secondary.patch))
+    sizes = _sizes(primary, secondary)[folded.piece_nodes()]
+    steps = np.clip(np.rint(np.log(sizes / finest) / log(_ALIKE) - 1e-6), 0, _KINDS)
+    kinds, kind = np.unique(steps.astype(int), axis=0, return_inverse=True)
+    near = _near_fields(kinds, finest, own, other, turn)
+    # Alike lattices answer with displacements that go with one over their size.
+    share = (finest * _ALIKE**steps / sizes)[:, :2].prod(axis=1) ** 0.5
+    return replace(primary, folded=folded.with_neighbours(near, kind.ravel(), share))
+
+
+def _near_fields(kinds: IntArray, finest: tuple[float, ...], own: Bricks, other: Bricks, turn: Array) -> Array:
+    """Displacements lacking about nodes of each kind (m, 4), (m, 2 a + 1, 2 t + 1, 3, 3)."""
+    ways = ((float(turn[0, 0]), float(turn[0, 1])), (float(turn[1, 0]), float(turn[1, 1])))
+    found = []
+    for steps in kinds:
+        a, t, b, u = (float(size * _ALIKE**step) for size, step in zip(finest, steps, strict=True))
+        found.append(missing_displacement(own, (a, t), other, (b, u), ways))
+    width = np.max([each.shape[:2] for each in found], axis=0)
+    near = np.zeros((len(found), *width, 3, 3))
+    for place, each in zip(near, found, strict=True):
+        low = (width - each.shape[:2]) // 2
+        place[low[0] : low[0] + each.shape[0], low[1] : low[1] + each.shape[1]] = each
+    return near
+
+
+def _finest(patch: ContactPatch) -> tuple[float, float]:
+    """Size of the elements in the middle of a patch along and across."""
+    along, across = (float(np.diff(lines)[len(lines) // 2]) for lines in (patch.axial_mm, patch.transverse_mm))
+    return along, across
+
+
+def _sizes(primary: PlacedBody, secondary: PlacedBody) -> Array:
+    """Sizes (n, 4) along and across of the elements about the primary's nodes, and of those that face them at rest."""
+    own, other = primary.patch, secondary.patch
+    there = primary.node_positions @ secondary.world_to_patch.T
+    along, across = np.meshgrid(np.gradient(own.axial_mm), np.gradient(own.transverse_mm), indexing="ij")
+    facing_along = np.interp(there[:, 0], other.axial_mm, np.gradient(other.axial_mm))
+    facing_across = np.interp(there[:, 1], other.transverse_mm, np.gradient(other.transverse_mm))
+    return np.column_stack([along.ravel(), across.ravel(), facing_along, facing_across])

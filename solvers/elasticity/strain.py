@@ -1,0 +1,253 @@
+"""Strains and stresses of eight-node bricks and four-node quadrilaterals at their integration points.
+
+Stresses are symmetric tensors of six components in VTK's order: xx, yy, zz, xy, yz, xz, in MPa, tension positive. A
+planar body's derivatives along y are zero: plane strain, and antiplane shear beside it.
+
+Linear elasticity on eight-node bricks and four-node quadrilaterals, fully integrated, assembled by scikit-fem.
+
+A planar body does not change along y. Its displacements in the plane (plane strain) and out of it (antiplane shear)
+decouple, and both follow from the same formula as a brick's with all derivatives along y zero. It has three unknowns
+per node as a brick has.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy.sparse import bmat, coo_matrix, csr_matrix, diags
+
+from geometry import Elastic, HexMesh, QuadMesh
+from geometry.arrays import Array, IntArray
+from solvers.errors import SolverError
+
+if TYPE_CHECKING:
+    from skfem import Basis
+
+
+_SKFEM_CORNERS = [0, 4, 3, 1, 7, 5, 2, 6]  # scikit-fem numbers the corners of a hexahedron differently from VTK.
+
+_CORNERS = {
+    8: np.array([[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]),
+    4: np.array([[-1, -1], [1, -1], [1, 1], [-1, 1]]),
+}
+_PROJECTED = 1e-7  #: Relative residual of the projection to nodes.
+_TRIED, _NEWTON = 3, 6  #: Cells tried for a place, and steps to its local coordinates.
+_BESIDE = 2.0  #: Local coordinates are kept within this.
+_LAYERS = 8  #: What a projection takes from cells farther away falls to a quarter with each layer of them.
+TENSOR_PLACES = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))  #: Rows and columns of the six components.
+
+
+def stiffness_matrix(mesh: HexMesh | QuadMesh, material: Elastic) -> csr_matrix:
+    """Stiffness in N/mm (of a planar body per mm of thickness), shape (3 n, 3 n).
+
+    The displacement of node i in direction k is unknown 3 i + k. Poisson's ratio is below 0.5.
+    Assembled from the scalar forms G_ab = integral of (d phi_i / d x_a)(d phi_j / d x_b), which is several times
+    faster than the vector form: the block of directions a, b is lambda G_ab + mu G_ba + delta_ab mu trace(G).
+    """
+    from skfem import BilinearForm
+    from skfem.models.elasticity import lame_parameters
+
+    basis, axes = _basis(mesh)
+    lame_lambda, shear = lame_parameters(material.youngs_modulus_MPa, material.poissons_ratio)
+    n = len(mesh.points)
+    gradients = {(a, b): csr_matrix((n, n)) for a in range(3) for b in range(3)}
+    for i, a in enumerate(axes):
+        for j, b in list(enumerate(axes))[i:]:
+            form = BilinearForm(lambda u, v, _, i=i, j=j: v.grad[i] * u.grad[j]).assemble(basis)
+            gradients[a, b] = form
+            gradients[b, a] = form if a == b else form.T
+    laplacian = gradients[0, 0] + gradients[1, 1] + gradients[2, 2]
+    blocks = [[lame_lambda * gradients[a, b] + shear * gradients[b, a] for b in range(3)] for a in range(3)]
+    for a in range(3):
+        blocks[a][a] = blocks[a][a] + shear * laplacian
+    # Unknowns by direction, then interleaved node by node.
+    order = np.arange(3 * n).reshape(3, n).T.ravel()
+    return bmat(blocks, format="csr")[order][:, order]
+
+
+def _basis(mesh: HexMesh | QuadMesh) -> tuple[Basis, tuple[int, ...]]:
+    """Shape functions with quadrature, and the directions in which they vary."""
+    from skfem import Basis, ElementHex1, ElementQuad1, MeshHex, MeshQuad
+
+    points = np.ascontiguousarray(mesh.points.T)
+    if isinstance(mesh, QuadMesh):
+        quads = MeshQuad(points, np.ascontiguousarray(mesh.cells.T), sort_t=False, validate=False)
+        return Basis(quads, ElementQuad1(), intorder=3), (0, 2)
+    bricks = MeshHex(points, np.ascontiguousarray(mesh.cells.T[_SKFEM_CORNERS]), sort_t=False, validate=False)
+    return Basis(bricks, ElementHex1(), intorder=3), (0, 1, 2)
+
+
+def von_mises(stress: Array) -> Array:
+    """Von Mises' equivalent stress (...), √(3 J2)."""
+    xx, yy, zz, xy, yz, xz = np.moveaxis(stress, -1, 0)
+    normal = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+    return np.asarray(np.sqrt(0.5 * normal + 3.0 * (xy**2 + yz**2 + xz**2)))
+
+
+def principal(stress: Array) -> Array:
+    """Principal stresses (..., 3), the largest first."""
+    return np.asarray(np.linalg.eigvalsh(tensors(stress))[..., ::-1])
+
+
+def hydrostatic(stress: Array) -> Array:
+    """Mean normal stress (...)."""
+    return np.asarray(stress[..., :3].mean(axis=-1))
+
+
+def turned(stress: Array, rotation: Array) -> Array:
+    """The same stresses in axes into which the matrix (3, 3) turns vectors."""
+    return components(rotation @ tensors(stress) @ rotation.T)
+
+
+@dataclass(frozen=True)
+class IntegrationPoints:
+    """The q integration points of m cells of c nodes: two in each direction, as the stiffness is integrated."""
+
+    mesh: HexMesh | QuadMesh
+    gradients: Array  #: (m, q, c, 3) of the shape functions, 1/mm.
+    volumes: Array  #: (m, q), mm³ (of a planar body mm²).
+    shapes: Array  #: (q, c).
+
+    @cached_property
+    def positions(self) -> Array:
+        """Positions (m, q, d) in mm, of the mesh's points (n, d)."""
+        return np.asarray(np.einsum("qc,mcd->mqd", self.shapes, self.mesh.points[self.mesh.cells]))
+
+    def stresses(self, material: Elastic, displacement: Array) -> Array:
+        """Stresses (m, q, 6) in MPa by nodal displacements (n, 3) in mm."""
+        cells = displacement[self.mesh.cells]
+        count = self.gradients.shape[:2]
+        # (m, 3, c) times (m, c, 3 q): how each component changes along each axis.
+        along = np.moveaxis(self.gradients, 2, 1).reshape(len(cells), cells.shape[1], -1)
+        change = (np.swapaxes(cells, 1, 2) @ along).reshape(len(cells), 3, count[1], 3).transpose(0, 2, 1, 3)
+        shear = material.shear_modulus_MPa
+        nu = material.poissons_ratio
+        lame = 2.0 * shear * nu / (1.0 - 2.0 * nu)
+        trace = lame * np.trace(change, axis1=2, axis2=3)
+        stress = np.empty((*count, 6))
+        for k, (i, j) in enumerate(TENSOR_PLACES):
+            stress[..., k] = shear * (change[..., i, j] + change[..., j, i])
+            if i == j:
+                stress[..., k] += trace
+        return stress
+
+    def around(self, nodes: IntArray) -> IntegrationPoints:
+        """Those of so many layers of cells about nodes (k,) that fields projected to these are as by all cells."""
+        cells, near = self.mesh.cells, np.zeros(len(self.mesh.points), dtype=bool)
+        near[nodes] = True
+        for _ in range(_LAYERS):
+            chosen = near[cells].any(axis=1)
+            near[cells[chosen]] = True
+        mesh = replace(self.mesh, cells=cells[chosen])
+        return replace(self, mesh=mesh, gradients=self.gradients[chosen], volumes=self.volumes[chosen])
+
+    def internal_forces(self, stresses: Array) -> Array:
+        """Nodal forces (n, 3) in N with which stresses (m, q, 6) hold against what acts on the body."""
+        tensor = tensors(stresses) * self.volumes[..., None, None]
+        of_cells = np.einsum("mqca,mqab->mcb", self.gradients, tensor, optimize=True)
+        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))
+
+    def at_nodes(self, values: Array) -> Array:
+        """The field on nodes (n, k) that lies closest, in the mean square, to values (m, q, k) at integration points.
+
+        Of all fields that the elements can represent it is the best one, without the smoothing of a plain average. It
+        is zero at nodes without cells. `solvers.stress.interior.all_at_nodes` makes many such fields at once.
+        """
+        from scipy.sparse.linalg import cg
+
+        mass, used = self.mass
+        scale = diags(1.0 / mass.diagonal())
+        result = np.zeros((len(self.mesh.points), values.shape[-1]))
+        for k, load in enumerate(self.loads(values).T):
+            result[used, k], failed = cg(mass, load, M=scale, rtol=_PROJECTED)
+            if failed:
+                raise SolverError("stresses could not be projected to the nodes; please report this study")
+        return result
+
+    def loads(self, values: Array) -> Array:
+        """Integrals (u, k) of shape functions times values (m, q, k), of the nodes that have cells."""
+        of_cells = np.einsum("qc,mqk,mq->mck", self.shapes, values, self.volumes, optimize=True)
+        _, used = self.mass
+        return scattered(self.mesh.cells, of_cells, len(self.mesh.points))[used]
+
+    @cached_property
+    def mass(self) -> tuple[csr_matrix, IntArray]:
+        """Integrals (u, u) of products of shape functions of the nodes (u,) that have cells, and these nodes."""
+        used, cells = np.unique(self.mesh.cells, return_inverse=True)
+        corners, size = self.mesh.cells.shape[1], len(used)
+        cells = cells.reshape(-1, corners)
+        masses = np.einsum("qc,qd,mq->mcd", self.shapes, self.shapes, self.volumes, optimize=True)
+        rows, columns = np.repeat(cells, corners, axis=1).ravel(), np.tile(cells, (1, corners)).ravel()
+        return coo_matrix((masses.ravel(), (rows, columns)), shape=(size, size)).tocsr(), used
+
+
+def integration_points(mesh: HexMesh | QuadMesh) -> IntegrationPoints:
+    """The integration points of a mesh."""
+    corners = _CORNERS[mesh.cells.shape[1]]
+    d = corners.shape[1]
+    at = corners / np.sqrt(3.0)
+    shapes = _shapes(at, corners)
+    slopes = np.stack([_slope(at, corners, k) for k in range(d)], axis=-1)
+    jacobian = np.einsum("mci,qck->mqik", mesh.points[mesh.cells], slopes, optimize=True)
+    volumes = np.linalg.det(jacobian)
+    local = slopes @ np.linalg.inv(jacobian)
+    gradients = np.zeros((*volumes.shape, len(corners), 3))
+    gradients[..., [0, 1, 2] if d == 3 else [0, 2]] = local
+    return IntegrationPoints(mesh, gradients, np.abs(volumes), shapes)
+
+
+def interpolation(mesh: HexMesh | QuadMesh, places: Array) -> csr_matrix:
+    """The matrix (p, n) that takes nodal fields to places (p, d) in a mesh, or no more than a cell beside it."""
+    from scipy.spatial import cKDTree
+
+    corners = _CORNERS[mesh.cells.shape[1]].astype(np.float64)
+    count, d = corners.shape
+    at = mesh.points[mesh.cells]
+    # Long thin cells are found by points inside them; of those near, the one that holds the place best is taken.
+    inside = np.einsum("qc,mcd->mqd", _shapes(0.5 * corners, corners), at).reshape(-1, d)
+    tried = cKDTree(inside).query(places, k=_TRIED)[1] // count
+    nodes = at[tried]
+    local = np.zeros((*tried.shape, d))
+    for _ in range(_NEWTON):
+        shapes = _shapes(local, corners)
+        slopes = np.stack([_slope(local, corners, k) for k in range(d)], axis=-1)
+        missed = places[:, None] - np.einsum("ptc,ptcd->ptd", shapes, nodes)
+        jacobian = np.einsum("ptcd,ptck->ptdk", nodes, slopes, optimize=True)
+        local = np.clip(local + np.linalg.solve(jacobian, missed[..., None])[..., 0], -_BESIDE, _BESIDE)
+    best = np.abs(local).max(axis=-1).argmin(axis=1)
+    chosen = np.arange(len(places))
+    weights, columns = _shapes(local[chosen, best], corners), mesh.cells[tried[chosen, best]]
+    rows = np.repeat(chosen, count)
+    return csr_matrix((weights.ravel(), (rows, columns.ravel())), shape=(len(places), len(mesh.points)))
+
+
+def _shapes(local: Array, corners: Array) -> Array:
+    """Shape functions (..., c) at local coordinates (..., d)."""
+    return np.asarray((1.0 + corners * local[..., None, :]).prod(axis=-1) / 2.0 ** corners.shape[1])
+
+
+def _slope(local: Array, corners: Array, axis: int) -> Array:
+    """Their slopes (..., c) along one local axis."""
+    factors = 1.0 + corners * local[..., None, :]
+    factors[..., axis] = corners[:, axis]
+    return np.asarray(factors.prod(axis=-1) / 2.0 ** corners.shape[1])
+
+
+def tensors(components: Array) -> Array:
+    """Symmetric matrices (..., 3, 3) of six components (..., 6)."""
+    return components[..., [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+
+def components(matrices: Array) -> Array:
+    """Six components (..., 6) of symmetric matrices (..., 3, 3)."""
+    rows, columns = zip(*TENSOR_PLACES, strict=True)
+    return matrices[..., rows, columns]
+
+
+def scattered(cells: IntArray, values: Array, size: int) -> Array:
+    """Sum of the values (m, c, k) that cells (m, c) give to each of so many nodes, (size, k)."""
+    flat = values.reshape(-1, values.shape[-1])
+    return np.column_stack([np.bincount(cells.ravel(), column, size) for column in flat.T])

@@ -1,0 +1,206 @@
+"""Layers: between the surfaces, roughness and third body that give way; on one, coatings that wear and rub.
+
+Each is local (a Winkler layer): its closure at a node depends on the pressure there, and its shear on the tangential
+traction. In series with the bodies' own compliance they enter the contact conditions exactly; what a layer gives way
+is no penetration, and its shear no slip.
+
+Of a layer's own stiffness nothing is taken: it is as elastic as the body, and a thin coat on a contact many times as
+wide is.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf
+from typing import Protocol
+
+import numpy as np
+
+from geometry.arrays import Array
+from solvers.errors import SolverError
+from solvers.laws.local_state import LocalState
+
+_LEAST_SHARE = 1e-6  # Share of the engagement pressure below which a rough layer is as it is at first touch.
+
+
+# Over the last part of a layer's thickness its friction passes linearly to that of what lies below it.
+_FADING = 0.1
+
+
+class ContactLayer(Protocol):
+    """A layer between the surfaces. retained_fraction: share of the worn depth that it fills on each body."""
+
+    @property
+    def retained_fraction(self) -> float:
+        """Share of both worn depths that stays between the surfaces, in [0, 1)."""
+        ...
+
+    def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure (k,) in mm under normal traction, where both bodies have worn by so much, and its derivative."""
+        ...
+
+    def shear_compliance(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Tangential displacement over traction (k,), mm per MPa, at a pressure, and its derivative by the pressure."""
+        ...
+
+
+@dataclass(frozen=True)
+class RoughLayer:
+    """Asperities with exponentially distributed heights: p = p_c (exp(w / s) - 1), so the stiffness (p + p_c) / s.
+
+    Greenwood & Williamson, Proc. R. Soc. A 295 (1966) 300, for that distribution; the same stiffness in proportion to
+    the pressure follows for self-affine roughness (Persson, Phys. Rev. Lett. 99 (2007) 125502).
+    """
+
+    decay_mm: float  #: s, the closure that raises the pressure e-fold, about the asperities' standard deviation.
+    engagement_pressure_MPa: float = 100.0  #: p_c, at which the stiffness is twice that of first touch.
+    #: Tangential over normal compliance, that of each asperity (2 - nu) / (2 - 2 nu) by Mindlin (J. Appl. Mech. 16
+    #: (1949) 259): 1.21 for nu = 0.3.
+    shear_ratio: float = 1.21
+
+    retained_fraction = 0.0
+
+    def closure(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure and its derivative; straight below zero pressure, where Newton's method may look."""
+        share = pressure_MPa / self.engagement_pressure_MPa
+        pressed = np.maximum(share, 0.0)
+        slope = self.decay_mm / self.engagement_pressure_MPa / (1.0 + pressed)
+        return self.decay_mm * (np.log1p(pressed) + np.minimum(share, 0.0)), slope
+
+    def shear_compliance(self, pressure_MPa: Array, _worn_mm: Array, /) -> tuple[Array, Array]:
+        """Closure over pressure times the shear ratio: sliding shears the layer in proportion to its closure."""
+        share = np.maximum(pressure_MPa / self.engagement_pressure_MPa, _LEAST_SHARE)
+        secant = np.log1p(share) / share
+        unit = self.shear_ratio * self.decay_mm / self.engagement_pressure_MPa
+        return unit * secant, unit / self.engagement_pressure_MPa * (1.0 / (1.0 + share) - secant) / share
+
+
+@dataclass(frozen=True)
+class ThirdBody:
+    """Debris that stays in both scars as an elastic bed and carries the load (Godet, Wear 100 (1984) 437; Berthier,
+    Vincent & Godet, Wear 125 (1988) 25).
+
+    Of each body's worn depth the same share is filled with debris. The bed of that thickness h, thin against its width,
+    gives way by h p / M and shears by h q / G.
+    """
+
+    retained_fraction: float  #: Share of the worn depth that is filled.
+    modulus_MPa: float = inf  #: M, of the laterally confined bed.
+    poissons_ratio: float = 0.3  #: Of the debris, gives G = M (1 - 2 nu) / (2 - 2 nu).
+
+    def closure(self, pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """Linear in the pressure."""
+        compliance = self.retained_fraction * worn_mm / self.modulus_MPa
+        return compliance * pressure_MPa, compliance
+
+    def shear_compliance(self, _pressure_MPa: Array, worn_mm: Array, /) -> tuple[Array, Array]:
+        """That of the bed's shear modulus, at any pressure."""
+        over_confined = (2.0 - 2.0 * self.poissons_ratio) / (1.0 - 2.0 * self.poissons_ratio)
+        return over_confined * self.retained_fraction * worn_mm / self.modulus_MPa, np.zeros_like(worn_mm)
+
+
+@dataclass(frozen=True)
+class LayersAtNodes:
+    """All layers in series at k paired nodes during an increment."""
+
+    layers: tuple[ContactLayer, ...]
+    worn: Array  #: (k,) depth of both bodies together, mm.
+    old_displacement: Array  #: (k, 3) by which old tractions shear the layers, mm.
+
+    def closure(self, pressure: Array) -> tuple[Array, Array]:
+        """Closure (k,) in mm of all layers under the pressure, and its derivative."""
+        return _sum([layer.closure(pressure, self.worn) for layer in self.layers])
+
+    def shear_compliance(self, pressure: Array) -> tuple[Array, Array]:
+        """Tangential displacement over traction (k,) of all layers, mm per MPa, and its derivative by the pressure."""
+        return _sum([layer.shear_compliance(pressure, self.worn) for layer in self.layers])
+
+
+def layers_at_nodes(
+    layers: tuple[ContactLayer, ...], worn: Array, old_traction: Array, normals: Array
+) -> LayersAtNodes:
+    """The layers where both bodies together have worn by `worn` (k,), after tractions (k, 3) across normals (k, 3)."""
+    pressure = np.einsum("ij,ij->i", old_traction, normals)
+    compliance, _ = _sum([layer.shear_compliance(pressure, worn) for layer in layers])
+    return LayersAtNodes(layers, worn, compliance[:, None] * old_traction)
+
+
+def _sum(parts: list[tuple[Array, Array]]) -> tuple[Array, Array]:
+    values, derivatives = zip(*parts, strict=True)
+    return np.sum(values, axis=0), np.sum(derivatives, axis=0)
+
+
+def open_share(layers: Sequence[ContactLayer]) -> float:
+    """Share of the worn depths that opens the gap, because no layer fills it."""
+    filled = sum(layer.retained_fraction for layer in layers)
+    if not 0.0 <= filled < 1.0:
+        raise SolverError(f"the layers fill {filled:g} of the worn depth; together they must fill less than all of it")
+    return 1.0 - filled
+
+
+@dataclass(frozen=True)
+class SurfaceLayer:
+    """A layer of even thickness."""
+
+    thickness_mm: float
+    wear_factor: float  #: Its wear coefficient over that of the body.
+    #: Friction of the contact where it lies on the surface, over that without any layer; None where it is the same.
+    friction_factor: float | None = None
+
+
+Layers = Sequence[SurfaceLayer]  #: Of one body, the outermost first.
+
+
+def work_through(layers: Layers) -> tuple[Array, Array]:
+    """Depths (m + 1,) of m layers' lower faces, the surface first, and how deep the body without layers would be by the
+    same wear, both in mm.
+    """
+    thickness = np.array([0.0, *(layer.thickness_mm for layer in layers)])
+    factors = np.array([1.0, *(layer.wear_factor for layer in layers)])
+    return np.cumsum(thickness), np.cumsum(thickness / factors)
+
+
+def bare_depth(layers: Layers, depth: Array) -> Array:
+    """How deep the body without layers would be by the wear that has worn it to some depth, in the same unit as that of
+    the layers.
+    """
+    faces, bare = work_through(layers)
+    return np.asarray(np.interp(depth, faces, bare) + np.maximum(depth - faces[-1], 0.0))
+
+
+def receded(layers: Layers, depth_mm: Array, bare_mm: Array) -> Array:
+    """By how much surfaces worn to a depth recede where the body without layers would by `bare_mm`; exact."""
+    if not layers:
+        return bare_mm
+    (faces, bare), wanted = work_through(layers), bare_depth(layers, depth_mm) + bare_mm
+    return np.asarray(np.interp(wanted, bare, faces) + np.maximum(wanted - bare[-1], 0.0) - depth_mm)
+
+
+def friction_factor(upper: Layers, lower: Layers, local: LocalState) -> float | Array:
+    """Factor on friction by the layers that lie on the surface at k nodes, (k,); where both bodies have one, the mean
+    of both.
+    """
+    if not (upper or lower):
+        return 1.0
+    layered = [(layers, body_is_upper) for layers, body_is_upper in ((upper, True), (lower, False)) if _rubs(layers)]
+    if not layered:
+        return 1.0
+    more = there = np.zeros(1)
+    for layers, body_is_upper in layered:
+        primary = body_is_upper == local.primary_is_upper
+        depth = local.wear.depths[0 if primary else 1].ravel()
+        at = local.of_primary if primary else local.of_secondary
+        faces, known = work_through(layers)[0], [layer.friction_factor for layer in layers]
+        starts = faces[1:] - _FADING * np.diff(faces)
+        places = np.ravel(np.column_stack([starts, faces[1:]]))
+        factors = [1.0 if factor is None else factor for factor in (*known, None)]
+        own = [0.0 if factor is None else 1.0 for factor in (*known, None)]
+        for values, add in ((np.array(factors) - 1.0, True), (np.array(own), False)):
+            # From the start of its fading on, a layer gives way to the next one.
+            course = np.ravel(np.column_stack([values[:-1], values[1:]]))
+            field = at(np.interp(depth, places, course))
+            more, there = (more + field, there) if add else (more, there + field)
+    return np.asarray(1.0 + more / np.maximum(there, 1.0))
+
+
+def _rubs(layers: Layers) -> bool:
+    return any(layer.friction_factor is not None for layer in layers)

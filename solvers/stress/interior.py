@@ -1,0 +1,284 @@
+"""Displacements of whole bodies: by forces on a contact patch, and of two planar bodies that stick together.
+
+The same stiffness, grip and symmetry as in `elasticity.condensation`, so the patch moves as its compliance says. Forces
+are taken apart into parts even and odd about each mirror plane. Each has a factor of the piece on one side, made when
+the first such force comes and kept for all states to come: Cholesky factors by the nested substructures of
+`elasticity.condensation`, of which here every front is kept, to solve for any number of right-hand sides.
+
+Of bodies that stick: when the motion turns round, no point of the contact slips at first (Mindlin & Deresiewicz, J.
+Appl. Mech. 20 (1953) 327). For a small step the contact is then a joint over the width that carries load, and the
+problem is linear.
+"""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import product
+
+import numpy as np
+from scipy.linalg import blas
+from scipy.sparse import csr_matrix
+from threadpoolctl import threadpool_limits
+
+from geometry import Elastic, HexMesh, PlanarMesh, QuadMesh, mirror_images
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.contact import ContactProblem
+from solvers.contact_state import ContactState
+from solvers.elasticity import condensation
+from solvers.elasticity.strain import IntegrationPoints, stiffness_matrix
+from solvers.errors import SolverError
+
+_ROUND_OFF = 1e-14  #: Forces of a symmetry below this share of the largest are round-off of none.
+
+
+@dataclass(frozen=True)
+class Factor:
+    """A matrix (n, n) factorised on its unknowns that are free; all others are held at zero."""
+
+    size: int
+    fronts: tuple[condensation.Front, ...]
+
+    def solved(self, forces: Array) -> Array:
+        """Displacements (n, k) by forces (n, k); those at held unknowns are left out of account."""
+        left = forces.astype(np.float64, copy=True)
+        for front in self.fronts:
+            left[front.held] = 0.0
+            own = blas.dtrsm(1.0, front.factor, left[front.own], lower=1)
+            left[front.own] = own
+            if len(front.boundary):
+                left[front.boundary] -= front.coupling @ own
+        moved = np.zeros_like(left)
+        for front in reversed(self.fronts):
+            own = left[front.own] - front.coupling.T @ moved[front.boundary]
+            moved[front.own] = blas.dtrsm(1.0, front.factor, own, lower=1, trans_a=1)
+        return moved
+
+
+def factorised(matrix: csr_matrix, nodes: IntArray, unknowns_per_node: int, held: BoolArray) -> tuple[Factor, ...]:
+    """Factors of a symmetric matrix (d n, d n) on nodes (k,), all others being held at zero.
+
+    One for each way (v, d n) to hold further unknowns; they share what belongs to substructures without held ones.
+    SolverError where the rest is not positive definite.
+    """
+    d = unknowns_per_node
+    graph = condensation.node_graph(matrix, d)
+    tree = condensation.divided(graph, nodes)
+    rank = np.full(graph.shape[0], -1, dtype=np.int64)
+    order = condensation.elimination_order(tree)
+    rank[order] = np.arange(len(order))
+    fronts: list[list[condensation.Front]] = [[] for _ in held]
+    condensation.eliminate(tree, condensation.System(matrix, graph, rank, d, held), fronts)
+    return tuple(Factor(matrix.shape[0], tuple(each)) for each in fronts)
+
+
+def all_at_nodes(points: IntegrationPoints, values: Iterable[Array]) -> Array:
+    """The fields (s, n, k) that `points.at_nodes` makes of s values (m, q, k) each, by one factor for all."""
+    mass, used = points.mass
+    loads = np.stack([points.loads(one) for one in values], axis=1)
+    (factor,) = factorised(mass, np.arange(len(used)), 1, np.zeros((1, len(used)), dtype=bool))
+    result = np.zeros((loads.shape[1], len(points.mesh.points), loads.shape[2]))
+    result[:, used] = np.moveaxis(factor.solved(loads.reshape(len(used), -1)).reshape(loads.shape), 0, 1)
+    return result
+
+
+@dataclass
+class Interior:
+    """A body held at nodes of its mesh."""
+
+    mesh: HexMesh | QuadMesh
+    material: Elastic
+    held: IntArray  #: Nodes that do not move.
+    #: (n,) stiffness in N/mm by which each node is held elastically in all three directions (of a planar body per mm),
+    #: zero at most of them.
+    bedding: Array | None = None
+    _factors: dict[tuple[bool, ...], Factor] = field(default_factory=dict, repr=False)
+
+    def __post_init__(self) -> None:
+        axes = (0,) if isinstance(self.mesh, QuadMesh) else (0, 1)
+        images = {axis: self._image(axis) for axis in axes}
+        self._images = {axis: image for axis, image in images.items() if image is not None}
+        self._piece, self._number = condensation.one_side(self.mesh, self.planes)
+        self._nodes = np.flatnonzero(self._number >= 0)[np.argsort(self._number[self._number >= 0])]
+        self._on_planes = sum(
+            ((self._piece.points[:, axis] == 0.0).astype(int) for axis in self.planes), np.zeros(len(self._nodes), int)
+        )
+
+    @property
+    def planes(self) -> tuple[int, ...]:
+        """Axes about whose zero the body, with what holds it, is its own mirror image."""
+        return tuple(self._images)
+
+    def displacements(self, nodes: IntArray, forces: Array) -> Array:
+        """Displacements (s, n, 3) in mm of all nodes in s states, by forces (s, k, 3) in N on nodes (k,)."""
+        loaded = np.unique(nodes)
+        for image in self._images.values():
+            loaded = np.union1d(loaded, image[loaded])
+        near = np.zeros((len(forces), len(loaded), 3))
+        near[:, np.searchsorted(loaded, nodes)] = forces
+        own = self._number[loaded]
+        result = np.zeros((len(forces), len(self.mesh.points), 3))
+        parts = {}
+        for odd in product((False, True), repeat=len(self.planes)):
+            part = self._of_parity(near, loaded, odd)[:, own >= 0]
+            if np.abs(part).max() > _ROUND_OFF * np.abs(forces).max():
+                parts[odd] = np.zeros((len(forces), len(self._nodes), 3))
+                parts[odd][:, own[own >= 0]] = part
+        with threadpool_limits(limits=1, user_api="blas"):
+            self._factorise([odd for odd in parts if odd not in self._factors])
+            for odd, part in parts.items():
+                self._spread(result, self._moved(part, odd), odd)
+        return result
+
+    def forget(self) -> None:
+        """Give up the factors: the next displacements make them again."""
+        self._factors.clear()
+
+    def _moved(self, forces: Array, odd: tuple[bool, ...]) -> Array:
+        """How the piece moves (s, p, 3) by forces of one symmetry; nodes on a plane carry its half of theirs."""
+        own = forces / 2.0 ** self._on_planes[None, :, None]
+        return self._factors[odd].solved(own.reshape(len(forces), -1).T).T.reshape(forces.shape)
+
+    def _factorise(self, wanted: list[tuple[bool, ...]]) -> None:
+        """Make the factors for these symmetries."""
+        if not wanted:
+            return
+        every = list(product((False, True), repeat=len(self.planes)))
+        held = self._number[self.held]
+        free = np.setdiff1d(np.arange(len(self._nodes)), held[held >= 0])
+        on_planes = condensation.held_on_planes(self._piece, self.planes)[[every.index(odd) for odd in wanted]]
+        self._factors |= dict(zip(wanted, factorised(self._stiffness, free, 3, on_planes), strict=True))
+
+    @cached_property
+    def _stiffness(self) -> csr_matrix:
+        matrix = stiffness_matrix(self._piece, self.material)
+        if self.bedding is not None:
+            matrix = condensation.bedded(matrix, self._piece, self.planes, self.bedding[self._nodes])
+        return matrix
+
+    def _of_parity(self, fields: Array, nodes: IntArray, odd: tuple[bool, ...]) -> Array:
+        """The part of vector fields (s, k, 3) that is even or odd about each plane; nodes: (k,), with their images."""
+        for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
+            mirrored = fields[:, np.searchsorted(nodes, image[nodes])] * _signs(axis)
+            fields = 0.5 * (fields - mirrored if is_odd else fields + mirrored)
+        return fields
+
+    def _spread(self, result: Array, piece: Array, odd: tuple[bool, ...]) -> None:
+        """Add the piece's field (s, p, 3) of one symmetry to the whole body's."""
+        whole = np.zeros_like(result)
+        whole[:, self._nodes] = piece
+        known = self._number >= 0
+        for (axis, image), is_odd in zip(self._images.items(), odd, strict=True):
+            new = known[image] & ~known
+            mirrored = whole[:, image[new]] * _signs(axis)
+            whole[:, new] = -mirrored if is_odd else mirrored
+            known |= new
+        result += whole
+
+    def _image(self, axis: int) -> IntArray | None:
+        image = mirror_images(self.mesh, axis)
+        if image is None or not np.array_equal(np.sort(image[self.held]), np.sort(self.held)):
+            return None
+        if self.bedding is not None and not np.allclose(self.bedding[image], self.bedding, rtol=1e-12, atol=0.0):
+            return None
+        return image
+
+
+def forces_on_bodies(problem: ContactProblem, state: ContactState) -> tuple[Array, Array]:
+    """Forces (n, 3) in N on the patch nodes of the upper and the lower body, each in the body's own axes.
+
+    The contact lumps the primary's tractions to its nodes. Here they act as the field between the nodes that they stand
+    for, as they do on the secondary: the same total force, but stresses beneath both bodies that agree.
+    """
+    surface, secondary = problem.surface, state.secondary_force
+    primary = surface.averaging.spread(state.primary_force / surface.areas[:, None])
+    upper, lower = (primary, -secondary) if problem.primary_is_upper else (secondary, -primary)
+    return upper @ problem.upper.folded.rotation, lower @ problem.lower.folded.rotation
+
+
+def _signs(axis: int) -> Array:
+    return np.where(np.arange(3) == axis, -1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class StuckMotion:
+    """Unit motion along x of the upper body's grip over the held grip of the lower body."""
+
+    upper: PlanarMesh
+    lower: PlanarMesh
+    #: (n, 2) displacements (x, z) of nodes per motion of the grip, z upwards for both bodies.
+    upper_displacement: Array
+    lower_displacement: Array
+    force_N_per_mm2: float  #: Tangential force per thickness and motion of the grip.
+
+    def stiffness_between(self, depth_mm: float) -> float:
+        """Force per thickness in N/mm² over the relative motion of two points on x = 0, at one depth in both bodies.
+
+        In a body that is not so deep, the point lies at its grip.
+        """
+        above = _at_depth(self.upper.mesh.points, self.upper_displacement, depth_mm)
+        below = _at_depth(self.lower.mesh.points, self.lower_displacement, depth_mm)
+        return self.force_N_per_mm2 / (above - below)
+
+
+def move_stuck(
+    upper: PlanarMesh, lower: PlanarMesh, upper_material: Elastic, lower_material: Elastic, half_width_mm: float
+) -> StuckMotion:
+    """Join two bodies where |x| <= `half_width_mm` and move the upper one's grip by a unit along x.
+
+    The upper body is the mirror image of its mesh, facing down. Points of the contact keep their places on both
+    bodies, so that the small gap between curved faces, which the normal load closes, does not distort elements.
+    The patches have the same mesh lines. Raises SolverError if fewer than three nodes would be joined.
+    """
+    x = lower.patch.axial_mm
+    joined = np.abs(x) <= half_width_mm * (1.0 + 1e-9)
+    if joined.sum() < 3:
+        raise SolverError(
+            f"a contact of half-width {half_width_mm} mm joins fewer than three nodes; give a finer mesh under it"
+        )
+    m, n = len(lower.mesh.points), len(upper.mesh.points)
+    number = np.full(n, -1)
+    number[upper.patch.nodes[joined, 0]] = lower.patch.nodes[joined, 0]
+    own = number < 0
+    number[own] = m + np.arange(own.sum())
+    size = 2 * (m + int(own.sum()))
+    to_upper = _selection(number, size, mirrored=True)
+    to_lower = _selection(np.arange(m), size, mirrored=False)
+    stiffness = (
+        to_upper.T @ _in_plane(upper, upper_material) @ to_upper
+        + to_lower.T @ _in_plane(lower, lower_material) @ to_lower
+    ).tocsr()
+    moved = number[upper.mesh.surface_nodes("grip")]
+    held = np.concatenate([moved, lower.mesh.surface_nodes("grip")])
+    motion = np.zeros(size)
+    motion[2 * moved] = 1.0
+    free = np.setdiff1d(np.arange(size), np.concatenate([2 * held, 2 * held + 1]))
+    from scipy.sparse.linalg import spsolve
+
+    motion[free] = spsolve(stiffness[free][:, free].tocsc(), -(stiffness[free] @ motion))
+    return StuckMotion(
+        upper=upper,
+        lower=lower,
+        upper_displacement=motion.reshape(-1, 2)[number],
+        lower_displacement=motion.reshape(-1, 2)[:m],
+        force_N_per_mm2=float((stiffness @ motion)[2 * moved].sum()),
+    )
+
+
+def _in_plane(body: PlanarMesh, material: Elastic) -> csr_matrix:
+    """Stiffness without the unknowns along y, which are separate."""
+    unknowns = np.flatnonzero(np.arange(3 * len(body.mesh.points)) % 3 != 1)
+    return stiffness_matrix(body.mesh, material)[unknowns][:, unknowns]
+
+
+def _selection(number: IntArray, size: int, *, mirrored: bool) -> csr_matrix:
+    """From all unknowns to those of one body's frame, whose z points down if it is mirrored."""
+    columns = (2 * number[:, None] + np.arange(2)).ravel()
+    signs = np.tile([1.0, -1.0 if mirrored else 1.0], len(number))
+    return csr_matrix((signs, (np.arange(len(columns)), columns)), shape=(len(columns), size))
+
+
+def _at_depth(points: Array, displacements: Array, depth_mm: float) -> float:
+    """Displacement along x on the axis x = 0 of a body whose face lies at z = 0."""
+    axis = np.flatnonzero(points[:, 0] == 0.0)
+    axis = axis[np.argsort(points[axis, 1])]
+    return float(np.interp(-depth_mm, points[axis, 1], displacements[axis, 0]))

@@ -1,0 +1,367 @@
+"""Stress at the points of a contact's surface: the elements' field, corrected between the nodes by superposition.
+
+Elements hold no stress that changes within one of them, as the tension behind a sliding contact does, which has a cusp
+at the contact's very edge (Hamilton, Proc. Inst. Mech. Eng. 197C (1983) 53). Near the surface a body is a half-space.
+So from the elements' field is taken what they make of the contact's tractions on a half-space, and the closed-form
+field of these tractions (Boussinesq, Cerruti: Johnson, Contact Mechanics, 1985, section 3.2) is put in its place. What
+remains of the elements' field is smooth: the body's size, its curvature, its grip. Both fields are summed over a few
+elements around a point only: farther away elements resolve them.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+from scipy.fft import next_fast_len
+from scipy.linalg import solve_banded
+from scipy.ndimage import distance_transform_edt
+
+from geometry import BodyMesh, ContactPatch, Elastic, HexMesh
+from geometry.arrays import Array, BoolArray, IntArray
+from solvers.elasticity.strain import components, tensors
+from solvers.jit_cache import compiled, inlined
+from solvers.stress.subgrid_traction import (
+    ComplexArray,
+    SubgridTraction,
+    bicubic_coefficients,
+    lattice_error,
+    polynomial,
+)
+
+_ALIKE = 0.02  #: Elements are alike that differ by no more than this share.
+#: Tractions act on a point from so many mean elements away, along so many directions, at so many distances.
+_REACH = 8.0
+_DIRECTIONS = 48
+_DISTANCES = 48
+_CORRECTED = 5.0  #: Points no farther from loaded nodes than so many elements are corrected.
+_CUT = 4.0  #: Nor are those nearer than so many elements to where a contact leaves the elements that are alike.
+#: Share of the largest traction that counts there: those found from nodal forces fade beyond a contact, to 0.04 within
+#: two and a half elements.
+_ENDING = 0.1
+_LOADED = 1e-6
+#: Places along each side of a cell at which its square is tried, and the share of its range by which it may be higher.
+_SAMPLED, _ROOM = 4, 0.1
+#: What differs from its mirror image by no more than this share is its own: its stresses are computed on one side.
+_MIRRORED = 1e-9
+_ACROSS = np.array([1.0, -1.0])  #: The mirror image about y = 0 of a point of the plane,
+_IMAGE = np.array([1.0, 1.0, 1.0, -1.0, -1.0, 1.0])  #: and of a stress.
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceStress:
+    """A contact patch whose stresses are to be corrected where its elements are alike, about its middle."""
+
+    mesh: HexMesh
+    patch: ContactPatch
+    material: Elastic
+    #: Thickness of the uppermost elements in mm, and the factor by which it grows from layer to layer.
+    layers: tuple[float, float]
+
+    @classmethod
+    def of(cls, wire: BodyMesh, material: Elastic) -> "SurfaceStress":
+        """The surface of a wire."""
+        return cls(wire.mesh, wire.patch, material, wire.geometry.layers)
+
+    @cached_property
+    def window(self) -> tuple[slice, slice]:
+        """The patch's lines between which elements are alike."""
+        return alike(self.patch.axial_mm), alike(self.patch.transverse_mm)
+
+    @property
+    def spacing_mm(self) -> tuple[float, float]:
+        """Size of these elements along and across."""
+        lines = (self.patch.axial_mm[self.window[0]], self.patch.transverse_mm[self.window[1]])
+        return float(np.diff(lines[0]).mean()), float(np.diff(lines[1]).mean())
+
+    @cached_property
+    def normals(self) -> Array:
+        """Outward normals (n_a, n_t, 3) of the surface at the patch's nodes."""
+        facets = self.mesh.surfaces["contact"]
+        corners = self.mesh.points[facets]
+        areas = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        total = np.zeros_like(self.mesh.points)
+        np.add.at(total, facets, areas[:, None])
+        found = total[self.patch.nodes]
+        return np.asarray(found / np.linalg.norm(found, axis=-1, keepdims=True))
+
+    @property
+    def stencil(self) -> Array:
+        """What elements make of a unit traction at one node, (2 w + 1, 2 w + 1, 6, 3), nothing of it out of reach."""
+        return _stencil(*self.spacing_mm, *self.layers, self.material.poissons_ratio)
+
+    @cached_property
+    def waves(self) -> tuple[tuple[int, int], ComplexArray]:
+        """A size (rows, columns) in which the stencil reaches the whole window, and its Fourier transform of that size,
+        (rows, columns / 2 + 1, 6, 3).
+        """
+        rows, columns = (next_fast_len(len(self.stencil) + w.stop - w.start - 1, real=True) for w in self.window)
+        return (rows, columns), np.fft.rfft2(self.stencil, (rows, columns), axes=(0, 1))
+
+    @cached_property
+    def is_symmetric(self) -> bool:
+        """Whether the window is its own mirror image about y = 0."""
+        across, normals = self.patch.transverse_mm[self.window[1]], self.normals[self.window]
+        alike_lines = np.allclose(across, -across[::-1], rtol=0.0, atol=_MIRRORED * self.spacing_mm[1])
+        return bool(alike_lines and np.abs(normals - normals[:, ::-1] * [1.0, -1.0, 1.0]).max() < _MIRRORED)
+
+    def under(self, force_N: Array) -> "LoadedSurface":
+        """The surface under forces (n, 3) at the patch's nodes, in the order of its flattened grid."""
+        patch = self.patch
+        plane = force_N.reshape(*patch.shape, 3)
+        for axis, lines in enumerate((patch.axial_mm, patch.transverse_mm)):
+            plane = np.moveaxis(unspread(lines, np.moveaxis(plane, axis, 0)), 0, axis)
+        frames = _frames(self.normals[self.window])
+        # Of a tilted surface there is more than of the plane beneath it.
+        local = np.einsum("ijab,ijb->ija", frames, plane[self.window]) * frames[..., 2, 2, None]
+        return LoadedSurface(self, local)
+
+
+@dataclass(frozen=True, eq=False)
+class LoadedSurface:
+    """Tractions (n_a, n_t, 3) at the nodes of a surface's window, in MPa, along its tangents and normal."""
+
+    surface: SurfaceStress
+    traction: Array
+
+    @cached_property
+    def between(self) -> SubgridTraction:
+        return SubgridTraction.of_nodes(self.traction)
+
+    def edge(self) -> Array:
+        """Points (k, 2) in mm at which the contact ends, where the patch's lines cross its edge."""
+        return self._places(self.between.edge())
+
+    def correction(self, points_mm: Array) -> Array:
+        """What the elements' stress lacks at points (k, 2) of the patch, (k, 6) in MPa, in the body's axes.
+
+        Zero at points outside the window, and farther from the contact than its tractions are summed.
+        """
+        if not self._is_symmetric:
+            return self._correction(points_mm)
+        points, places = np.unique(points_mm * np.where(points_mm < 0.0, _ACROSS, 1.0), axis=0, return_inverse=True)
+        found = self._correction(points)[places.ravel()]
+        found[points_mm[:, 1] < 0.0] *= _IMAGE
+        return found
+
+    @cached_property
+    def _is_symmetric(self) -> bool:
+        """Whether surface and tractions are their own mirror image about y = 0."""
+        unlike = np.abs(self.traction - self.traction[:, ::-1] * [1.0, -1.0, 1.0]).max(initial=0.0)
+        return self.surface.is_symmetric and bool(unlike <= _MIRRORED * np.abs(self.traction).max(initial=0.0))
+
+    def _correction(self, points_mm: Array) -> Array:
+        places = self._numbers(points_mm)
+        cell = np.floor(places + 1e-9).astype(int)
+        shape = np.array(self.traction.shape[:2])
+        cell = np.where(np.abs(places - shape + 1) < 1e-9, shape - 2, cell)
+        inside: BoolArray = np.asarray(((cell >= 0) & (cell <= shape - 2)).all(axis=1))
+        for i in (0, 1):
+            for j in (0, 1):
+                # Only nodes that have a weight at the point count, or a node would belong to one side of it.
+                weight = np.abs(1 - i - places + cell)[:, 0] * np.abs(1 - j - places + cell)[:, 1]
+                corner = np.clip(cell + [i, j], 0, shape - 1)
+                inside &= self._near[tuple(corner.T)] | (weight < 1e-9)
+        result = np.zeros((len(points_mm), 6))
+        if inside.any():
+            result[inside] = self._corrected(places[inside], cell[inside])
+        return result
+
+    def _corrected(self, places: Array, cell: IntArray) -> Array:
+        u, v = (places - cell).T
+        weights = np.stack([(1 - u) * (1 - v), (1 - u) * v, u * (1 - v), u * v])
+        corners = [(cell[:, 0] + i, cell[:, 1] + j) for i in (0, 1) for j in (0, 1)]
+        size, nu = _proportions(*self.surface.spacing_mm), self.surface.material.poissons_ratio
+        local = half_space_stress(places, size, self.between.square, self.between.ratio, True, nu)
+        normal = np.zeros((len(places), 3))
+        for weight, corner in zip(weights, corners, strict=True):
+            local -= weight[:, None] * self._of_elements[corner]
+            normal += weight[:, None] * self.surface.normals[self.surface.window][corner]
+        frames = _frames(normal / np.linalg.norm(normal, axis=-1, keepdims=True))
+        return components(np.swapaxes(frames, -1, -2) @ tensors(local) @ frames)
+
+    @cached_property
+    def _near(self) -> BoolArray:
+        """Nodes of the window from which tractions are in reach, and all of them known."""
+        return corrected_nodes(np.abs(self.traction).max(axis=-1), self.surface.spacing_mm)
+
+    @cached_property
+    def _of_elements(self) -> Array:
+        """What elements make of the tractions in reach on a half-space, at the nodes of the window (n_a, n_t, 6)."""
+        size, waves = self.surface.waves
+        field = np.fft.rfft2(self.traction, size, axes=(0, 1))
+        whole = np.fft.irfft2(np.einsum("ijsc,ijc->ijs", waves, field), size, axes=(0, 1))
+        reach, (rows, columns) = len(self.surface.stencil) // 2, self.traction.shape[:2]
+        return np.asarray(whole[reach : reach + rows, reach : reach + columns])
+
+    def _numbers(self, points_mm: Array) -> Array:
+        """Places in elements from the window's first node."""
+        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
+        return np.column_stack(
+            [
+                np.interp(points_mm[:, k], axes[k][w], np.arange(float(len(axes[k][w]))), -1.0, 1e9)
+                for k, w in enumerate(self.surface.window)
+            ]
+        )
+
+    def _places(self, numbers: Array) -> Array:
+        axes = (self.surface.patch.axial_mm, self.surface.patch.transverse_mm)
+        return np.column_stack(
+            [
+                np.interp(numbers[:, k], np.arange(float(len(axes[k][w]))), axes[k][w])
+                for k, w in enumerate(self.surface.window)
+            ]
+        )
+
+
+def corrected_nodes(size: Array, spacing_mm: tuple[float, ...]) -> BoolArray:
+    """Nodes of a grid of elements alike from which tractions of these sizes are in reach, and all of them known."""
+    loaded = size > _LOADED * size.max(initial=0.0)
+    away = distance_transform_edt(~loaded, sampling=spacing_mm) if loaded.any() else np.inf * size
+    near = away <= _CORRECTED * max(spacing_mm)
+    # Where the contact leaves these elements, or ends at their very end, its tractions between the nodes are not known.
+    cut = size > _ENDING * size.max(initial=0.0)
+    cut[(slice(2, -2),) * size.ndim] = False
+    if cut.any():
+        near &= distance_transform_edt(~cut) > _CUT
+    return np.asarray(near)
+
+
+@lru_cache(maxsize=8)
+def _stencil(along_mm: float, across_mm: float, first_layer_mm: float, growth: float, nu: float) -> Array:
+    """As a `SurfaceStress` has it, of elements of that size under layers that grow from the first by a factor."""
+    result: Array = lattice_error(along_mm, across_mm, first_layer_mm, growth, nu).copy()
+    size, middle = result.shape[0], result.shape[0] // 2
+    places = np.argwhere(np.ones((size, size))).astype(float)
+    proportions = _proportions(along_mm, across_mm)
+    for component in range(3):
+        unit = np.zeros((size, size, 3))
+        unit[middle, middle, component] = 1.0
+        exact = half_space_stress(places, proportions, np.ones((size, size)), unit, False, nu)
+        result[..., component] += exact.reshape(size, size, 6)
+    return result
+
+
+def _proportions(along_mm: float, across_mm: float) -> Array:
+    """Sizes (2,) of an element over their geometric mean."""
+    return np.asarray(np.array([along_mm, across_mm]) / np.sqrt(along_mm * across_mm))
+
+
+def alike(lines: Array) -> slice:
+    """The lines of a grid about its middle between which elements are alike."""
+    spacing = np.diff(lines)
+    middle = len(spacing) // 2
+    other = np.flatnonzero(np.abs(spacing - spacing[middle]) > _ALIKE * spacing[middle])
+    first = int(other[other < middle].max(initial=-1)) + 1
+    last = int(other[other > middle].min(initial=len(spacing)))
+    return slice(first, last + 1)
+
+
+def unspread(lines: Array, force: Array) -> Array:
+    """Values at nodes of a line whose linear field has these forces (n, ...)."""
+    size = np.diff(lines)
+    bands = np.zeros((3, len(lines)))
+    bands[0, 1:] = bands[2, :-1] = size / 6.0
+    bands[1, :-1] = size / 3.0
+    bands[1, 1:] += size / 3.0
+    return np.asarray(solve_banded((1, 1), bands, force.reshape(len(lines), -1)).reshape(force.shape))
+
+
+def _frames(normals: Array) -> Array:
+    """Matrices (..., 3, 3) into a surface's own axes: the tangent most along x, the other one, the normal."""
+    first = np.array([1.0, 0.0, 0.0]) - normals[..., :1] * normals
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return np.stack([first, np.cross(normals, first), normals], axis=-2)
+
+
+@compiled
+def half_space_stress(places: Array, size: Array, square: Array, ratio: Array, rooted: bool, nu: float) -> Array:
+    """Boussinesq's and Cerruti's stresses (k, 6) at places (k, 2) of a surface, in elements, along rays from each.
+
+    size: (2,) of an element.  square, ratio: as of a SubgridTraction; without `rooted` the traction is `ratio` alone.
+    Their kernels go with one over the distance squared, so a ray contributes the integral of the traction over the
+    distance, less the point's own, weighted by harmonics of its direction. The distance is a square: roots at the
+    contact's edge are smooth in it.
+    """
+    result = np.zeros((len(places), 6))
+    cells, loaded = _cells(square, ratio, rooted)
+    step = np.sqrt(_REACH) / _DISTANCES
+    weights = 2.0 * step / ((np.arange(_DISTANCES) + 0.5) * step)
+    total = weights.sum()
+    k = 1.0 - 2.0 * nu
+    for p in range(len(places)):
+        own = _traction(cells, loaded, places[p, 0], places[p, 1])
+        for direction in range(_DIRECTIONS):
+            angle = 2.0 * np.pi * (direction + 0.5) / _DIRECTIONS
+            c, s, c3, s3 = np.cos(angle), np.sin(angle), np.cos(3.0 * angle), np.sin(3.0 * angle)
+            x, y, z = -total * own[0], -total * own[1], -total * own[2]
+            for n in range(_DISTANCES):
+                away = ((n + 0.5) * step) ** 2
+                there = _traction(cells, loaded, places[p, 0] + away * c / size[0], places[p, 1] + away * s / size[1])
+                x, y, z = x + weights[n] * there[0], y + weights[n] * there[1], z + weights[n] * there[2]
+            result[p, 0] += ((2.0 + 0.5 * nu) * c + 1.5 * nu * c3) * x + 1.5 * nu * (s + s3) * y
+            result[p, 1] += 1.5 * nu * (c - c3) * x + ((2.0 + 0.5 * nu) * s - 1.5 * nu * s3) * y
+            result[p, 3] += ((1.0 - 0.5 * nu) * s + 1.5 * nu * s3) * x + ((1.0 - 0.5 * nu) * c - 1.5 * nu * c3) * y
+            result[p, 0] -= k * np.cos(2.0 * angle) * z
+            result[p, 1] += k * np.cos(2.0 * angle) * z
+            result[p, 3] -= k * np.sin(2.0 * angle) * z
+        result[p] /= _DIRECTIONS
+        result[p, 0] += (0.5 + nu) * own[2]
+        result[p, 1] += (0.5 + nu) * own[2]
+        result[p, 2], result[p, 4], result[p, 5] = own[2], own[1], own[0]
+    return result
+
+
+@compiled
+def _cells(square: Array, ratio: Array, rooted: bool) -> tuple[Array, BoolArray]:
+    """The traction in each cell, from one before the first node on, and whether there is any (n_a + 1, n_t + 1).
+
+    (cells, 28): the square's 16 coefficients by powers of the place in the cell, which without `rooted` is one; then of
+    each component of the ratio its value, its slope along and across, and how that changes.
+    """
+    rows, columns = square.shape
+    cells = np.zeros(((rows + 1) * (columns + 1), 28))
+    loaded = np.zeros((rows + 1, columns + 1), dtype=np.bool_)
+    cubic, wide = np.zeros((4, 4)), np.zeros((rows + 2, columns + 2, 3))
+    wide[1:-1, 1:-1] = ratio
+    for i in range(rows + 1):
+        for j in range(columns + 1):
+            cell = cells[i * (columns + 1) + j]
+            for a in range(3):
+                v00, v01, v10, v11 = wide[i, j, a], wide[i, j + 1, a], wide[i + 1, j, a], wide[i + 1, j + 1, a]
+                cell[16 + 4 * a], cell[17 + 4 * a], cell[18 + 4 * a] = v00, v10 - v00, v01 - v00
+                cell[19 + 4 * a] = v11 - v10 - v01 + v00
+                loaded[i, j] |= v00 != 0.0 or v01 != 0.0 or v10 != 0.0 or v11 != 0.0
+            cell[0] = 1.0
+            if rooted:
+                loaded[i, j] = False
+                if 0 < i < rows and 0 < j < columns:
+                    bicubic_coefficients(square, i - 1, j - 1, cubic)
+                    cell[:16] = cubic.ravel()
+                    largest, least = -np.inf, np.inf
+                    for m in range(_SAMPLED + 1):
+                        for n in range(_SAMPLED + 1):
+                            value = polynomial(cubic, m / _SAMPLED, n / _SAMPLED)
+                            largest, least = max(largest, value), min(least, value)
+                    # Between the samples it may rise by a little.
+                    loaded[i, j] = largest + _ROOM * (largest - least) > 0.0
+    return cells, loaded
+
+
+@inlined
+def _traction(cells: Array, loaded: BoolArray, u: float, v: float) -> tuple[float, float, float]:
+    """The traction at a place in elements: bilinear times the root of the bicubic square."""
+    i, j = int(np.floor(u)), int(np.floor(v))
+    x, y, z = 0.0, 0.0, 0.0
+    if -1 <= i < loaded.shape[0] - 1 and -1 <= j < loaded.shape[1] - 1 and loaded[i + 1, j + 1]:
+        k = np.uint64((i + 1) * loaded.shape[1] + j + 1)
+        u, v = u - i, v - j
+        square = ((cells[k, 15] * v + cells[k, 14]) * v + cells[k, 13]) * v + cells[k, 12]
+        square = square * u + ((cells[k, 11] * v + cells[k, 10]) * v + cells[k, 9]) * v + cells[k, 8]
+        square = square * u + ((cells[k, 7] * v + cells[k, 6]) * v + cells[k, 5]) * v + cells[k, 4]
+        square = square * u + ((cells[k, 3] * v + cells[k, 2]) * v + cells[k, 1]) * v + cells[k, 0]
+        if square > 0.0:
+            root, both = np.sqrt(square), u * v
+            x = root * (cells[k, 16] + cells[k, 17] * u + cells[k, 18] * v + cells[k, 19] * both)
+            y = root * (cells[k, 20] + cells[k, 21] * u + cells[k, 22] * v + cells[k, 23] * both)
+            z = root * (cells[k, 24] + cells[k, 25] * u + cells[k, 26] * v + cells[k, 27] * both)
+    return x, y, z

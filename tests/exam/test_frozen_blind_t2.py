@@ -1,0 +1,12 @@
+"""Frozen records of tier T2 are diagnosed again."""
+
+from pathlib import Path
+
+import pytest
+
+from tests.exam.test_frozen_blind import require_no_lower_score
+
+
+@pytest.mark.slow(minutes=3)
+def test_the_diagnosis_scores_no_lower_on_t2_than_when_its_records_were_frozen(tmp_path: Path) -> None:
+    require_no_lower_score("T2", tmp_path)

@@ -1,0 +1,1 @@
+"""Runs, studies and records to work with from Python."""

@@ -1,0 +1,193 @@
+"""A run to look at: a result that draws itself, and gives its arrays as other programs want them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from wirewear.base.errors import ResultError, counted, unit_of, words_of
+from wirewear.base.frame import notebook_table
+from wirewear.results import RunResult, write_result
+from wirewear.results import read_result as read_plain
+from wirewear.results import read_results as read_all_plain
+from wirewear.results.flat import labelled, surface_mesh, tables_of, write_netcdf
+from wirewear.results.scar import called
+
+if TYPE_CHECKING:
+    import polars as pl
+    import pyvista
+    import xarray
+    from matplotlib.figure import Figure
+
+
+MOST_DIFFERENCES = 2  #: Of values that differ between runs, as many stand in the label of each.
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run(RunResult):
+    """A result of one run with what people ask of it."""
+
+    @classmethod
+    def of(cls, result: RunResult) -> Run:
+        """That result."""
+        return cls(**{field.name: getattr(result, field.name) for field in fields(RunResult) if field.init})
+
+    def plot(self, what: str = "overview", *, beside: Sequence[RunResult] = ()) -> Figure:
+        """A picture: "overview", or one of those that `wirewear show` draws; other runs are drawn beside it.
+        Raises ResultError if there is no such picture, or the run has recorded nothing to be drawn in it.
+        """
+        from wirewear.kinds import kind_of
+        from wirewear.pictures.gallery import overview
+        from wirewear.pictures.style import styled
+
+        results = told_apart([self, *beside])
+        known = dict(kind_of(self).drawings(results))
+        # The profiles of a line contact are its overview.
+        known["overview"] = next(iter(known.values())) if self.length_mm else lambda: overview(results)
+        if what not in known:
+            raise ResultError(f"there is no picture {what!r} of this run: choose one of {', '.join(known)}.")
+        with styled():
+            return known[what]()
+
+    def to_xarray(self) -> xarray.DataTree:
+        """Evolution, loops and scars as labelled arrays, each with its unit in `attrs["units"]`.
+        Raises ResultError if xarray is not installed.
+        """
+        return labelled(self)
+
+    def to_polars(self, table: str = "evolution") -> pl.DataFrame:
+        """One of the tables evolution, loops, scars as a data frame. Raises ResultError if there is no such table."""
+        tables = tables_of(self)
+        if table not in tables:
+            raise ResultError(f"there is no table {table!r}: choose one of {', '.join(tables)}.")
+        return tables[table](self)
+
+    def surface(self, wire: str | None = None, cycle: float | None = None) -> pyvista.StructuredGrid:
+        """The worn surface of a body, by default the held one, as a mesh in µm, with depth, pressure, slip and energy.
+        Raises ResultError if no scar is recorded near that cycle, there is no such wire, or it is a line contact.
+        """
+        self.with_maps()
+        body = wire or self.bodies[1]
+        return surface_mesh(self.scar(self._last_scar() if cycle is None else cycle, body), upper=self.is_upper(body))
+
+    def body(
+        self, wire: str | None = None, cycle: float | None = None, at: str | int = "mid-forward", *, worn: bool = True
+    ) -> pyvista.UnstructuredGrid:
+        """A body's hexahedra in µm with displacements and stresses at a position of a cycle; by default the last.
+
+        at: "mid-forward", "end-forward", "after-end-forward", "mid-back", "end-back", "after-end-back", or the number
+        of a recorded position.  worn: the nodes stand in the worn surface.
+        Raises ResultError if no contact forces are recorded near that cycle, there is no such wire or position,
+        or it is a line contact; GeometryError if wear distorts the mesh too much.
+        """
+        from wirewear.stress import body_grid, body_states
+
+        self.with_maps()
+        cycle = self._last_scar() if cycle is None else cycle
+        return body_grid(body_states(self, wire or self.bodies[1], cycle, [at], worn=worn)[0])
+
+    def save(self, path: str | Path) -> Path:
+        """Write the result as HDF5, from which `read_result` has it again, or as netCDF where the name ends in .nc.
+        Raises ResultError if it cannot be written.
+        """
+        path = Path(path)
+        if path.suffix == ".nc":
+            return write_netcdf(self, path)
+        write_result(path, self)
+        return path
+
+    def __repr__(self) -> str:
+        evolution = self.evolution
+        if not evolution["cycle"].size:
+            return f"<Run {self.label!r}, {self.fidelity}, {self.status}: no cycle yet>"
+        return (
+            f"<Run {self.label!r}, {self.fidelity}, {self.status}: {counted(evolution['cycle'][-1])} cycles, "
+            f"{len(self.loops)} loops, slip {evolution['slip_amplitude_um'][-1]:.1f} µm, "
+            f"{evolution[f'max_depth_{self.bodies[1]}_um'][-1]:.2f} µm deep>"
+        )
+
+    def _repr_html_(self) -> str:
+        from wirewear.pictures.style import styled
+
+        evolution = self.evolution
+        if not evolution["cycle"].size:
+            return notebook_table(repr(self).strip("<>"), {"message": self.message})
+        rows = {
+            "cycles": f"{counted(evolution['cycle'][-1])}, {evolution['cycle'].size} measured",
+            "slip amplitude, first → last": _course(self, "slip_amplitude_um", "µm"),
+            "energy per cycle, first → last": _course(self, "dissipated_energy_mJ", "mJ"),
+            "friction energy in all": f"{evolution['accumulated_energy_J'][-1]:.4g} J",
+            f"deepest wear, {' and '.join(map(called, self.bodies))}": " and ".join(
+                f"{evolution[f'max_depth_{body}_um'][-1]:.4g}" for body in self.bodies
+            )
+            + " µm",
+        }
+        picture = BytesIO()
+        with styled():
+            self.plot().savefig(picture, format="png", dpi=110)
+        note = f"{self.status}: {self.message}" if self.message else self.status
+        return notebook_table(f"{self.label}, {self.fidelity} fidelity", rows, note=note, pictures=[picture.getvalue()])
+
+    def _last_scar(self) -> float:
+        return max(self.scar_cycles(), default=1)
+
+
+def told_apart(results: Sequence[RunResult]) -> list[RunResult]:
+    """The same results; those of one label with what differs between their studies added to it, or a number."""
+    labels = [result.label for result in results]
+    if len(set(labels)) == len(labels):
+        return list(results)
+    stated = [_stated(result.study) | {"fidelity": result.fidelity} for result in results]
+    differing = [key for key in stated[0] if len({one.get(key) for one in stated}) > 1][:MOST_DIFFERENCES]
+    own: list[RunResult] = []
+    for result, values in zip(results, stated, strict=True):
+        known = [f"{words_of(key)} {values.get(key, '–')} {unit_of(key)}".removesuffix(" 1") for key in differing]
+        label = ", ".join([result.label, *known])
+        again = sum(one.label.partition(" (")[0] == label for one in own)
+        own.append(replace(result))
+        object.__setattr__(own[-1], "label", f"{label} ({again + 1})" if again else label)
+    return own
+
+
+def _stated(table: Mapping[str, Any]) -> dict[str, str]:
+    """Values of a study by their keys; the cycles recorded follow from the length of a test."""
+    found: dict[str, str] = {}
+    for key, value in table.items():
+        if key != "log":
+            found |= _stated(value) if isinstance(value, Mapping) else {key: str(value)}
+    return found
+
+
+def read_result(path: str | Path) -> Run:
+    """The run stored in a file, or in a folder of one.
+    Raises ResultError if there is none, or it is damaged, or the folder holds several.
+    """
+    return Run.of(one_run(Path(path)))
+
+
+def one_run(path: Path) -> RunResult:
+    """The same of whatever kind of contact."""
+    if not path.is_dir():
+        return read_plain(path)
+    runs = read_all_plain(path)
+    if len(runs) > 1:
+        raise ResultError(
+            f"{path} holds several runs ({', '.join(run.variant for run in runs)}): name one's folder, or read all "
+            "with read_results."
+        )
+    return runs[0]
+
+
+def read_results(path: str | Path) -> tuple[Run, ...]:
+    """All runs at `path`: a result file, a run's folder, or a folder of variants' folders; ordered by variant.
+    Raises ResultError if nothing is found there, or a file found cannot be read.
+    """
+    return tuple(Run.of(result) for result in read_all_plain(Path(path)))
+
+
+def _course(run: RunResult, column: str, unit: str) -> str:
+    values = run.evolution[column]
+    return f"{values[0]:.4g} → {values[-1]:.4g} {unit}"

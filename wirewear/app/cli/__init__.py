@@ -1,0 +1,151 @@
+"""The command line, and standard streams as they may be: closed, or unable to show the signs of the field.
+
+Its entry point loads the commands, so that a program interrupted while it starts says so.
+"""
+
+import atexit
+import codecs
+import gc
+import io
+import logging
+import os
+import sys
+import traceback
+import unicodedata
+from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from wirewear.app.cli.commands import cli, default_output
+
+__all__ = ["cli", "default_output", "main"]
+
+# A run makes and drops thousands of small objects an increment, next to none of them in circles: Python's default of
+# 700 looks for circles all the time.
+_OBJECTS_BETWEEN_COLLECTIONS = 50_000
+
+_SHOWS_TRACEBACK = "WIREWEAR_TRACEBACK"  #: The variable that has faults of the program itself shown in full.
+_QUIET = "WIREWEAR_QUIET"  #: The variable that has commands say no more than what they find.
+SILENCE_s = 1.5  #: A command that has said nothing for so long says that it is at work.
+
+
+#: Signs that Unicode itself has no plain spelling of.
+_PLAIN = {
+    "–": "-",
+    "—": "-",
+    "−": "-",
+    "±": "+-",
+    "·": "*",
+    "×": "x",
+    "→": "->",
+    "≤": "<=",
+    "≥": ">=",
+    "≈": "~",
+    "µ": "u",
+    "°": " deg",
+}
+
+
+def main() -> None:
+    """Entry point of the console script."""
+    prepare_streams()
+    if not os.environ.get(_QUIET):
+        speak_up(next((word for word in sys.argv[1:] if not word.startswith("-")), "wirewear"))
+    # Without a home, matplotlib would speak of its own folders, and so would OpenGL.
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
+    os.environ.setdefault("MESA_SHADER_CACHE_DISABLE", "true")
+    # What is loaded here stays: looking through it for garbage, now or later, finds none; nor does it at the end.
+    gc.disable()
+    try:
+        from wirewear.app.cli.commands import cli
+    except KeyboardInterrupt:
+        sys.stderr.write("wirewear: interrupted; nothing was written.\n")
+        sys.exit(130)
+    gc.freeze()
+    atexit.register(gc.freeze)
+    gc.set_threshold(_OBJECTS_BETWEEN_COLLECTIONS)
+    gc.enable()
+    try:
+        cli(prog_name="wirewear")
+    except Exception as error:
+        if os.environ.get(_SHOWS_TRACEBACK):
+            raise
+        sys.stderr.write(f"wirewear: {_place_of(error)}\n")
+        sys.exit(1)
+
+
+def speak_up(command: str, silence_s: float = SILENCE_s) -> None:
+    """Say on standard error that a command is at work, if neither stream has said anything by then."""
+    said = Event()
+
+    def heard(write: Callable[[str], int]) -> Callable[[str], int]:
+        def passed_on(text: str) -> int:
+            said.set()
+            return write(text)
+
+        return passed_on
+
+    for stream in (sys.stdout, sys.stderr):
+        stream.write = heard(stream.write)  # type: ignore[method-assign]
+
+    def wait() -> None:
+        if not said.wait(silence_s):
+            with suppress(OSError, ValueError):
+                sys.stderr.write(f"wirewear: {command} is at work\n")
+                sys.stderr.flush()
+
+    Thread(target=wait, daemon=True).start()
+
+
+def _place_of(error: BaseException) -> str:
+    """One sentence about a fault of the program itself."""
+    *_, (frame, line) = traceback.walk_tb(error.__traceback__)
+    where = f"{Path(frame.f_code.co_filename).name}, line {line}"
+    said = " ".join(str(error).split())
+    return (
+        f"this should not have happened ({type(error).__name__} in {where}: {said}); "
+        f"the same command with {_SHOWS_TRACEBACK}=1 shows all of it: please report that."
+    )
+
+
+def prepare_streams() -> None:
+    """Open what is closed to nowhere, and spell plainly what standard output and error cannot show."""
+    codecs.register_error("wirewear.plain", _plainly)
+    for descriptor, name in enumerate(("stdin", "stdout", "stderr")):
+        stream = getattr(sys, name)
+        if stream is None:
+            # Else the next file that is opened takes the number, and whatever libraries print goes into it.
+            opened = os.open(os.devnull, os.O_RDWR)
+            if opened != descriptor:
+                os.dup2(opened, descriptor)
+                os.close(opened)
+            os.set_inheritable(descriptor, True)
+            setattr(sys, name, open(descriptor, "w" if descriptor else "r", encoding="utf-8", closefd=False))  # noqa: SIM115 - as long as the program
+        elif descriptor and isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="wirewear.plain")
+
+
+def _plainly(error: UnicodeError) -> tuple[str, int]:
+    if not isinstance(error, UnicodeEncodeError):
+        raise error
+    return "".join(_plain(sign) for sign in error.object[error.start : error.end]), error.end
+
+
+def _plain(sign: str) -> str:
+    """A sign in ASCII: what stands for it, its letter without accents, a Greek letter's name, or a question mark."""
+    if sign in _PLAIN:
+        return _PLAIN[sign]
+    simple = unicodedata.normalize("NFKD", sign).encode("ascii", "ignore").decode()
+    name = unicodedata.name(sign, "")
+    return simple or (name.rpartition(" ")[2].lower() if name.startswith("GREEK") else "?")
+
+
+def __getattr__(name: str) -> Any:
+    if name in ("cli", "default_output"):
+        from wirewear.app.cli import commands
+
+        return getattr(commands, name)
+    raise AttributeError(f"module 'wirewear.app.cli' has no attribute {name!r}")

@@ -1,0 +1,323 @@
+"""The group of commands, whose foreseeable errors end in one sentence and an exit code, and what they share."""
+
+import errno
+import os
+import re
+import sys
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager, suppress
+from functools import partial
+from math import isfinite
+from pathlib import Path
+from typing import Any
+
+import click
+from click.core import ParameterSource
+from click.decorators import FC
+
+from wirewear.base.errors import Quantity, RunError, WirewearError, tell_plainly
+from wirewear.base.files import TABLE_FILE_NAME, example
+from wirewear.base.memory import MOST_MEMORY_GB
+from wirewear.base.writing import usable_file, usable_folder, why_not_written
+
+INTERRUPTED = 130  # what shells report for a program ended by Ctrl-C
+
+#: What can be said of a command that was interrupted.
+GOES_ON = {
+    "run": "--resume goes on from the last checkpoint",
+    "converge": "the same command goes on",
+    "sweep": "the same command goes on",
+    "diagnose": "nothing was written",
+}
+WHOLE = "no file is left half written"
+
+
+#: What stands for click's names of the kinds of numbers.
+_NUMBERS = {"float": "number: a point is the decimal sign, as in 0.45", "integer": "whole number, such as 20"}
+
+#: What shows the help of a group that is given no command, from click 8.2 on.
+_SHOWS_HELP: tuple[type[Exception], ...] = tuple(
+    kind for kind in (getattr(click.exceptions, "NoArgsIsHelpError", None),) if kind is not None
+)
+
+
+class Finite(click.FloatRange):
+    """A finite number within a range: comparisons alone would let NaN pass."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number. Raises click.BadParameter if it is none, is not finite, or lies outside."""
+        number = float(super().convert(value, param, ctx))
+        if not isfinite(number):
+            self.fail(f"{value} is not a finite number.", param, ctx)
+        return number
+
+
+class StatedOption(click.types.FloatParamType):
+    """A number in its sensible range, as a key of a study is checked: one in another unit is told so."""
+
+    name = "number"
+
+    def __init__(self, quantity: Quantity) -> None:
+        """What the number is."""
+        self.quantity = quantity
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        """The number. Raises click.BadParameter if it is none, or lies outside."""
+        try:
+            return float(self.quantity(click.FLOAT.convert(value, param, ctx)))
+        except ValueError as problem:
+            self.fail(f"it {problem}.", param, ctx)
+
+
+STRENGTH = StatedOption(Quantity("MPa", 5.0, 1e4))  #: Strengths of materials from lead to drawn steel.
+
+
+class Given(click.Path):
+    """A file or folder that is read, or the name of an example that comes with the program."""
+
+    def __init__(self) -> None:
+        """Any path."""
+        super().__init__(path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; that of the example where there is no such file."""
+        path = Path(os.fsdecode(super().convert(value, param, ctx)))
+        return path if path.exists() else example(str(value)) or path
+
+
+class OutputFolder(click.Path):
+    """A folder that files will be written to: tried before anything is computed."""
+
+    def __init__(self, *, of_record: bool = False) -> None:
+        """Any path that is no record; of_record: what is written may be one."""
+        super().__init__(path_type=Path)
+        self.of_record = of_record
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; RunError where no files can be written to it, or it is a record."""
+        path = usable_folder(Path(os.fsdecode(super().convert(value, param, ctx))))
+        if not self.of_record and (path / TABLE_FILE_NAME).exists():
+            raise RunError(f"{path} is a record, whose files are not to be mixed with others: choose another folder.")
+        return path
+
+
+class OutputFile(click.Path):
+    """A file that will be written: tried before anything is computed."""
+
+    def __init__(self) -> None:
+        """Any path that is no folder."""
+        super().__init__(dir_okay=False, path_type=Path)
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Path:
+        """The path; RunError where it cannot be written."""
+        return usable_file(Path(os.fsdecode(super().convert(value, param, ctx))))
+
+
+class _OneSentence(click.ClickException):
+    """An error of ours, shown without usage or traceback."""
+
+    exit_code = 2
+
+    def show(self, file: object = None) -> None:  # noqa: ARG002
+        """Print the sentence on standard error."""
+        click.echo(f"wirewear: {self.message}", err=True)
+
+
+class _Misused(_OneSentence):
+    """What was typed does not fit the command; how it is used stands before the sentence, unless a value is wrong."""
+
+    def __init__(self, error: click.UsageError) -> None:
+        """Tell another's error."""
+        said = re.sub(
+            r"is not a valid (float|integer)( range)?",
+            lambda found: f"is no {_NUMBERS[found[1]]}",
+            error.format_message(),
+        )
+        super().__init__(f"{said[:1].lower()}{said[1:]}")
+        wrong_value = isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter)
+        self._context = None if wrong_value else error.ctx
+
+    def show(self, file: object = None) -> None:
+        """Print the usage and the sentence on standard error."""
+        if self._context is not None:
+            usage, path = self._context.get_usage(), self._context.command_path
+            click.echo(f"{usage}\nTry '{path} --help' for help.\n", err=True)
+        super().show(file)
+
+
+@contextmanager
+def _misuse_told() -> Iterator[None]:
+    """Tell click's own errors in the way of ours."""
+    try:
+        yield
+    except _SHOWS_HELP:
+        raise
+    except click.UsageError as error:
+        raise _Misused(error) from error
+
+
+@contextmanager
+def _unwritten_told() -> Iterator[None]:
+    """Tell what the system refuses, on standard output too, in the way of our own errors."""
+    try:
+        try:
+            yield
+        finally:
+            # A full disk is to be told in time.
+            sys.stdout.flush()
+    except OSError as error:
+        if error.errno == errno.EPIPE:
+            raise  # whoever read has seen enough, which click knows
+        _give_up_unwritten()
+        where, why = error.filename or "the output", why_not_written(error)
+        # What has no number is a library's, in words of its own.
+        said = f"{where} can be neither read nor written: {why}" if error.errno else why
+        raise _OneSentence(f"{said}.") from error
+
+
+class _Listed(click.Group):
+    """Commands that help lists with their whole first sentences."""
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands; click's own list ends in the middle of most sentences."""
+        rows = [(name, self.commands[name].get_short_help_str(limit=400)) for name in self.list_commands(ctx)]
+        with formatter.section("Commands"):
+            formatter.write_dl(rows)
+
+
+class Commands(_Listed):
+    """Commands whose foreseeable errors end in one sentence and an exit code."""
+
+    group_class = _Listed
+    goes_on: Mapping[str, str] = GOES_ON
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        """Parse what stands before the command."""
+        with _misuse_told(), _unwritten_told():
+            return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: click.Context) -> object:
+        """Run the command that was asked for."""
+        try:
+            with warnings.catch_warnings(), _misuse_told(), _unwritten_told():
+                tell_plainly()
+                return super().invoke(ctx)
+        except (KeyboardInterrupt, SystemError) as error:
+            # What is interrupted within a compiled function comes as a fault of the interpreter's.
+            if not isinstance(error.__cause__ or error, KeyboardInterrupt):
+                raise
+            click.echo(f"wirewear: interrupted; {self.goes_on.get(ctx.invoked_subcommand or '', WHOLE)}.", err=True)
+            ctx.exit(INTERRUPTED)
+        except WirewearError as error:
+            raise _OneSentence(str(error)) from error
+
+
+def _give_up_unwritten() -> None:
+    """Leave what standard output does not take: at its end, Python would try again and complain."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        with suppress(OSError, ValueError):
+            os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+@click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})
+@click.version_option(package_name="wirewear", prog_name="wirewear")
+def cli() -> None:
+    """Simulate fretting tests of wires, balls on flats and line contacts, and say why a measured one differs."""
+
+
+def _allow_memory(context: click.Context, _parameter: click.Parameter, gigabytes: float | None) -> None:
+    """Let the command, and the processes that it starts, use that much."""
+    if gigabytes is not None:
+        before = os.environ.get(MOST_MEMORY_GB)
+        os.environ[MOST_MEMORY_GB] = str(gigabytes)
+        context.call_on_close(lambda: _restore(before))
+
+
+def _restore(before: str | None) -> None:
+    os.environ.pop(MOST_MEMORY_GB, None)
+    if before is not None:
+        os.environ[MOST_MEMORY_GB] = before
+
+
+#: An option of commands that may ask for more memory than there is.
+most_memory = click.option(
+    "--most-memory",
+    metavar="GB",
+    type=Finite(0.0, min_open=True),
+    expose_value=False,
+    callback=_allow_memory,
+    help="Memory that may be used.  [default: what is free]",
+)
+
+
+def _draw_for_a_journal(context: click.Context, _: click.Parameter, wanted: bool) -> None:
+    from wirewear.pictures.style import on_paper
+
+    if wanted:
+        context.with_resource(on_paper())
+
+
+#: An option of commands that leave pictures as files.
+paper = click.option(
+    "--paper",
+    is_flag=True,
+    expose_value=False,
+    callback=_draw_for_a_journal,
+    help="Draw for a journal of two columns: its sizes and letters, 600 dots per inch.",
+)
+
+
+#: An option of commands that look at the loops of one block of a record's programme.
+of_block = click.option(
+    "--block", type=click.IntRange(1), help="Of a programme, whose loops are looked at.  [default: the longest stroke]"
+)
+
+
+#: An option of commands whose tasks a cluster can do.
+scheduler_option = click.option(
+    "--scheduler",
+    metavar="ADDRESS",
+    help="Dask cluster, such as tcp://10.0.0.1:8786, instead of --jobs; its workers must see the same folders.",
+)
+
+
+#: An option of commands that write what may take another's place.
+overwrite_record = click.option("--overwrite", is_flag=True, help="Also in place of what was not made in the same way.")
+
+
+def a_list(*names: str, told: str) -> Callable[[FC], FC]:
+    """An option that takes a list; what it is given repeatedly adds up, to one text."""
+    joined, told = (lambda *given: ",".join(given[-1])), f"Separated by commas: {told}"
+    return click.option(*names, metavar="LIST", multiple=True, callback=joined, help=told)
+
+
+@contextmanager
+def busy(doing: str, *, long: bool = False) -> Iterator[None]:
+    """Say on a terminal's standard error what is going on, for as long as it does; off one, in a line of what is long.
+
+    Runs say by themselves where they are: `wirewear.simulation.ProgressBar`.
+    """
+    from rich.console import Console
+
+    console = Console(stderr=True)
+    if long and not console.is_interactive:
+        click.echo(f"wirewear: {doing}", err=True)
+    with console.status(doing):
+        yield
+
+
+stage = partial(busy, long=True)  #: A stage of a command that takes long.
+
+
+def given(option: str) -> bool:
+    """Whether an option of the present command was given, by its parameter's name."""
+    return click.get_current_context().get_parameter_source(option) is ParameterSource.COMMANDLINE
+
+
+def default_output(study_path: Path) -> Path:
+    """Where a study's results go: into runs/, under the file's name, or its folder's if that name is study.toml."""
+    full = study_path.resolve()
+    return Path("runs") / (full.parent.name if full.stem == "study" and full.parent.name else full.stem)

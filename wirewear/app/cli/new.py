@@ -1,0 +1,190 @@
+"""The command that writes a study or a mapping to start from."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wirewear.app.cli.group import Given, OutputFile, busy, cli, given
+from wirewear.base.errors import RecordError, StudyError, as_sentence
+from wirewear.base.files import Held, parsed_toml, recognised, require_no_other
+from wirewear.base.writing import is_special, prepared_folder, usable_file, write_text
+from wirewear.kinds import KINDS, Kind, any_study
+
+if TYPE_CHECKING:
+    from pydantic.fields import FieldInfo
+
+
+#: Keys of a record that options tell.
+_TOLD = {
+    "diameter": "diameter_mm",
+    "crossing_angle": "crossing_angle_deg",
+    "length": "length_mm",
+    "radius": "radius_mm",
+    "face_half_width": "face_half_width_mm",
+    "edge_radius": "edge_radius_mm",
+    "normal_load": "normal_load_N",
+    "amplitude": "displacement_amplitude_um",
+    "frequency": "frequency_Hz",
+    "cycles": "cycles",
+}
+
+
+@cli.command()
+@click.argument("names", metavar="NAME | FILES...", nargs=-1, required=True, type=click.Path(path_type=Path))
+@click.option("--kind", type=click.Choice([name for own in KINDS.values() for name in own.names]),
+              default="crossed-wires", show_default=True, help="What is simulated.")  # fmt: skip
+@click.option("--from", "record_path", metavar="RECORD", type=Given(), help="Take over its test.")
+@click.option("--mapping", is_flag=True, help="Guess a mapping for `wirewear import` from a logger's FILES.")
+@click.option("--output", metavar="FILE.toml", type=OutputFile(),
+              help="[default: NAME.toml, or mapping.toml beside the files]")  # fmt: skip
+@click.option("--diameter", metavar="MM", type=float, help="Of the wires, or the ball, for a mapping.")
+@click.option("--length", metavar="MM", type=float, help="Of a line contact, for a mapping of one.")
+@click.option("--radius", metavar="MM", type=float, help="Of a line contact's cylinder, for a mapping.")
+@click.option("--face-half-width", metavar="MM", type=float, help="Of a flat pad's flat part, for a mapping.")
+@click.option("--edge-radius", metavar="MM", type=float, help="Of a flat pad's rounded edges, for a mapping.")
+@click.option("--crossing-angle", metavar="DEG", type=float, help="Between the wires, for a mapping.  [default: 90]")
+@click.option("--material", metavar="NAME", help="Of both bodies, for a mapping.  [default: steel]")
+@click.option("--pad-material", metavar="NAME", help="Of a line contact's pad, or of the ball.")
+@click.option("--normal-load", metavar="N", type=float, help="For a mapping.  [default: the measured one]")
+@click.option("--amplitude", metavar="UM", type=float, help="Half the stroke asked for.  [default: the measured one]")
+@click.option("--frequency", metavar="HZ", type=float, help="For a mapping.  [default: by the column of time]")
+@click.option("--cycles", type=click.IntRange(1), help="Length of the test.  [default: the last cycle logged]")
+def new(
+    names: tuple[Path, ...],
+    kind: str,
+    record_path: Path | None,
+    mapping: bool,
+    output: Path | None,
+    material: str | None,
+    pad_material: str | None,
+    **told: float | None,
+) -> None:
+    """Begin a study NAME, or with --mapping an import of a logger's FILES."""
+    kind = next(name for name, own in KINDS.items() if kind in own.names)
+    if not mapping:
+        _new_study(names, kind, record_path, output)
+        return
+    if record_path is not None:
+        raise RecordError("--from takes a study's values over from a record, and does not go with --mapping.")
+    known = {_TOLD[option]: value for option, value in told.items() if value is not None}
+    lines = KINDS["line-contact"]
+    by_options = not given("kind") and (pad_material is not None or known.keys() & lines.options)
+    own = lines if by_options else KINDS[kind]
+    foreign = {key for other in KINDS.values() for key in other.options & known.keys()} - own.options
+    for option in (option.replace("_", "-") for option, key in _TOLD.items() if key in foreign):
+        raise RecordError(f"--{option} does not go with the options of a {own.name}.")
+    for option in (option for option, key in _TOLD.items() if key in known):
+        _require_sensible(option, known[_TOLD[option]], own)
+    _new_mapping(names, output, (material, pad_material or material), known, own)
+
+
+def _require_sensible(option: str, value: float, kind: Kind) -> None:
+    """See that an option is in the range of its key of a mapping of that kind.
+    Raises RecordError if it lies outside; the sentence names the unit that it seems to be in.
+    """
+    from wirewear.records.importing.mapping import MAPPINGS
+    from wirewear.test.keys import Table, quantity_of, table_of
+
+    def fields(table: type[Table]) -> "Iterator[FieldInfo]":
+        for key, field in table.model_fields.items():
+            yield from (field,) if key == _TOLD[option] else fields(own) if (own := table_of(field)) else ()
+
+    try:
+        for quantity in filter(None, map(quantity_of, fields(MAPPINGS[kind.name]))):
+            quantity(value)
+    except ValueError as problem:
+        raise RecordError(as_sentence(f"--{option.replace('_', '-')} {problem}")) from None
+
+
+def _new_study(names: tuple[Path, ...], kind: str, record_path: Path | None, output: Path | None) -> None:
+    from wirewear.test.template import study_text
+
+    if len(names) > 1:
+        raise StudyError("a study has one name; --mapping guesses a mapping from several files.")
+    if recognised(names[0]) == Held.NUMBERS:
+        raise StudyError(f"{names[0]} holds numbers: `wirewear new --mapping {names[0]}` begins a mapping of it.")
+    path = output or names[0].with_name(f"{names[0].name.removesuffix('.toml')}.toml")
+    data = above = None
+    if record_path is not None:
+        data, above = _test_of(record_path, kind), f"The test of the record {record_path}."
+        kind = str(data.pop("kind"))
+    text = study_text(
+        path.stem if path.stem != "study" else path.resolve().parent.name, data, above, KINDS[kind].template
+    )
+    any_study(parsed_toml(text, str(path), StudyError), str(path))
+    _require_new(path)
+    prepared_folder(path.parent)
+    write_text(path, text)
+    click.echo(path)
+
+
+def _test_of(record_path: Path, kind: str) -> dict[str, Any]:
+    """A record's test as the tables of a study, `kind` among them.
+    Raises StudyError if the study is to be of a kind that is never recorded.
+    """
+    from wirewear.diagnosis.fit.fit import tables_of_record
+    from wirewear.records import read_record
+
+    record = read_record(record_path)
+    if given("kind") and kind != record.contact_kind:
+        raise StudyError(
+            f"{record_path} is a record of kind {record.contact_kind}, and gives no study of --kind {kind}."
+        )
+    return tables_of_record(record)
+
+
+def _new_mapping(
+    files: tuple[Path, ...],
+    output: Path | None,
+    materials: tuple[str | None, str | None],
+    known: dict[str, Any],
+    kind: Kind,
+) -> None:
+    from wirewear.records.importing.guessing import mapping_text, with_files_from
+    from wirewear.records.importing.text_reader import OPEN, lines_to_fill_in
+
+    # A pattern that names a whole folder also finds the mapping of an earlier try; two patterns may find the same file.
+    files = tuple(dict.fromkeys(file for file in files if file.suffix != ".toml")) or files
+    for file in files:
+        require_no_other(file, RecordError, Held.NUMBERS)
+    path = output or usable_file(files[0].parent / "mapping.toml")
+    _require_new(path)
+    own, pads = (
+        _constants(option, name or "steel")
+        for option, name in zip(("--material", "--pad-material"), materials, strict=True)
+    )
+    with busy("reading the files"):
+        guess = kind.guessed_mapping(files, known, own, pads)
+    if output is not None:
+        guess = with_files_from(guess, files[0].parent, path.parent)
+    if materials[0] is None:
+        modulus, ratio = own["youngs_modulus_MPa"], own["poissons_ratio"]
+        assumed = f"the bodies are taken to be of steel, {modulus:g} MPa and {ratio:g}; --material says otherwise"
+        guess = replace(guess, remarks=(assumed, *guess.remarks))
+    prepared_folder(path.parent)
+    text = mapping_text(guess)
+    write_text(path, text)
+    for remark in guess.remarks:
+        click.echo(as_sentence(remark))
+    if left := lines_to_fill_in(text):
+        click.echo(f'{path}\nfill in what stands as "{OPEN}" in {left}, then: wirewear import {path} --output RECORD')
+        return
+    click.echo(f"{path}\nlook through it, then: wirewear import {path} --output RECORD")
+
+
+def _constants(option: str, name: str) -> dict[str, float]:
+    from wirewear.test.materials import material_named
+
+    try:
+        elastic = material_named(name).elastic
+    except ValueError as problem:
+        raise RecordError(as_sentence(f"{option} {problem}")) from None
+    return {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
+
+
+def _require_new(path: Path) -> None:
+    if path.exists() and not is_special(path):
+        raise StudyError(f"{path} exists already, and is not overwritten: choose another name, or remove it.")

@@ -1,0 +1,211 @@
+"""Commands on what happens inside the wires of a run: stress fields, yield and fatigue."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import click
+
+from wirewear.app.cli.group import STRENGTH, Finite, OutputFolder, cli, paper
+from wirewear.base.errors import ResultError, counted
+from wirewear.base.writing import usable_folder
+from wirewear.results import POSITIONS
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Mapping, Sequence
+
+    from wirewear.kinds import Kind
+    from wirewear.results import ContactForces, RunResult
+    from wirewear.stress.strength import Strength, StrengthAsked
+
+
+T = TypeVar("T")
+
+#: Which body is asked for; of the older name, all were wires.
+BODY = click.option(
+    "--body", "--wire", "body", default="both", show_default=True,
+    help="One of the bodies by its name, as fixed, ball or specimen, or lower or upper.",
+)  # fmt: skip
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--cycle", type=Finite(0.0), required=True, help="The recorded cycle nearest to this one is taken.")
+@click.option(
+    "--at",
+    metavar="POSITION",
+    multiple=True,
+    help=f"{', '.join(POSITIONS)}, a number, or all; may be repeated.  [default: mid-forward]",
+)
+@BODY
+@click.option("--fresh-nodes", is_flag=True, help="Leave the nodes where they were when fresh.")
+@click.option("--integration-points", is_flag=True, help="Write the stresses at the integration points, too.")
+@click.option("--no-pictures", is_flag=True, help="Write files for ParaView only.")
+@click.option("--animate", is_flag=True, help="Draw the positions as an animation (give --at all).")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: fields/ beside the result]")
+@paper
+def fields(
+    result_path: Path,
+    cycle: float,
+    at: tuple[str, ...],
+    body: str,
+    fresh_nodes: bool,
+    integration_points: bool,
+    no_pictures: bool,
+    animate: bool,
+    output: Path | None,
+) -> None:
+    """Write displacements and stresses inside the bodies of a run for ParaView, and draw them."""
+    from wirewear.app.api.run import one_run
+    from wirewear.app.cli.study_script import progress_bar
+    from wirewear.kinds import kind_of
+
+    folder = output or (result_path if result_path.is_dir() else result_path.parent) / "fields"
+    chosen = None if "all" in at else at or ("mid-forward",)
+    if animate and chosen is not None and len(set(chosen)) < 2:
+        raise ResultError("an animation needs several positions: give --at all.")
+    with progress_bar() as bar:
+
+        def tracked(each: Sequence[T], doing: str, /) -> Iterable[T]:
+            return bar.track(each, description=doing)
+
+        result = one_run(result_path)
+        kind = kind_of(result)
+        given = {"--integration-points": integration_points, "--no-pictures": no_pictures, "--animate": animate}
+        _require_known(result_path, kind, given)
+        bodies = asked_bodies(body, result.label, result.bodies)
+        _tell_taken(cycle, result, bodies)
+        usable_folder(folder)
+        shown: dict[str, Any] = {
+            "bodies": bodies,
+            "integration_points": integration_points,
+            "pictures": not no_pictures and "all" not in at,
+            "animation": animate,
+        }
+        written = kind.write_fields(
+            result, folder, **shown, cycle=cycle, at=chosen, worn=not fresh_nodes, tracked=tracked
+        )
+    for path in written:
+        click.echo(path)
+    if not no_pictures and not any(path.suffix in (".png", ".gif") for path in written):
+        click.echo("wirewear: the bodies are apart there, of which no picture is drawn.", err=True)
+
+
+def asked_bodies(body: str, where: str, bodies: tuple[str, ...]) -> tuple[str, ...]:
+    """Both bodies, or the one that is called so. Raises ResultError of `where` if none is."""
+    from wirewear.results.scar import body_named
+
+    return bodies if body == "both" else (body_named(body, where, bodies),)
+
+
+def _require_known(path: Path, kind: Kind, given: Mapping[str, bool]) -> None:
+    """Raise ResultError if an option is given that files of a kind of contact do not know."""
+    for option in (one for one, is_given in given.items() if is_given and one not in kind.inside_options):
+        raise ResultError(f"{option} does not apply to {path}, which is a {kind.name.replace('-', ' ')}.")
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option(
+    "--cycle", "cycles", type=Finite(0.0), multiple=True, help="May be repeated.  [default: all recorded ones]"
+)
+@BODY
+@click.option("--yield-strength", metavar="MPa", type=STRENGTH, help="Of the bodies' material.")
+@click.option(
+    "--crossland-slope",
+    type=Finite(0.0),
+    default=0.3,
+    show_default=True,
+    help="Weight of the hydrostatic stress beside the amplitude of the root of J2.",
+)
+@click.option(
+    "--averaging-length",
+    metavar="UM",
+    type=Finite(0.0),
+    default=0.0,
+    show_default=True,
+    help="Stresses are averaged over balls of this diameter.",
+)
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="[default: strength/ beside the result]")
+@paper
+def strength(
+    result_path: Path,
+    cycles: tuple[float, ...],
+    body: str,
+    yield_strength: float | None,
+    crossland_slope: float,
+    averaging_length: float,
+    output: Path | None,
+) -> None:
+    """Say where and until when the bodies of a run yield, and where cracks begin first.
+
+    Both bodies at every recorded cycle, unless --cycle and --body ask for less.
+    """
+    from wirewear.app.cli.study_script import progress_bar, wide_console
+    from wirewear.stress.strength import StrengthAsked, yield_sentence
+    from wirewear.stress.writing import strength_table, write_strength, write_strength_table
+
+    asked = StrengthAsked(yield_strength, crossland_slope, averaging_length)
+    chosen, strength_at = _assessing(result_path, body, cycles, asked)
+    folder = usable_folder(output or (result_path if result_path.is_dir() else result_path.parent) / "strength")
+    courses: dict[str, list[Strength]] = {one: [] for one in chosen}
+    written: list[Path] = []
+    with progress_bar() as bar:
+        task = bar.add_task("", total=sum(map(len, chosen.values())))
+        for one, its_cycles in chosen.items():
+            for cycle in its_cycles:
+                doing = f"{one}, cycle {counted(cycle)}"
+                bar.update(task, description=doing)
+                if bar.disable:
+                    click.echo(f"wirewear: {doing}", err=True)
+                found = strength_at(one, cycle)
+                written += write_strength(found, folder)
+                # What is written need not be held.
+                courses[one].append(replace(found, grid=type(found.grid)()))
+                bar.advance(task)
+    every = [one for course in courses.values() for one in course]
+    wide_console(110).print(strength_table(every))
+    for course in courses.values():
+        if yield_strength is not None:
+            click.echo(yield_sentence(course))
+    written.append(write_strength_table(every, folder))
+    click.echo(f"{len(written)} files are in {folder}")
+
+
+def _assessing(
+    path: Path, body: str, cycles: Sequence[float], asked: StrengthAsked
+) -> tuple[dict[str, list[int]], Callable[[str, int], Strength]]:
+    """The recorded cycles of each body that are asked for, and what gives a body's strength at one of them.
+
+    What is refused is refused here, before anything is computed.
+    """
+    from wirewear.app.api.run import one_run
+    from wirewear.kinds import kind_of
+    from wirewear.stress.strength import assessable, strength_of
+
+    result = one_run(path)
+    kind = kind_of(result)
+    inside = kind.inside
+    every = cycles or _recorded(result.contact_forces)
+    bodies = asked_bodies(body, result.label, result.bodies)
+    for cycle in cycles:
+        _tell_taken(cycle, result, bodies)
+    chosen = {one: [*dict.fromkeys(assessable(result, one, cycle, asked, inside) for cycle in every)] for one in bodies}
+    return chosen, lambda one, cycle: strength_of(result, one, cycle, asked, inside)
+
+
+def _tell_taken(cycle: float, result: RunResult, bodies: Iterable[str]) -> None:
+    taken = {result.forces(cycle, one).cycle for one in bodies} - {cycle}
+    if taken:
+        recorded = ", ".join(map(counted, _recorded(result.contact_forces)))
+        click.echo(
+            f"wirewear: cycle {cycle:g} is not recorded, {counted(taken.pop())} is taken; recorded are {recorded}.",
+            err=True,
+        )
+
+
+def _recorded(forces: Iterable[ContactForces]) -> list[int]:
+    """Cycles of which there are contact forces; where there are none, the first, which will be refused."""
+    return sorted({one.cycle for one in forces}) or [1]

@@ -1,0 +1,265 @@
+"""Commands that list effects and materials, run a study, draw its results and write their page."""
+
+from __future__ import annotations
+
+import os
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from wirewear.app.cli.group import Given, OutputFolder, busy, cli, default_output, given, most_memory, paper
+from wirewear.base.errors import StudyError, WirewearError
+from wirewear.base.writing import json_text, usable_folder
+from wirewear.test import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.test import AnyStudy
+
+#: Options that say what is plotted, how and where, and their parameters.
+_OF_A_PLOT = {"--size": "size", "--study": "study_path", "--fidelity": "fidelity", "--output": "output"}
+
+
+@cli.command(name="materials")
+def materials_command() -> None:
+    """List the materials that a study may name, their data of fatigue, the sources of both, and which were not read."""
+    from rich import box
+    from rich.table import Table
+
+    from wirewear.app.cli.study_script import wide_console
+    from wirewear.test.materials import materials
+
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("material", no_wrap=True)
+    table.add_column("also", no_wrap=True)
+    for heading in ("E [GPa]", "ν"):
+        table.add_column(heading, justify="right", no_wrap=True)
+    table.add_column("source", overflow="fold")
+    for item in materials():
+        modulus, ratio = item.elastic.youngs_modulus_MPa, item.elastic.poissons_ratio
+        source = item.source if item.verified else f"unverified: {item.source}"
+        table.add_row(item.name, ", ".join(item.also), f"{1e-3 * modulus:.4g}", f"{ratio:g}", source)
+        if item.fatigue:
+            told = ", ".join(f"{key} = {value:g}" for key, value in item.fatigue)
+            table.add_row("", "fatigue", "", "", f"{told}; {item.fatigue_told}")
+    wide_console(130).print(table)
+
+
+@cli.command(name="effects")
+@click.argument("name", required=False)
+@click.option("--json", "as_json", is_flag=True, help="Print all effects, or NAME alone, as JSON.")
+@click.option("--plot", is_flag=True, help="Run the steel-wire test without and with NAME, and draw what differs.")
+@click.option("--study", "study_path", metavar="STUDY.toml", type=Given(), help="Plot this one.")
+@click.option("--size", type=click.Choice(["easy", "hard"]), default="easy", show_default=True, help="Size to plot.")
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="quick", show_default=True)
+@click.option(
+    "--output",
+    metavar="DIR",
+    type=click.Path(path_type=Path),
+    default=Path("runs/effects"),
+    show_default=True,
+    help="Of runs and pictures; finished runs there are used again.",
+)
+@paper
+def effects_command(
+    name: str | None, as_json: bool, plot: bool, study_path: Path | None, size: str, fidelity: str, output: Path
+) -> None:
+    """List the effects that a study can have beyond the nominal model, or describe or draw the one called NAME."""
+    from wirewear.app.cli.study_script import wide_console
+    from wirewear.effects import effect_named
+    from wirewear.effects.registry import effect_text, effects_json, effects_table
+
+    for option, parameter in _OF_A_PLOT.items():
+        if not plot and given(parameter):
+            raise StudyError(f"{option} belongs to --plot: give both, or neither.")
+    if plot:
+        if as_json:
+            raise StudyError("--json does not go with --plot, which draws.")
+        if name is None:
+            raise StudyError("--plot needs the name of an effect: `wirewear effects` lists them.")
+        _plot_effect(name, study_path, size, fidelity, output)
+    elif as_json:
+        own = None if name is None else effect_named(name).name
+        chosen = [effect for effect in effects_json() if own in (None, effect["name"])]
+        click.echo(json_text(chosen))
+    elif name is not None:
+        click.echo(effect_text(effect_named(name)))
+    else:
+        console = wide_console(130)
+        console.print(effects_table())
+
+
+def _plot_effect(name: str, study_path: Path | None, size: str, fidelity: str, output: Path) -> None:
+    from wirewear.effects import effect_named
+    from wirewear.simulation import ProgressBar
+    from wirewear.sweeps.signature import signature_of, signature_study
+    from wirewear.test import load_study
+    from wirewear.views.signature_picture import draw_signature
+
+    study = signature_study() if study_path is None else load_study(study_path)
+    if study.variants:
+        raise StudyError(f"{study_path} has variants, but a signature needs a study without.")
+    effect = effect_named(name).sized("hard" if size == "hard" else "easy", study.stated)
+    signature = signature_of(effect, output, study=study, fidelity=fidelity, observer_of=ProgressBar)
+    click.echo(draw_signature(signature, output / f"{name}.png"))
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Picture folder.  [default: beside it]")
+@click.option("--format", "ending", type=click.Choice(["png", "svg", "pdf"]), default="png", show_default=True)
+@click.option("--animation", is_flag=True, help="Draw loop and scar over the cycles as a GIF, too.")
+@paper
+def show(result_path: Path, output: Path | None, ending: str, animation: bool) -> None:
+    """Draw the pictures of a result: a file, or the folder of a run."""
+    from wirewear.kinds import kind_of
+    from wirewear.pictures import show as draw
+    from wirewear.results import read_results
+
+    drawn = kind_of(read_results(result_path)[0]).drawings
+    for picture in draw(result_path, output, ending=ending, moving=animation, drawn=drawn):
+        click.echo(picture)
+
+
+@cli.command()
+@click.argument("result_path", metavar="RESULT", type=click.Path(path_type=Path))
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Page folder.  [default: beside it]")
+def report(result_path: Path, output: Path | None) -> None:
+    """Write the page of a result, or of a study's variants: one file for any browser, which needs no network."""
+    from wirewear.results import read_results
+    from wirewear.views.run_page import write_page
+
+    folder = output or (result_path if result_path.is_dir() else result_path.parent)
+    with busy("writing the page"):
+        written = write_page(read_results(result_path), usable_folder(folder))
+    click.echo(written)
+
+
+@cli.command()
+@click.argument("study_path", metavar="STUDY.toml", type=Given())
+@click.option("--fidelity", type=click.Choice(FIDELITIES), default="standard", show_default=True)
+@click.option("--variant", metavar="NAME", help="Run this variant of the study only.")
+@click.option("--output", metavar="DIR", type=OutputFolder(), help="Result folder.  [default: runs/<study>]")
+@click.option("--resume", is_flag=True, help="Continue an interrupted run where its last checkpoint stands.")
+@click.option("--overwrite", is_flag=True, help="Run again where a result stands.")
+@click.option("--cycles-of", "record_path", metavar="RECORD", type=Given(),
+              help="Log the loops of this record's cycles, to be compared with them.")  # fmt: skip
+@click.option("--uncertain", is_flag=True, help="Give intervals for the scatter of inputs that the study states.")
+@click.option("--jobs", type=click.IntRange(1), help="Variants to run side by side.  [default: one a core]")
+@click.option("--json", "as_json", is_flag=True, help="Print what came out as JSON.")
+@most_memory
+def run(
+    study_path: Path,
+    fidelity: str,
+    variant: str | None,
+    output: Path | None,
+    resume: bool,
+    overwrite: bool,
+    record_path: Path | None,
+    uncertain: bool,
+    jobs: int | None,
+    as_json: bool,
+) -> None:
+    """Simulate a study, or each of its variants.
+
+    With --uncertain, about thirty quick runs give the range in which 95 % of tests lie; the same command goes on.
+    """
+    from rich.console import Console
+
+    from wirewear.kinds import kind_of, load_any_study
+    from wirewear.results.summary import summary
+    from wirewear.simulation import ProgressBar, run_study
+    from wirewear.views.run_page import runs_json, sentence, write_page
+
+    folder = output or default_output(study_path)
+    if uncertain:
+        _refuse(record_path is not None, "--cycles-of does not go with --uncertain, which writes no run's loops.")
+        _refuse(as_json, "--json does not go with --uncertain.")
+        _refuse(overwrite, "--overwrite does not go with --uncertain, which goes on: choose another --output.")
+        _refuse(
+            fidelity != "quick" and given("fidelity"), f"--uncertain makes quick runs: leave --fidelity {fidelity} out."
+        )
+        _run_scattered(study_path, variant, folder / "uncertain", jobs)
+        return
+    if not resume and not overwrite:
+        _require_nothing_lost(folder)
+    study = load_any_study(study_path)
+    if variant is None:
+        _tell_unused(study)
+    else:
+        study = study.variant(variant)
+    if record_path is not None:
+        study = study.logging(_cycles_of(record_path, study.conditions.cycles))
+    kind = kind_of(study)
+    results = run_study(
+        study,
+        fidelity=fidelity,
+        output=folder,
+        resume=resume,
+        observer_of=ProgressBar,
+        jobs=jobs or os.cpu_count() or 1,
+    )
+    kind.write_beside(results, folder)
+    if as_json:
+        click.echo(runs_json(results))
+    else:
+        click.echo("\n".join(map(sentence, results)))
+        Console().print(summary(results))
+    page = write_page(results, folder)
+    click.echo(f"the page of {'this run' if len(results) == 1 else 'these runs'} is {page}", err=as_json)
+
+
+def _run_scattered(study_path: Path, variant: str | None, folder: Path, jobs: int | None) -> None:
+    from wirewear.app.cli.sweeps import run_scattered
+    from wirewear.kinds import kind_of, load_any_study
+
+    study: Any = load_any_study(study_path)
+    _refuse(not kind_of(study).scatters, f"--uncertain does not apply to {study_path}: it knows crossed wires only.")
+    run_scattered(study, variant, folder, jobs)
+
+
+def _require_nothing_lost(folder: Path) -> None:
+    """See that a new run takes the place of no result, complete or not; one that cannot be read is none.
+    Raises StudyError if there is one.
+    """
+    from wirewear.results import RESULT_FILE_NAME
+
+    for path in (folder / RESULT_FILE_NAME, *sorted(folder.glob(f"*/{RESULT_FILE_NAME}"))):
+        status = _status_of(path) if path.is_file() else None
+        what, then = ("a complete result", "keep") if status == "complete" else ("an unfinished result", "go on with")
+        _refuse(
+            status is not None,
+            f"{path} is {what}, and is not overwritten: choose another --output, {then} it with --resume, or replace "
+            "it with --overwrite.",
+        )
+
+
+def _status_of(path: Path) -> str | None:
+    from wirewear.results import read_result
+
+    with suppress(WirewearError):
+        return read_result(path).status
+    return None
+
+
+def _tell_unused(study: AnyStudy[Any]) -> None:
+    """Say which of a study's own values no variant takes over: editing them changes nothing."""
+    for table, key, value in study.unused_values():
+        click.echo(
+            f"wirewear: [{table}] {key} = {value} is used by no variant, as each sets its own in [variants.*.{table}].",
+            err=True,
+        )
+
+
+def _cycles_of(record_path: Path, last: int) -> tuple[int, ...]:
+    """The cycles of a record's loops as far as a test of so many goes, and its last one."""
+    from wirewear.records import read_record
+
+    record = read_record(record_path)
+    return tuple(sorted({cycle for cycle in record.cycles if 1 <= cycle <= last} | {last}))
+
+
+def _refuse(given: bool, sentence: str) -> None:
+    if given:
+        raise StudyError(sentence)

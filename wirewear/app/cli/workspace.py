@@ -1,0 +1,44 @@
+"""The command that opens a workspace in a browser."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from wirewear.app.cli.group import Given, OutputFolder, cli
+
+if TYPE_CHECKING:
+    pass
+
+
+@cli.command(name="open")
+@click.argument("paths", metavar="[RECORD|RESULT|FILES]...", nargs=-1, type=Given())
+@click.option("--output", metavar="DIR", type=OutputFolder(), default="runs/open", show_default=True,
+              help="Where files and answers are kept; the same folder goes on.")  # fmt: skip
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="[default: any that is free]")
+@click.option("--no-browser", is_flag=True, help="Print the address alone.")
+def open_command(paths: tuple[Path, ...], output: Path, port: int, no_browser: bool) -> None:
+    """Work in a browser: drop a logger's files, import, check, fit and diagnose them. Nobody else can see the pages."""
+    import signal
+    import webbrowser
+
+    from wirewear.app.web.server import WorkspaceServer
+    from wirewear.app.web.workspace import Workspace
+    from wirewear.base.locks import occupied
+
+    # Whoever ends this ends its steps, as Ctrl-C does; who wanted it to outlive a terminal has it do so.
+    for name in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(name) is not signal.SIG_IGN:
+            signal.signal(name, signal.default_int_handler)
+    with occupied(output, "open"):
+        workspace = Workspace(output)
+        for path in paths:
+            workspace.take(path)
+        with WorkspaceServer(workspace, port) as server:
+            click.echo(f"Open this address in a browser: {server.url}\nKeep this running; Ctrl-C ends it.")
+            try:
+                if not no_browser:
+                    webbrowser.open(server.door().as_uri())
+                server.serve_forever()
+            finally:
+                workspace.stop()

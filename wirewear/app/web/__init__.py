@@ -1,0 +1,1 @@
+"""`wirewear open`: a workspace in a browser."""

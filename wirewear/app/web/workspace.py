@@ -1,0 +1,330 @@
+"""What `wirewear open` works on: a folder, the steps from a laboratory's files to an answer, and what they print.
+
+A step is one command of the command line, run as a process of its own in the folder. It is given what the steps before
+it left there; its options are those of the command. It ends with the workspace, however that ends: its standard
+input is a pipe that the system closes then.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from collections import deque
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+from tempfile import NamedTemporaryFile
+from threading import RLock, Thread
+from typing import Any
+
+import click
+
+from wirewear.app.cli.group import cli
+from wirewear.base.errors import RunError, WirewearError, as_sentence, shown
+from wirewear.base.files import Held, recognised
+from wirewear.base.writing import prepared_folder, write_text
+
+FILES, MAPPING, RECORD, RESULT = "files", "mapping.toml", "record", "result"
+FITTED = "fit/study.toml"
+_OPENED_RECORD = "{record}"
+#: Options that the steps give themselves, or that a page has no use for.
+_NOT_ASKED = ("output", "as_json", "mapping", "dry_run", "record_path", "scheduler", "jobs", "overwrite")
+_MOST_BYTES_OF_NAME, _MOST_SIGNS = (
+    200,
+    1_000,
+)  #: Of a file's name, which gets a number when it is put aside; of a value.
+_HURRY_s = 3.0  #: After which a step that was interrupted is killed.
+_MOST_LINES = 400  #: Lines of what a step prints that are kept.
+_SHOWN = (".html", ".png")
+_COMING = ".coming."  #: Begins the name of a file until all of it is there.
+CHUNK = 1 << 20
+
+_AS_STEP = """
+try:
+    from wirewear.app.cli import main
+    from wirewear.app.web.workspace import end_with_input
+    end_with_input()
+except KeyboardInterrupt:
+    print("wirewear: interrupted; nothing was written.")
+    raise SystemExit(130)
+main()
+"""
+
+
+@dataclass(frozen=True)
+class Step:
+    """One command: its name there, arguments, what it needs beforehand, and what it leaves, as places in the folder.
+
+    An argument in braces is a place that may have been opened elsewhere.
+    """
+
+    name: str
+    title: str
+    command: str
+    arguments: tuple[str, ...]
+    needs: tuple[str, ...]
+    leaves: str
+
+    @property
+    def options(self) -> list[dict[str, Any]]:
+        """What can be chosen: flag, help, and a list of choices, or a hint at the value; a flag has neither."""
+        return [_described(one) for one in _options_of(self.command)]
+
+
+STEPS = (
+    Step("guess", "Guess how the files are read", "new", ("--mapping", "--output", MAPPING), (FILES,), MAPPING),
+    Step("look", "Look at the first loop and scars", "import", (MAPPING, "--output", RECORD, "--dry-run"), (MAPPING,),
+         "first_look"),
+    Step("import", "Import them as a record", "import", (MAPPING, "--output", RECORD), (MAPPING,), RECORD),
+    Step("check", "Check the record", "check", (_OPENED_RECORD,), (RECORD,), ""),
+    Step("loops", "Analyse its loops", "loops", (_OPENED_RECORD, "--output", "loops.png"), (RECORD,), "loops.png"),
+    Step("fit", "Fit friction, rig and wear", "fit", (_OPENED_RECORD, "--output", "fit"), (RECORD,), "fit"),
+    Step("compare", "Compare the fitted run with it", "compare", ("fit/run", _OPENED_RECORD, "--output", "compared"),
+         ("fit/run", RECORD), "compared"),
+    Step("diagnose", "Diagnose what the model lacks", "diagnose", (_OPENED_RECORD, "--output", "diagnosis"), (RECORD,),
+         "diagnosis"),
+    Step("report", "Make the page of a result", "report", ("{result}", "--output", "report"), (RESULT,), "report"),
+)  # fmt: skip
+
+
+@dataclass(eq=False)
+class _Job:
+    """A step that runs, or has run."""
+
+    process: "subprocess.Popen[str]"
+    lines: deque[str] = field(default_factory=lambda: deque(maxlen=_MOST_LINES))
+    began: float = field(default_factory=time.monotonic)
+    ended: float | None = None
+
+    @property
+    def state(self) -> str:
+        """running, done, or failed; a check that finds problems is done."""
+        if self.ended is None:
+            return "running"
+        return "done" if self.process.returncode in (0, 1) else "failed"
+
+
+class Workspace:
+    """The folder with its steps; `places` are where records and results lie that were opened and not made here."""
+
+    def __init__(self, folder: Path) -> None:
+        """A folder that may hold what was done before."""
+        self.folder = prepared_folder(folder.resolve())
+        self.places: dict[str, Path] = {}
+        for left in self.folder.glob(f"{_COMING}*"):
+            left.unlink(missing_ok=True)
+        self._jobs: dict[str, _Job] = {}
+        self._lock = RLock()
+
+    def take(self, path: Path) -> None:
+        """Open what lies at a path. Raises RunError unless it is a record, a result, or a file of measured numbers."""
+        match recognised(path):
+            case Held.RECORD:
+                self.places[RECORD] = path.resolve() if path.is_dir() else path.resolve().parent
+            case Held.RUN:
+                self.places[RESULT] = path.resolve()
+            case _ if path.is_file():
+                with path.open("rb") as file:
+                    self.add(path.name, iter(lambda: file.read(CHUNK), b""))
+            case _:
+                raise RunError(f"{path} is no record, result or file of measured numbers.")
+
+    def add(self, name: str, content: bytes | Iterable[bytes]) -> None:
+        """Keep a file under its own name, which names no other folder; another of that name is put aside.
+
+        Nothing is changed unless all of the content comes. Raises RunError if it is no name of a file.
+        """
+        place = self.folder / FILES / Path(name.replace("\\", "/")).name
+        if not place.name or place.name.startswith(".") or not place.name.isprintable():
+            raise RunError(f"{shown(name)} is no name of a file.")
+        if len(os.fsencode(place.name)) > _MOST_BYTES_OF_NAME:
+            raise ValueError(f"the name {shown(name)} is too long: {_MOST_BYTES_OF_NAME} bytes at most.")
+        with NamedTemporaryFile(dir=self.folder, prefix=_COMING, delete=False) as file:
+            coming = Path(file.name)
+            try:
+                file.writelines([content] if isinstance(content, bytes) else content)
+                file.flush()
+                os.fsync(file.fileno())
+                with self._lock:
+                    self._put_aside(place)
+                    coming.replace(prepared_folder(place.parent) / place.name)
+            finally:
+                coming.unlink(missing_ok=True)
+
+    def write_mapping(self, text: str) -> None:
+        """Keep a mapping as it was edited; the one before is put aside."""
+        with self._lock:
+            self._put_aside(self.folder / MAPPING)
+            write_text(self.folder / MAPPING, text)
+
+    def start(self, name: str, chosen: Mapping[str, Any]) -> None:
+        """Begin a step with options by their flags.
+        Raises RunError while another runs, or what it needs is missing; ValueError if an option is none of the step's.
+        """
+        step = next((one for one in STEPS if one.name == name), None)
+        if step is None:
+            raise RunError(f"there is no step {shown(name)}.")
+        options = _typed(step, chosen)
+        with self._lock:
+            running = next((one.title for one in STEPS if self._state(one) == "running"), None)
+            if running is not None:
+                raise RunError(f"wait until this has ended, or stop it: {running}.")
+            if not self._ready(step):
+                raise RunError(f"{step.needs[0]} is not there yet: go through the steps before.")
+            files = [str(path.relative_to(self.folder)) for path in self._files()] if step.needs == (FILES,) else []
+            opened = {what: self.places.get(what, what) for what in (RECORD, RESULT)}
+            places = [one.format(**opened) for one in step.arguments]
+            if name == "diagnose" and not chosen.get("--model") and (self.folder / FITTED).is_file():
+                from wirewear.records import read_record
+
+                # A record that states too little for a model of its own has the fitted one.
+                places += ["--model", FITTED] if read_record(self.folder / opened[RECORD]).tables.missing else []
+            if step.leaves:
+                self._put_aside(self.folder / step.leaves)
+            if name == "import":
+                self.places.pop(RECORD, None)
+            command = [sys.executable, "-c", _AS_STEP, step.command, *files, *places, *options]
+            process = subprocess.Popen(
+                command, cwd=self.folder, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                text=True, encoding="utf-8", errors="replace", start_new_session=True,
+                env={**os.environ, "COLUMNS": "100", "PYTHONIOENCODING": "utf-8", "PYTHONUNBUFFERED": "1",
+                     "PYTHONSAFEPATH": "1"},
+            )  # fmt: skip
+            self._jobs[name] = _Job(process)
+        Thread(target=self._follow, args=(step, self._jobs[name]), daemon=True).start()
+
+    def stop(self) -> None:
+        """End what runs, as Ctrl-C does."""
+        with self._lock:
+            for job in self._jobs.values():
+                # Once it is reaped, the system may give its number to a group of somebody else.
+                if job.process.returncode is None:
+                    os.killpg(job.process.pid, signal.SIGINT)
+
+    def state(self) -> dict[str, Any]:
+        """All that a page shows: files, mapping, and of each step whether it can begin, what it said and left."""
+        mapping = self.folder / MAPPING
+        return {
+            "folder": str(self.folder),
+            "files": [path.name for path in self._files()],
+            "opened": {what: str(path) for what, path in self.places.items()},
+            "mapping": mapping.read_text(encoding="utf-8", errors="replace") if mapping.is_file() else None,
+            "steps": [self._told(step) for step in STEPS if RESULT not in step.needs or RESULT in self.places],
+        }
+
+    def served(self, name: str) -> Path | None:
+        """The file of the folder that a page asks for; None for what lies outside, or is none."""
+        with suppress(OSError, RuntimeError):  # names too long, links in a circle
+            place = (self.folder / name).resolve()
+            return place if place.is_relative_to(self.folder) and place.is_file() else None
+        return None
+
+    def _follow(self, step: Step, job: _Job) -> None:
+        process = job.process
+        for line in process.stdout or ():
+            job.lines.append(line.rstrip())
+        os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOWAIT)
+        with self._lock, process:
+            # Both are left once it is reaped.
+            pass
+        try:
+            # Pictures of a first look lie beside the record that is yet to be.
+            for picture in self.folder.glob(f"{RECORD}*.png") if step.name == "look" else ():
+                picture.replace(prepared_folder(self.folder / step.leaves) / picture.name)
+        except (OSError, WirewearError) as problem:
+            job.lines.append(as_sentence(f"its pictures stay in {self.folder}: {problem}"))
+        job.ended = time.monotonic()
+
+    def _told(self, step: Step) -> dict[str, Any]:
+        job = self._jobs.get(step.name)
+        left = [] if not step.leaves else [str(path.relative_to(self.folder)) for path in self._left(step)]
+        return {
+            "name": step.name,
+            "title": step.title,
+            "ready": self._ready(step),
+            "state": self._state(step),
+            "lines": [] if job is None else list(job.lines),
+            "seconds": None if job is None else round((job.ended or time.monotonic()) - job.began),
+            "left": left,
+            "options": step.options,
+        }
+
+    def _state(self, step: Step) -> str:
+        job = self._jobs.get(step.name)
+        if job is not None:
+            return job.state
+        return "done" if step.leaves and (self.folder / step.leaves).exists() else "idle"
+
+    def _ready(self, step: Step) -> bool:
+        return all((self.places.get(one) or self.folder / one).exists() for one in step.needs)
+
+    def _files(self) -> list[Path]:
+        return sorted((self.folder / FILES).glob("*"))
+
+    def _left(self, step: Step) -> Iterator[Path]:
+        place = self.folder / step.leaves
+        found = [place] if place.is_file() else sorted(place.rglob("*"), key=lambda path: (path.suffix, path))
+        return (path for path in found if path.suffix in _SHOWN)
+
+    def _put_aside(self, place: Path) -> None:
+        """What is to be made again is never lost: it gets the next number. Whoever calls holds the lock."""
+        if os.path.lexists(place):
+            earlier = prepared_folder(self.folder / "earlier")
+            numbers = [int(number) for path in earlier.iterdir() if (number := path.name.split("_")[0]).isdecimal()]
+            place.rename(earlier / f"{max(numbers, default=0) + 1}_{place.name}")
+
+
+def _options_of(command: str) -> list[click.Option]:
+    given = (one for one in cli.commands[command].params if isinstance(one, click.Option))
+    return [one for one in given if one.name not in _NOT_ASKED and not one.multiple]
+
+
+def _described(option: click.Option) -> dict[str, Any]:
+    choices = list(option.type.choices) if isinstance(option.type, click.Choice) else None
+    hint = None if option.is_flag else option.metavar or option.type.name
+    return {"flag": option.opts[0], "help": option.help or "", "hint": hint, "choices": choices}
+
+
+def _typed(step: Step, chosen: Mapping[str, Any]) -> list[str]:
+    """Options as they are typed; those that the command does not have, and empty ones, are left out.
+    Raises ValueError if they are no table of texts and truths, or the command does not take a value.
+    """
+    if not isinstance(chosen, Mapping):
+        raise ValueError(f"options are {shown(chosen)}, but must be a table of values by their flags.")
+    typed = []
+    for option in _options_of(step.command):
+        flag, value = option.opts[0], chosen.get(option.opts[0])
+        if value is None or value == "" or value is False:
+            continue
+        if value is True and option.is_flag:
+            typed.append(flag)
+        elif isinstance(value, str) and value.isprintable() and len(value) <= _MOST_SIGNS and not option.is_flag:
+            typed.append(f"{flag}={value.strip()}")
+            if not isinstance(option.type, click.Path):
+                _require_taken(option, value.strip())
+        else:
+            raise ValueError(f"{flag} is {shown(value)}, which it cannot be.")
+    return typed
+
+
+def _require_taken(option: click.Option, value: str) -> None:
+    try:
+        option.type.convert(value, option, None)
+    except click.BadParameter as problem:
+        raise ValueError(f"{option.opts[0]}: {problem.format_message()}") from None
+
+
+def end_with_input() -> None:
+    """Have this process and its group end when standard input does."""
+    Thread(target=_wait_and_end, daemon=True).start()
+
+
+def _wait_and_end() -> None:
+    while os.read(0, CHUNK):
+        pass
+    # A step is a group of processes of its own.
+    for end in (signal.SIGINT, signal.SIGKILL):
+        os.killpg(0, end)
+        time.sleep(_HURRY_s)

@@ -1,0 +1,69 @@
+"""Both branches of a loop, freed from free play, with the micro-slip that was fitted to each."""
+
+from dataclasses import dataclass
+
+from wirewear.loops.branches import Branch, fit_micro_slip, settled, slides_visibly, split_branches
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.energy import balance, mean_force
+from wirewear.loops.figures import Measured
+from wirewear.loops.free_play import Shelf, play_of, shelves_of, without_shelf
+from wirewear.loops.stick_slip import Course
+
+
+@dataclass(frozen=True)
+class BranchFits:
+    """Forward and backward branch with their micro-slip, and what was found of free play.
+
+    Where there is a shelf, the branches are those that a rig without play would give.
+    """
+
+    forward: Course
+    backward: Course
+    length_um: float
+    shelves: tuple[Shelf, Shelf] | None
+
+    @property
+    def both(self) -> tuple[Course, Course]:
+        return self.forward, self.backward
+
+    @property
+    def slide(self) -> bool:
+        """Whether both branches slide visibly."""
+        return slides_visibly(self.forward) and slides_visibly(self.backward)
+
+    @property
+    def misfit(self) -> float:
+        """Sum of squared residuals of both fits."""
+        return sum(slip.misfit for _, slip in self.both)
+
+    @property
+    def free_play(self) -> Measured | None:
+        """Width of the shelf."""
+        return None if self.shelves is None else play_of(self.shelves)
+
+    @property
+    def force_zero(self) -> Measured | None:
+        """Force of the shelf: where the force's zero lies."""
+        if self.shelves is None:
+            return None
+        up, down = self.shelves
+        return Measured.from_deviation(0.5 * (up.force_N - down.force_N), 0.5 * abs(up.force_N + down.force_N))
+
+
+def branch_fits_of(loop: CleanLoop) -> BranchFits:
+    """Split a loop into its branches, find free play, and fit the micro-slip."""
+    forward, backward = split_branches(loop)
+    length = forward.length_um
+    shelves = shelves_of(loop, forward, backward)
+    if shelves is not None:
+        play = play_of(shelves).value
+        forward, backward = (
+            without_shelf(branch, shelf, play) for branch, shelf in zip((forward, backward), shelves, strict=True)
+        )
+    middle = mean_force(loop).value
+    return BranchFits(_course(forward, middle), _course(backward, middle), length, shelves)
+
+
+def _course(branch: Branch, middle_N: float) -> Course:
+    crossing = balance(branch.travel_um, branch.force_N - branch.direction * middle_N)
+    return branch, settled(branch, fit_micro_slip(branch), crossing)

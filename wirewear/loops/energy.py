@@ -1,0 +1,176 @@
+"""How far a loop opens, by area and width.
+
+Of sliding, the ratios are criteria (Fouvry, Kapsa & Vincent, Wear 185 (1995) 35). For a sphere on a flat, or crossed
+wires, the transition from partial to gross slip lies at A = 0.2 and B = 0.77.
+"""
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear.loops.branches import Branch, MicroSlip
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.figures import Measured, mean_of
+from wirewear.loops.robust import fit_linear
+from wirewear.loops.sensor import enclosed_area
+
+MICROJOULE_IN_MILLIJOULE = 1e-3
+
+
+#: A branch that passes a force again after so large a share of the stroke does so by ringing, chatter or an outlier.
+WAVERS = 0.05
+
+
+#: A width at mid force below this share of what energy and sliding force give was read where the loop slides.
+NARROW = 0.85
+
+
+ENERGY_TRANSITION, SYSTEM_FREE_TRANSITION = 0.2, 0.77  #: Values at the transition from partial slip to gross slip.
+
+
+#: No contact in partial slip has a larger energy ratio: that of evenly spread limits at the transition (Iwan 1966).
+MOST_IN_PARTIAL_SLIP = 1.0 / 3.0
+
+
+def mean_force(loop: CleanLoop) -> Measured:
+    """∮Q|dδ| / ∮|dδ| in N: every displacement counts once on each branch, whatever the sampling."""
+    step = np.abs(np.roll(loop.displacement_um, -1) - loop.displacement_um)
+    weight = 0.5 * (step + np.roll(step, 1))
+    weight /= weight.sum()
+    deviation = loop.force_noise_N * float(np.sqrt(np.sum(weight**2)))
+    return Measured.from_deviation(float(weight @ loop.force_N), deviation)
+
+
+def dissipated_energy(loop: CleanLoop) -> Measured:
+    """∮Q dδ in mJ, by the polygon of the samples plus what coarse sampling cuts off its corners."""
+    x, y = loop.displacement_um, loop.force_N
+    corners = _cut_corners(x, y, loop.force_noise_N, loop.displacement_noise_um)
+    area = enclosed_area(x, y) + corners
+    dx, dy = 0.5 * (np.roll(x, -1) - np.roll(x, 1)), 0.5 * (np.roll(y, -1) - np.roll(y, 1))
+    from_force = loop.force_noise_N * float(np.sqrt(np.sum(dx**2)))
+    from_displacement = loop.displacement_noise_um * float(np.sqrt(np.sum(dy**2)))
+    from_stroke = 2.0 * float(np.ptp(y)) * loop.amplitude_noise_um
+    deviation = float(np.linalg.norm([from_force, from_displacement, from_stroke, 0.25 * corners]))
+    return Measured.from_deviation(area * MICROJOULE_IN_MILLIJOULE, deviation * MICROJOULE_IN_MILLIJOULE)
+
+
+def _cut_corners(x: Array, y: Array, force_noise: float, displacement_noise: float) -> float:
+    """Area between the polygon and the curve it samples, in N·µm.
+
+    Extending the chords on either side of a chord makes a triangle on it. A sharp corner of the curve fills the whole
+    triangle, a smooth arc a third of it; two thirds are taken. Triangles no higher than the noise are left out, and
+    those that reach beyond the stroke, as they would beside a sharp tip.
+    """
+    width, height = float(np.ptp(x)), float(np.ptp(y))
+    points = np.column_stack([x / width, y / height])
+    chord = np.roll(points, -1, axis=0) - points
+    before, after = np.roll(chord, 1, axis=0), np.roll(chord, -1, axis=0)
+    turn, entry, leave = _cross(before, after), _cross(before, chord), _cross(chord, after)
+    # the extensions meet on the outer side only if all three turns agree
+    meets = (turn * entry > 0.0) & (turn * leave > 0.0)
+    reach = np.where(meets, leave / np.where(turn == 0.0, 1.0, turn), 0.0)
+    apex = points[:, 0] + reach * before[:, 0]
+    overshoot = 0.125 * (2.0 * np.pi / len(x)) ** 2  # how far a sine may pass its outermost sample, of its range
+    inside = (apex > points[:, 0].min() - overshoot) & (apex < points[:, 0].max() + overshoot)
+    doubled_area = reach * entry
+    noise = float(np.hypot(force_noise / height, displacement_noise / width))
+    visible = np.abs(doubled_area) > 6.0 * noise * np.linalg.norm(chord, axis=1)
+    # a dissipating loop turns clockwise: negative turns cut area off
+    return float(-2.0 / 3.0 * 0.5 * np.sum(doubled_area[inside & visible])) * width * height
+
+
+def _cross(a: Array, b: Array) -> Array:
+    product: Array = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+    return product
+
+
+def crossing_travel(branch: Branch, slip: MicroSlip, level_N: float, force_noise_N: float) -> tuple[float, float]:
+    """Travel at which a branch passes a force (in the loop's own sign), and its standard deviation, in µm.
+
+    A parabola through the samples around it, short of the tip and of the onset of gross slip, where enough samples
+    lie there; else between the two samples on either side of it.
+    """
+    level = branch.direction * level_N
+    z, y = branch.travel_um, branch.force_N - level
+    tip = slip.onset_force_N - slip.height_N if slip.slides else float(branch.force_N.min())
+    room = min(slip.onset_force_N - level, level - tip)
+    near = (np.abs(y) < 0.6 * room) & (z <= 1.25 * slip.travel_um)
+    wavers, at = WAVERS * branch.length_um, balance(z, y)
+    if np.count_nonzero(near) >= 6 and force_noise_N > 1e-3 * room:
+        fit = fit_linear(np.vander(y[near] / room, 3, increasing=True), z[near])
+        travel, deviation = float(fit.coefficients[0]), float(np.sqrt(fit.covariance[0, 0]))
+        if abs(travel - at) <= wavers + 3.0 * deviation:
+            return travel, deviation
+    passed = np.flatnonzero((y[:-1] < 0.0) & (y[1:] >= 0.0))
+    passed = passed[(z[passed] - at <= wavers) & (at - z[passed + 1] <= wavers)]
+    if not len(passed):
+        return 0.0, 0.5 * float(abs(z[0]))
+    travels = [_passage(slip, level, z[i : i + 2], branch.force_N[i : i + 2]) for i in passed[[0, -1]]]
+    first, last = passed[0], passed[-1] + 1
+    slope = float((y[last] - y[first]) / max(z[last] - z[first], 1e-300))
+    return 0.5 * sum(travels), 0.5 * abs(travels[1] - travels[0]) + force_noise_N / slope
+
+
+def balance(travel: Array, force: Array) -> float:
+    """Travel before which a branch's forces (n,), less a level, are negative on the whole, and positive behind it.
+
+    Where their sum over the travel is least. A force that passes the level once does so there; one that rings passes it
+    again and again, but over travels that hold little.
+    """
+    order = np.argsort(travel, kind="stable")
+    z, y = travel[order], force[order]
+    sums = np.concatenate([[0.0], np.cumsum(0.5 * (y[1:] + y[:-1]) * np.diff(z))])
+    return float(z[int(np.argmin(sums))])
+
+
+def _passage(slip: MicroSlip, level: float, z: Array, force: Array) -> float:
+    """Travel between two samples where the fitted course, bent to pass through both of them, reaches a level."""
+    if z[0] == z[1]:
+        return float(z[0])
+    between = np.linspace(z[0], z[1], 65)
+    course = slip.force(between)
+    course += force[0] - course[0] + (between - z[0]) / (z[1] - z[0]) * (force[1] - course[-1] - force[0] + course[0])
+    return float(np.interp(level, np.maximum.accumulate(course), between))
+
+
+def slip_amplitude(
+    loop: CleanLoop, forward: tuple[Branch, MicroSlip], backward: tuple[Branch, MicroSlip], level_N: float
+) -> Measured:
+    """δ0 in µm: half the distance of the two branches at a force."""
+    up, up_deviation = crossing_travel(*forward, level_N, loop.force_noise_N)
+    down, down_deviation = crossing_travel(*backward, level_N, loop.force_noise_N)
+    right = backward[0].origin_um - down
+    left = forward[0].origin_um + up
+    deviation = float(np.linalg.norm([0.5 * up_deviation, 0.5 * down_deviation, loop.amplitude_noise_um]))
+    return Measured.from_deviation(0.5 * (right - left), deviation)
+
+
+def by_energy(energy: Measured, height_N: Measured) -> Measured:
+    """δ0 in µm from the area and the mean |Q| of both directions at mid-slip, E_d/(4Q).
+
+    That of a parallelogram, whatever curve its middle follows: a scar's walls raise one direction's force by what they
+    take from the other's.
+    """
+    return energy.over(height_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)
+
+
+def narrow(slip: Measured, other: Measured, amplitude_um: float) -> bool:
+    """Whether a width at mid force is not the slip that the energy shows, or lies beyond the displacement itself."""
+    wide = slip.value > amplitude_um + (slip.interval95[1] - slip.value)
+    return wide or slip.value < NARROW * min(other.value, amplitude_um)
+
+
+def force_amplitude(loop: CleanLoop, tops: tuple[Measured, Measured]) -> Measured:
+    """Q* in N: mean of the largest forces of both directions, which an offset does not shift.
+
+    `tops` are the largest |Q|/P of each, or |Q| without a normal force.
+    """
+    load = 1.0 if loop.normal_force_N is None else float(np.median(loop.normal_force_N))
+    mean = mean_of(*tops)
+    return Measured.from_deviation(load * mean.value, load * mean.deviation)
+
+
+def energy_ratio(energy_mJ: Measured, amplitude_um: Measured, force_N: Measured) -> Measured | None:
+    """E_d/(4 δ Q*): A with the displacement amplitude for δ, B with the slip amplitude; None where the box is empty."""
+    if amplitude_um.value * force_N.value <= 0.0:
+        return None
+    return energy_mJ.over(amplitude_um, force_N, times=0.25 / MICROJOULE_IN_MILLIJOULE)

@@ -1,0 +1,115 @@
+"""Stick-slip on the plateaus of a sliding loop, and the force by which its first passage exceeds the later ones."""
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear.loops.branches import Branch, MicroSlip
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.figures import Measured, StickSlip
+from wirewear.loops.noise import noise_along
+
+Course = tuple[Branch, MicroSlip]
+
+
+#: A fall of the force is a slip from so many standard deviations of a step on, and from this share of the plateau.
+CERTAIN_SLIP, LEAST_DROP = 7.0, 0.03
+
+
+FEWEST_SLIPS = 4  #: So many slips of a cycle are no chance.
+
+
+MOST_STEPS = 3  #: A slip takes no more steps between samples than this; a longer fall is a slope.
+
+
+#: Slips are resolved where at least this share of those is seen that the stick branches' stiffness lets expect.
+RESOLVED = 0.6
+
+
+EARLY = 0.12  #: Where a static force is sought: from the onset on over this share of the plateau.
+
+
+def stick_slip(loop: CleanLoop, courses: tuple[Course, Course]) -> StickSlip | None:
+    """Slips of both plateaus of a sliding loop, or None where the forces fall no more often than chance lets them."""
+    found = [_slips(loop, *course) for course in courses]
+    slips = np.concatenate([drops for drops, _, _ in found])
+    if slips.size < FEWEST_SLIPS or min(drops.size for drops, _, _ in found) == 0:
+        return None
+    sliding = sum(count for _, count, _ in found)
+    chattering = sum(share * count for _, count, share in found)
+    per_cycle = float(slips.size)
+    frequency = None
+    if loop.times_known:
+        duration = abs(float(loop.time[-1] - loop.time[0])) * len(loop.time) / (len(loop.time) - 1)
+        frequency = per_cycle / duration * len(loop.time) / max(sliding, 1)
+    spread = 1.4826 * float(np.median(np.abs(slips - np.median(slips)))) / float(np.sqrt(slips.size))
+    return StickSlip(
+        share=chattering / max(sliding, 1),
+        slips_per_cycle=int(slips.size),
+        frequency_Hz=frequency,
+        force_drop_share=Measured.from_deviation(float(np.median(slips)), 1.25 * spread),
+        resolved=slips.size >= RESOLVED * _expected(courses, float(np.median(slips))),
+    )
+
+
+def _expected(courses: tuple[Course, Course], drop_share: float) -> float:
+    """Slips of a cycle whose stretches of sticking, each as long as the spring takes for the fall, fill the sliding."""
+    count = 0.0
+    for branch, slip in courses:
+        stretched = drop_share * abs(slip.onset_force_N) * slip.travel_um / max(slip.height_N, 1e-300)
+        count += (branch.length_um - slip.travel_um) / max(stretched, 1e-300)
+    return count
+
+
+def _slips(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[Array, int, float]:
+    """Falls of the force over the sliding force, samples of the plateau, and the share of them between slips."""
+    force = branch.force_N[branch.travel_um > slip.travel_um]
+    if force.size < 6:
+        return np.empty(0), force.size, 0.0
+    level = float(np.percentile(np.abs(force), 75))
+    if not level:
+        return np.empty(0), force.size, 0.0
+    least = max(CERTAIN_SLIP * np.sqrt(2.0) * _stick_noise(loop, branch, slip), LEAST_DROP * level)
+    falling = np.diff(force) < 0.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], falling, [False]]).astype(int)))
+    falls = [(int(a), int(b)) for a, b in edges.reshape(-1, 2) if force[a] - force[b] > least and b - a <= MOST_STEPS]
+    sizes = np.array([force[start] - force[stop] for start, stop in falls])
+    if not falls:
+        return sizes, force.size, 0.0
+    usual = (falls[-1][1] - falls[0][0]) / max(len(falls) - 1, 1)
+    first, last = max(falls[0][0] - usual, 0.0), min(falls[-1][1] + usual, force.size - 1)
+    return sizes / level, force.size, float(last - first) / (force.size - 1)
+
+
+def _stick_noise(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> float:
+    """Noise of one force, from the stick branch where that has samples enough: there nothing slips."""
+    stick = branch.force_N[branch.travel_um < 0.8 * slip.travel_um]
+    return loop.force_noise_N if stick.size < 10 else noise_along(stick)
+
+
+def static_overshoot(loop: CleanLoop, courses: tuple[Course, Course]) -> Measured | None:
+    """By which share the force first passes the plateau's later peaks, mean of both directions; None if it does not."""
+    found = [_overshoot(loop, *course) for course in courses]
+    if None in found:
+        return None
+    shares, deviations = zip(*[item for item in found if item is not None], strict=True)
+    return Measured.from_deviation(float(np.mean(shares)), 0.5 * float(np.hypot(*deviations)))
+
+
+def _overshoot(loop: CleanLoop, branch: Branch, slip: MicroSlip) -> tuple[float, float] | None:
+    span = branch.length_um - slip.travel_um
+    begin, end = slip.travel_um - 0.1 * span, slip.travel_um + EARLY * span
+    early = (branch.travel_um > begin) & (branch.travel_um < end)
+    later = (branch.travel_um >= end) & (branch.travel_um < end + 0.4 * span)
+    if np.count_nonzero(early) < 2 or np.count_nonzero(later) < 6:
+        return None
+    noise = _stick_noise(loop, branch, slip)
+    top = int(np.flatnonzero(early)[np.argmax(branch.force_N[early])])
+    # The peak lies between its highest sample and the next, up to where the rise would have led.
+    step = max(float(branch.force_N[top] - branch.force_N[top - 1]), 0.0) if top else 0.0
+    peak, plateau = float(branch.force_N[top]) + 0.5 * step, float(branch.force_N[later].max())
+    if not plateau:
+        # Nothing resists the motion there, which a peak could be set against.
+        return None
+    share = peak / plateau - 1.0
+    deviation = float(np.hypot(np.sqrt(2.0) * noise, step / np.sqrt(12.0))) / abs(plateau)
+    return (share, deviation) if plateau > 0.0 and share > max(2.5 * deviation, LEAST_DROP) else None

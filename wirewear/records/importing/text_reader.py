@@ -1,0 +1,153 @@
+"""What a reader of a laboratory's files is; that of delimited text, which most loggers write."""
+
+import re
+import struct
+import zipfile
+import zlib
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from geometry.arrays import Array
+from wirewear.base.delimited import DelimitedLayout, DelimitedText, read_delimited
+from wirewear.base.errors import RecordError, nearest, shown
+from wirewear.base.files import Held, read_text, require_no_other
+
+OPEN = "?"  #: What stands in a guessed mapping for what only the user can tell.
+
+_OPEN_LINE = re.compile(r"^\s*(\w+) *=[^#\n]*[\"']\?[\"']")
+
+_GROUP = re.compile(r"(\d+):(\d+)")  #: Columns side by side that are one channel, such as ``2:129``.
+
+#: Found by reading files with bytes changed, cut off and left out: readers trust sizes, names and types in the file.
+DAMAGED_FILE_ERRORS: tuple[type[Exception], ...] = (
+    OSError,
+    EOFError,
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    AttributeError,
+    NameError,
+    AssertionError,
+    RuntimeError,
+    MemoryError,
+    struct.error,
+    zipfile.BadZipFile,
+    zlib.error,
+)
+
+
+def open_lines(text: str) -> list[tuple[int, str]]:
+    """Numbers of the lines of a mapping, from 1, that are left open, and the key of each."""
+    found = ((number, _OPEN_LINE.match(line)) for number, line in enumerate(text.splitlines(), start=1))
+    return [(number, match[1]) for number, match in found if match]
+
+
+def lines_to_fill_in(text: str) -> str:
+    """``line 6 (diameter_mm) and line 14 (displacement_um)`` of a mapping; empty where nothing is left open."""
+    *most, last = [f"line {number} ({key})" for number, key in open_lines(text)] or [""]
+    return f"{', '.join(most)} and {last}" if most else last
+
+
+def require_mapping(path: Path) -> None:
+    """See that a file is no study, no sweep, no record and none of a laboratory's own files, and is filled in.
+
+    What else is wrong within a mapping is left to whoever reads it.
+    Raises RecordError, in one sentence that says what it is, if it is one.
+    """
+    require_no_other(path, RecordError, Held.MAPPING)
+    if path.is_file() and (left := lines_to_fill_in(read_text(path, RecordError))):
+        raise RecordError(f'{path} is not filled in: put what is right in place of "{OPEN}" in {left}.')
+
+
+def reason_of(problem: Exception) -> str:
+    """What an exception says, on one line and not too long."""
+    return " ".join(str(problem).split())[:120] or type(problem).__name__
+
+
+@dataclass(frozen=True)
+class Channel:
+    """What a file offers as a column: its name in a mapping, and unit and samples per second where they are told."""
+
+    name: str
+    unit: str = ""
+    sample_rate_Hz: float | None = None
+
+
+class Reader(ABC):
+    """Reads columns of numbers from files of one kind; a mapping chooses it by ``kind``."""
+
+    #: Name in a mapping's ``kind = "..."``.
+    kind: ClassVar[str]
+
+    @abstractmethod
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
+        """The wanted columns as they stand in the file: (n,), or (samples, cycles) where the file holds matrices.
+        Raises RecordError, in one sentence, if the file cannot be read, lacks a column or holds text for a number.
+
+        layout: the mapping's keys on delimited text, for readers that need them.
+        wanted: the record's columns, and for each the name or the number (from 1 on) of the file's.
+        """
+
+    def reads(self, head: bytes) -> bool:  # noqa: ARG002
+        """Whether a file that begins with these 512 bytes is of this kind; False where only a mapping can tell."""
+        return False
+
+    def channels(self, path: Path) -> tuple[Channel, ...]:  # noqa: ARG002
+        """What a file offers as columns; nothing where the kind does not name them.
+        Raises RecordError, in one sentence, if the file cannot be read.
+        """
+        return ()
+
+
+class TextReader(Reader):
+    """Delimited text in the mapping's spelling; ``"2:129"`` are the samples of one cycle a row, or one a column."""
+
+    kind = "text"
+
+    def columns(self, path: Path, layout: DelimitedLayout, wanted: Mapping[str, str | int]) -> dict[str, Array]:
+        """The columns of the text; rows that end early leave NaN, times of day become seconds."""
+        text = read_delimited(path, layout)
+        start = text.layout.lines_before_rows
+        if next(text.rows(), None) is None:
+            raise RecordError(f"{path}, line {start + 1}: there are no numbers below the header.")
+        groups = {name: _group(text, column) for name, column in wanted.items()}
+        alone = {name: _place(text, column) for name, column in wanted.items() if groups[name] is None}
+        parts = {f"{name} {place}": place for name, group in groups.items() for place in group or ()}
+        read = text.numbers(alone | parts, as_logged=True, clock="time_s").columns
+        return {
+            name: read[name] if group is None else np.stack([read[f"{name} {place}"] for place in group])
+            for name, group in groups.items()
+        }
+
+
+def _group(text: DelimitedText, column: str | int) -> range | None:
+    """The places of a group of columns; None of one alone."""
+    found = _GROUP.fullmatch(str(column)) if column not in text.names else None
+    if found is None:
+        return None
+    first, last = int(found[1]), int(found[2])
+    if not 1 <= first < last:
+        raise RecordError(
+            f"{text.path}: {column!r} is no group of columns: their numbers go up from 1, such as '1:128'."
+        )
+    return range(first - 1, last)
+
+
+def _place(text: DelimitedText, column: str | int) -> int:
+    if isinstance(column, int):
+        return column - 1
+    names, line = text.names, text.layout.line_of_names
+    if not text.layout.names_line:
+        raise RecordError(f"{text.path}: with names_line = false, columns are given by number, not as {column!r}.")
+    if column not in names:
+        hint = f"; did you mean {like!r}?" if (like := nearest(column, names)) else "."
+        raise RecordError(
+            f"{text.path}, line {line}: there is no column {column!r} among {shown(', '.join(names))}{hint}"
+        )
+    return names.index(column)

@@ -1,0 +1,156 @@
+"""What files about a test are asked, of whatever kind of contact, and what else is known of it."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from datetime import date
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from pydantic import Field, PlainValidator
+
+from wirewear.base.errors import Quantity, RecordError, shown
+from wirewear.records.surfaces import WornSurfaces
+from wirewear.test.keys import FORMAT, Table, checked_format, checked_text, one_of
+from wirewear.test.programme import CycleBlock
+
+
+class OfTest(Table):
+    """A file that describes a test of any kind of contact."""
+
+    contact_kind: ClassVar[str]  #: Its name.
+    body_names: ClassVar[tuple[str, str]]  #: Of the one that is driven and the other.
+    worn: ClassVar[WornSurfaces]  #: How the worn surfaces stand in the record.
+    needs_loops: ClassVar[bool]  #: Whether there is no record without loops.
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of the file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the experiment", examples=["steel on steel, test 3"]
+    )
+
+    @classmethod
+    def known(cls, data: dict[str, Any], where: str) -> dict[str, Any]:
+        """A file's tables by the keys that these have; RecordError if it says a thing twice."""
+        del where
+        return data
+
+    @property
+    def length_mm(self) -> float | None:
+        return None
+
+    @property
+    def depth_noise_um(self) -> float:
+        """Stated error of one depth of a worn surface."""
+        return 0.0
+
+    @classmethod
+    def length_of(cls, study: Mapping[str, Any], length_mm: float | None, label: str) -> float | None:
+        """Length of the contact that a record of a study's result is of, None of a contact at a point.
+        Raises RecordError if one is given of such a contact, or none of another.
+        """
+        del study
+        if length_mm:
+            raise RecordError(f"--length does not apply to {label}, which is a run of {cls.contact_kind}.")
+        return None
+
+    def require_whole(self, where: str) -> None:
+        """See that the tables of a file say all that they must; RecordError where they do not."""
+
+    def placed(self, surface: Any) -> Any:
+        """A surface of a file with x along the motion."""
+        return surface
+
+
+class OfRecord(OfTest, ABC):
+    """The tables of an experiment.toml, which know how a study and a result of their kind state the same test."""
+
+    programme: tuple[CycleBlock, ...] = Field((), description="blocks of cycles, repeated in turn up to the test's end")
+
+    @property
+    @abstractmethod
+    def wear(self) -> Mapping[str, tuple[str, ...]]:
+        """Coefficients of wear per friction energy by their keys in `[stated]`, with the bodies that wear by each."""
+
+    @property
+    @abstractmethod
+    def shares(self) -> Mapping[str, float]:
+        """Parts of the worn volume that either body loses, as is stated."""
+
+    @classmethod
+    @abstractmethod
+    def bodies_of(cls, study: Mapping[str, Any], label: str) -> dict[str, Any]:
+        """Tables of the bodies and what touches, of a resolved study as results hold it; `label` names it in messages.
+        Raises RecordError if a record cannot describe them.
+        """
+
+    @classmethod
+    def stated_by(cls, study: Mapping[str, Any]) -> dict[str, Any]:
+        """The values of a study's conditions, friction, wear and rig by their keys."""
+        parts = ("conditions", "contact", "wear", "holder")
+        return {key: value for part in parts for key, value in (study.get(part) or {}).items()}
+
+    @property
+    @abstractmethod
+    def of_study(self) -> dict[str, float | None]:
+        """The values that distinguish tests, by the keys of a study's tables."""
+
+    @abstractmethod
+    def with_bodies(self, data: dict[str, Any]) -> dict[str, Any]:
+        """Tables of a study with those of the bodies.
+        Raises RecordError if what is stated of bodies and rig does not fit together.
+        """
+
+    @property
+    def contact_stiffness_N_per_um(self) -> float | None:
+        """Stiffness of the unworn contact; None where the bodies yield too, for which there is no closed form."""
+        return None
+
+    @property
+    def doubts_bodies(self) -> bool:
+        """Whether the compliance between rig and contact is unsure."""
+        return False
+
+
+def _checked_date(value: object) -> str:
+    text = value.isoformat() if isinstance(value, date) else value
+    try:
+        return date.fromisoformat(text).isoformat() if isinstance(text, str) else str(date.fromisoformat(""))
+    except ValueError:
+        raise ValueError(f"is {shown(value)}, but must be a date such as 2026-11-22") from None
+
+
+#: Where a record may come from: a rig, or a simulation that was read as a rig's sensors would.
+Source = Literal["measured", "simulated"]
+
+Text = Annotated[str, PlainValidator(checked_text)]
+DateOfTest = Annotated[str, PlainValidator(_checked_date)]
+Temperature = Annotated[float, PlainValidator(Quantity("1", -273.15, 2000.0))]
+Humidity = Annotated[float, PlainValidator(Quantity("1", 0.0, 100.0))]
+Hardness = Annotated[float, PlainValidator(Quantity("1", 1.0, 10_000.0))]
+Roughness = Annotated[float, PlainValidator(Quantity("um", 0.0, 1000.0))]
+
+
+class Metadata(Table):
+    """Keys that no computation asks for; all are optional."""
+
+    source: Annotated[Source, PlainValidator(one_of(*get_args(Source)))] | None = Field(
+        None, description='whether the test was "measured" or "simulated"; unknown where nothing is said'
+    )
+    laboratory: Text | None = Field(None, description="who made the test")
+    date: DateOfTest | None = Field(None, description="day of the test")
+    licence: Text | None = Field(None, description="what others may do with the data")
+    temperature_C: Temperature | None = Field(None, description="temperature of the surroundings in degrees Celsius")
+    relative_humidity_percent: Humidity | None = Field(None, description="relative humidity of the air")
+    atmosphere: Text | None = Field(None, description="gas about the contact")
+    lubricant: Text | None = Field(None, description="lubricant; none where it is dry")
+    hardness_HV: Hardness | None = Field(None, description="Vickers hardness of the specimens")
+    roughness_Ra_um: Roughness | None = Field(None, description="arithmetic mean roughness of the specimens")
+    cracks: Annotated[str, PlainValidator(one_of("found", "none"))] | None = Field(
+        None, description='whether cracks were looked for and "found", or "none" were', examples=["none"]
+    )
+    comment: Text | None = Field(None, description="anything else")
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """Known metadata, one ``key: value`` a line."""
+        return tuple(f"{key}: {value}" for key, value in self.model_dump(exclude_none=True).items())

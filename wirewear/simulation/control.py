@@ -1,0 +1,164 @@
+"""What a drive may hold in place of its own amplitude: slip, force, energy or a reading; each measured on a loop."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any, cast
+
+import numpy as np
+
+from solvers import CycleTrace, SolverError
+from wirewear.effects import Age, Seam, applied
+from wirewear.loops.sensor import LoopSignals, Sensor
+from wirewear.simulation.measures import Probe, friction_work_mJ, is_half, slip_amplitude_mm
+from wirewear.test import AnyStudy
+from wirewear.test.programme import held_by
+
+WITHIN = 1e-3  #: A drive is corrected until what it holds is met within this share.
+MOST_CORRECTIONS = 30
+_LEAST, _MOST = 0.3, 3.0  # Of an amplitude: those to be tried next.
+_INSIDE = 0.1  # Of the interval in which the amplitude lies: no guess comes nearer to its ends.
+_SLOW = 0.5  # A correction is slow if it leaves more of what was lacking, or of that interval.
+_FAR = 0.4  # Of an amplitude: as far the next one goes after a slow correction to the same side, or farther.
+
+
+#: A figure of a cycle, or of half of one whose other half is its mirror image; a probe where increments are long.
+Measure = Callable[[CycleTrace, Probe | None], float]
+
+
+@dataclass(frozen=True)
+class HeldFigure:
+    """A figure of the loop that a drive holds by its amplitude, with which the figure grows."""
+
+    key: str  #: Of the study, which states `target`, in `unit`.
+    target: float
+    unit: str
+    largest_mm: float  #: Amplitude that the drive has at most.
+    measure: Measure
+    #: How much it is expected to grow by a longer stroke, per mm, where the bodies slide; None where it grows in
+    #: proportion.
+    slope: Callable[[CycleTrace], float] | None
+    first_mm: float  #: Amplitude to begin with.
+
+    def error(self, trace: CycleTrace) -> float:
+        """Relative difference of a measured loop's figure from what is to be held."""
+        return self.measure(trace, None) / self.target - 1.0
+
+
+@dataclass
+class AmplitudeSearch:
+    """Looks for the amplitude that holds a figure: one too small, one too large, and the latest with its figure."""
+
+    held: HeldFigure
+    small_mm: float = 0.0
+    large_mm: float = field(default=np.inf)
+    _latest: tuple[float, float] | None = None
+    _interval_mm: float = field(default=np.inf)
+    _tries: int = 0
+
+    def following(self, amplitude_mm: float, trace: CycleTrace, probe: Probe | None = None) -> float | None:
+        """The amplitude to try after this one, None where it holds the figure.
+
+        probe: for a trace whose increments are long.
+        Raises SolverError where none that the drive has does.
+        """
+        held, found = self.held, self.held.measure(trace, probe)
+        lacking, self._tries = held.target - found, self._tries + 1
+        if abs(lacking) <= WITHIN * held.target:
+            return None
+        if self._tries > MOST_CORRECTIONS:
+            raise SolverError(
+                f"no amplitude was found at which the drive holds {held.key} = {held.target:g}: at "
+                f"{1e3 * amplitude_mm:.4g} um it comes to {found:.4g} {held.unit}"
+            )
+        if self.large_mm - self.small_mm <= WITHIN * amplitude_mm:
+            return None  # steps of the figure, where nodes come to slide, are larger than what is wanted
+        if lacking > 0.0:
+            self.small_mm = max(self.small_mm, amplitude_mm)
+        else:
+            self.large_mm = min(self.large_mm, amplitude_mm)
+        if lacking > 0.0 and amplitude_mm >= held.largest_mm:
+            raise SolverError(
+                f"the drive cannot hold {held.key} = {held.target:g}: at its largest amplitude, "
+                f"{1e3 * held.largest_mm:g} um, it comes to {found:.4g} {held.unit}, with a tangential force of "
+                f"{float(np.abs(trace.tangential_force).max()):.4g} N; hold less, or give a larger "
+                "displacement_amplitude_um"
+            )
+        before, self._latest = self._latest, (amplitude_mm, found)
+        wanted = self._wanted(amplitude_mm, found, before, trace)
+        high = min(self.large_mm, _MOST * amplitude_mm)
+        low = max(self.small_mm, _LEAST * amplitude_mm)
+        margin = 0.0
+        # A figure that hardly grows with the amplitude, as the force of bodies that slide does, leads nowhere.
+        if np.isfinite(self.large_mm) and self.small_mm:
+            before_mm, self._interval_mm = self._interval_mm, self.large_mm - self.small_mm
+            margin = _INSIDE * (high - low)
+            if self._interval_mm > _SLOW * before_mm:
+                return float((self.small_mm * self.large_mm) ** 0.5)
+        elif before is not None and abs(lacking) > _SLOW * abs(held.target - before[1]):
+            wanted = max(wanted, amplitude_mm / _FAR) if lacking > 0.0 else min(wanted, _FAR * amplitude_mm)
+        return float(min(np.clip(wanted, low + margin, high - margin), held.largest_mm))
+
+    def _wanted(
+        self, amplitude_mm: float, found: float, before: tuple[float, float] | None, trace: CycleTrace
+    ) -> float:
+        """The amplitude that would hold the figure if this grew as it did, or as it is expected to."""
+        held, lacking = self.held, self.held.target - found
+        if before is not None and (found - before[1]) * (amplitude_mm - before[0]) > 0.0:
+            return amplitude_mm + lacking * (amplitude_mm - before[0]) / (found - before[1])
+        if held.slope is not None:
+            return amplitude_mm + lacking / held.slope(trace)
+        return amplitude_mm * held.target / max(found, 1e-9 * held.target)
+
+
+def _slip_um(trace: CycleTrace, probe: Probe | None) -> float:
+    return 1e3 * slip_amplitude_mm(trace, probe)
+
+
+def _apart_um(trace: CycleTrace, _: Probe | None) -> float:
+    """Amplitude of the bodies' motion against each other where they are held, half of its range."""
+    return 500.0 * float(np.ptp([state.drive - state.holder_x for state in (trace.start, *trace.states)]))
+
+
+def _largest_force_N(trace: CycleTrace, _: Probe | None = None) -> float:
+    return float(np.abs(trace.tangential_force).max())
+
+
+def _energy_mJ(trace: CycleTrace, _: Probe | None) -> float:
+    return friction_work_mJ(trace)
+
+
+def _read_um(sensor: Sensor, trace: CycleTrace, _: Probe | None) -> float:
+    """Amplitude that a sensor at the drive reads, but for its lag."""
+    drive, force, normal = 1e3 * trace.drive, trace.tangential_force, trace.normal_force
+    if is_half(trace):
+        drive, force, normal = np.append(drive, -drive), np.append(force, -force), np.append(normal, normal)
+    return 0.5 * float(
+        np.ptp(sensor.read(LoopSignals(np.arange(float(drive.size)), drive, force, normal)).displacement_um)
+    )
+
+
+def held_of(study: AnyStudy[Any]) -> HeldFigure | None:
+    """What a study's drive holds in place of its amplitude, None where it holds that."""
+    stated, largest_um = held_by(study.conditions), study.conditions.displacement_amplitude_um
+    if stated is None:
+        return None
+    holder = study.tables.rig
+    friction_N = study.contact.friction * holder.normal_load_N
+    sensor = replace(applied(study.effects, Seam.SENSOR, Sensor(), Age.new()), lag_s=0.0)
+    unit, per_mm = "um", cast("Callable[[CycleTrace], float] | None", lambda _: 1e3)
+    measure: Measure
+    match stated.figure:
+        case "slip":
+            measure = _slip_um
+        case "motion":
+            measure = _apart_um
+        case "reading":
+            measure = partial(_read_um, sensor)
+        case "energy":
+            measure, unit, per_mm = _energy_mJ, "mJ", lambda trace: 4.0 * _largest_force_N(trace)
+        case _:
+            measure, unit, per_mm = _largest_force_N, "N", None
+    carried_um = 1e3 * friction_N * holder.compliance_at_contact_mm_per_N
+    first_mm = 1e-3 * stated.first_um(friction_N, carried_um, largest_um)
+    return HeldFigure(stated.key, stated.value, unit, 1e-3 * largest_um, measure, per_mm, first_mm)

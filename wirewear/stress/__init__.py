@@ -1,0 +1,6 @@
+"""Stresses inside the bodies of a finished run: fields, files, pictures, yield and fatigue."""
+
+from solvers.elasticity.strain import von_mises
+from wirewear.stress.bodies import BodyState, WornBody, body_grid, body_states, integration_point_cloud, worn_body
+
+__all__ = ["BodyState", "WornBody", "body_grid", "body_states", "integration_point_cloud", "von_mises", "worn_body"]

@@ -1,0 +1,99 @@
+"""Averages of stresses over critical distances: about which places, with what weights, between lines of a mesh."""
+
+from collections.abc import Callable, Iterable
+from math import ceil
+
+import numpy as np
+from scipy.sparse import csr_matrix
+
+from geometry.arrays import Array, IntArray
+from wirewear.test.life import LifeTable
+
+#: Radii of the area and of the volume over the critical distance (Bellett et al., Int. J. Fatigue 27 (2005) 1103).
+_RADII = (1.32, 1.54)
+_GAUSS = 5
+
+
+def kernel_of(table: LifeTable, *, plane: bool) -> Callable[[float], tuple[Array, Array]]:
+    """Over what stresses are averaged about a point so deep: places (k, 3) in mm, beside it and in depth, weights."""
+    distance = 1e-3 * table.distance_um
+    stated = table.averaging_length_um or (None if distance else table.grain_um)
+    nodes, weights = np.polynomial.legendre.leggauss(_GAUSS)
+    if stated is None and (table.averaging == "point" or distance == 0.0):
+        return lambda depth: (np.array([[0.0, 0.0, depth + 0.5 * distance]]), np.ones(1))
+    if stated is None and table.averaging == "line":
+        along = distance * (1.0 + nodes)
+        return lambda depth: (np.column_stack([0.0 * along, 0.0 * along, depth + along]), 0.5 * weights)
+    radius = 0.5e-3 * stated if stated is not None else _RADII[0 if plane else 1] * distance
+
+    def over_ball(depth: float) -> tuple[Array, Array]:
+        """What of a ball lies in the body: discs of it, each by a rule that is exact to the fifth power."""
+        top = max(-radius, -depth)
+        height = top + 0.5 * (radius - top) * (1.0 + nodes)
+        reach = np.sqrt(np.maximum(radius**2 - height**2, 0.0))
+        if plane:
+            sides, part, area = np.column_stack([nodes, 0.0 * nodes]), 0.5 * weights, reach
+        else:
+            # Stroud, Approximate Calculation of Multiple Integrals (1971), S2: 5-1.
+            turn = np.pi / 3.0 * np.arange(6)
+            sides = np.vstack([[0.0, 0.0], (2.0 / 3.0) ** 0.5 * np.column_stack([np.cos(turn), np.sin(turn)])])
+            part, area = np.array([2.0, *6 * [1.0]]) / 8.0, reach**2
+        places = reach[:, None, None] * sides
+        depths = np.broadcast_to(depth + height[:, None, None], (*places.shape[:2], 1))
+        share = np.outer(weights * area, part).ravel()
+        return np.concatenate([places, depths], axis=2).reshape(-1, 3), share / share.sum()
+
+    return over_ball
+
+
+def averaging_radius_mm(table: LifeTable, *, plane: bool) -> float:
+    """How far from a point its average reaches."""
+    places, _ = kernel_of(table, plane=plane)(1e3)
+    return float(np.abs(places - [0.0, 0.0, 1e3]).max())
+
+
+def widened(lines: Array, reach: float, lowest: float, highest: float) -> Array:
+    """Lines with as many beside them, as far apart as the outermost, as a reach needs and a body has room for."""
+    if len(lines) == 1:
+        return lines
+    first, last = lines[1] - lines[0], lines[-1] - lines[-2]
+    below = lines[0] - first * np.arange(ceil(reach / first), 0, -1)
+    above = lines[-1] + last * np.arange(1, ceil(reach / last) + 1)
+    return np.concatenate([below[below >= lowest], lines, above[above <= highest]])
+
+
+def averaging(
+    to: tuple[Array, ...], of: tuple[Array, ...], kernel: Callable[[float], tuple[Array, Array]]
+) -> csr_matrix:
+    """The matrix of averages about points on lines along, across and in depth, from values at points on others."""
+    (axial, transverse, depths), count = to, [len(lines) for lines in of]
+    columns_before = np.arange(len(axial))[:, None] * len(transverse) + np.arange(len(transverse))
+    found = []
+    for level, depth in enumerate(depths):
+        row = columns_before * len(depths) + level
+        for (x, y, z), weight in zip(*kernel(float(depth)), strict=True):
+            for i, u in _sides(of[0], axial + x):
+                for j, v in _sides(of[1], transverse + y):
+                    for k, w in _sides(of[2], np.array([z])):
+                        column = (i[:, None] * count[1] + j) * count[2] + k[0]
+                        share = weight * w[0] * u[:, None] * v
+                        found.append((share.ravel(), row.ravel(), column.ravel()))
+    shares, rows, columns = (np.concatenate(parts) for parts in zip(*found, strict=True))
+    return csr_matrix((shares, (rows, columns)), shape=(columns_before.size * len(depths), int(np.prod(count))))
+
+
+def _sides(lines: Array, at: Array) -> Iterable[tuple[IntArray, Array]]:
+    """The lines on either side of positions (n,) and their weights; of positions beside all, the outermost."""
+    if len(lines) == 1:
+        return [(np.zeros(len(at), dtype=np.int64), np.ones(len(at)))]
+    i = np.clip(np.searchsorted(lines, at, side="right") - 1, 0, len(lines) - 2)
+    part = np.clip((at - lines[i]) / (lines[i + 1] - lines[i]), 0.0, 1.0)
+    return [(i, 1.0 - part), (i + 1, part)]
+
+
+def linear_weights(lines: Array, at: Array) -> Array:
+    """Weights (n, l) of lines for positions (n,)."""
+    weights = np.zeros((len(at), len(lines)))
+    for column, part in _sides(lines, at):
+        weights[np.arange(len(at)), column] += part
+    return weights

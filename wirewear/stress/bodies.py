@@ -1,0 +1,238 @@
+"""A wire of a finished run as it was at a recorded cycle, its state at positions of it, and grids of that state."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
+
+import numpy as np
+from matplotlib.tri import Triangulation
+
+from geometry import BodyGeometry, BodyMesh, Elastic, GeometryError, build_body
+from geometry.arrays import Array, IntArray
+from solvers.elasticity.strain import hydrostatic, principal, turned, von_mises
+from solvers.stress.surface_stress import SurfaceStress
+from wirewear.results import ContactForces, RunResult
+from wirewear.stress.state import InnerState, Inside, SolvedBody
+
+#: Layers under the patch over those of the run. Its pressures need no more, but stresses two or three half-widths deep.
+_DEEPER = 1.4
+
+
+#: A section lies so far beside its plane [µm]: mirror planes are full of faces that would be cut twice.
+_BESIDE_um = 1e-4
+T = TypeVar("T")
+
+
+class WornBody(SolvedBody[BodyMesh]):
+    """A wire, or another body of a contact at a point."""
+
+    corrected = SurfaceStress
+
+
+@dataclass(frozen=True, eq=False)
+class BodyState(InnerState[WornBody]):
+    """What a wire is like at one position of a cycle."""
+
+    @cached_property
+    def reaction_N(self) -> Array:
+        """Forces of the grip on its nodes (h, 3) in N, from the contact's stresses inside."""
+        points = self.body.points
+        inner = points.internal_forces(points.stresses(self.body.material, self.displacement)) - self.applied
+        return np.asarray(inner[self.body.mesh.surface_nodes("grip")])
+
+    @cached_property
+    def _surface_vectors(self) -> Array:
+        """The area of the contact patch that belongs to each node, (n, 3) along the outward normal, mm²."""
+        mesh = self.body.mesh
+        facets = mesh.surfaces["contact"]
+        corners = mesh.points[facets]
+        areas = 0.5 * np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        vectors: Array = np.zeros_like(mesh.points)
+        np.add.at(vectors, facets, 0.25 * areas[:, None])
+        return vectors
+
+    @property
+    def surface_normal(self) -> Array:
+        """Outward normals (n, 3) of the worn surface at the nodes of the contact patch, zero elsewhere."""
+        size = np.linalg.norm(self._surface_vectors, axis=1)
+        return np.asarray(self._surface_vectors / np.where(size > 0.0, size, 1.0)[:, None])
+
+    @property
+    def traction_MPa(self) -> Array:
+        """Contact forces over the area of the worn surface that belongs to each node, (n, 3)."""
+        size = np.linalg.norm(self._surface_vectors, axis=1)
+        return np.asarray(self.applied / np.where(size > 0.0, size, 1.0)[:, None])
+
+
+def worn_body(result: RunResult, forces: ContactForces, worn: bool = True) -> WornBody:
+    """A body of a run when such forces acted, where they were fresh if not worn; the last two asked for are kept with
+    their factors. GeometryError if wear distorts the mesh too much.
+    """
+    depth = None
+    if worn:
+        # A scar's transverse axis is that of the test, an upper body's own runs backwards.
+        order = slice(None, None, -1 if result.is_upper(forces.body) else 1)
+        scar = result.scar(forces.cycle, forces.body)
+        depth = np.ascontiguousarray(np.maximum(1e-3 * scar.depth_um[:, order], 0.0))
+    return _meshed(*forces.meshed, None if depth is None else depth.tobytes())
+
+
+@lru_cache(maxsize=2)
+def _meshed(geometry: BodyGeometry, material: Elastic, depth: bytes | None) -> WornBody:
+    try:
+        wire = _built(geometry.with_layering(geometry.layering.deeper(_DEEPER)), depth)
+    except GeometryError:
+        # There may be no room for more layers.
+        wire = _built(geometry, depth)
+    return WornBody.of(wire, material)
+
+
+def _built(geometry: BodyGeometry, depth: bytes | None) -> BodyMesh:
+    wire = _fresh(geometry)
+    worn = np.zeros(0) if depth is None else np.frombuffer(depth).reshape(wire.patch.shape)
+    return wire.worn(worn) if worn.any() else wire
+
+
+#: What wears is the same mesh in all states of a body.
+_fresh = lru_cache(maxsize=2)(build_body)
+
+
+if TYPE_CHECKING:
+    import pyvista
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A cut through a body: positions in the plane [µm], (n,) each, triangles (t, 3), a field (n,)."""
+
+    along: Array
+    height: Array
+    triangles: IntArray
+    values: Array
+
+    @property
+    def places(self) -> Triangulation:
+        """Its triangles as matplotlib takes them."""
+        return Triangulation(self.along, self.height, self.triangles)
+
+
+def section(grid: pyvista.UnstructuredGrid, axis: int, at_um: float, field: str = "von_mises_MPa") -> Section:
+    """The cut through a mesh where a coordinate, 0 (x) or 1 (y), has that value; along it runs the other one."""
+    normal = np.eye(3)[axis]
+    origin = tuple(normal * (at_um + _BESIDE_um))
+    cut = grid.slice(normal=tuple(normal), origin=origin, generate_triangles=False)
+    values = np.asarray(cut.point_data[field]) if cut.n_points else np.zeros(0)
+    return fanned(np.asarray(cut.points)[:, [1 - axis, 2]], values, cut.irregular_faces if cut.n_cells else ())
+
+
+def plane_section(
+    grid: pyvista.UnstructuredGrid, field: str = "von_mises_MPa", *, within: IntArray | None = None
+) -> Section:
+    """A line contact's body, which is a section already: its quadrilaterals whose corners are all in `within`."""
+    quads = np.asarray(grid.cells).reshape(-1, 5)[:, 1:]
+    if within is not None:
+        quads = quads[np.isin(quads, within).all(axis=1)]
+    return fanned(np.asarray(grid.points)[:, [0, 2]], np.asarray(grid.point_data[field]), quads)
+
+
+def fanned(points: Array, values: Array, polygons: Iterable[IntArray]) -> Section:
+    """Polygons of points (n, 2), each in as many triangles about its middle as it has sides.
+
+    Two triangles on one of a quadrilateral's diagonals would make contours of what is symmetric look slanted.
+    """
+    faces = [np.asarray(polygon) for polygon in polygons]
+    triangles, middles, means = [np.zeros((0, 3), dtype=np.int64)], [points], [values]
+    first = len(points)
+    for corners in sorted({len(face) for face in faces}):
+        alike = np.array([face for face in faces if len(face) == corners])
+        middle = first + np.arange(len(alike))
+        triangles += [np.column_stack([alike[:, k], alike[:, (k + 1) % corners], middle]) for k in range(corners)]
+        middles.append(points[alike].mean(axis=1))
+        means.append(values[alike].mean(axis=1))
+        first += len(alike)
+    where = np.vstack(middles)
+    return Section(where[:, 0], where[:, 1], np.vstack(triangles), np.concatenate(means))
+
+
+class Tracked(Protocol):
+    """Passes on what is done one after the other, and may show how far that is."""
+
+    def __call__(self, each: Sequence[T], doing: str, /) -> Iterable[T]:
+        """The same, in its order; `doing` says what is done with it."""
+
+
+def untracked(each: Sequence[T], _doing: str, /) -> Iterable[T]:
+    """The same, with nothing shown."""
+    return each
+
+
+def body_grid(state: BodyState) -> pyvista.UnstructuredGrid:
+    """A body's hexahedra where they are at that moment but for the elastic displacement, in µm, in the test's axes.
+
+    Point data: displacement_um, stress_MPa (xx, yy, zz, xy, yz, xz), von_mises_MPa, tresca_MPa, principal_MPa (largest
+    first), hydrostatic_MPa, contact_traction_MPa, worn_depth_um, gripped.  Cell data: von_mises_MPa, the mean over the
+    integration points, and scaled_jacobian.  Field data: cycle, position, drive_um.
+    """
+    import pyvista
+
+    grid = stressed_grid(state, pyvista.CellType.HEXAHEDRON)
+    grid.point_data["contact_traction_MPa"] = state.traction_MPa @ state.to_world.T
+    patch = state.body.patch
+    depth = np.zeros(len(state.body.mesh.points))
+    if patch.repositioned_depth_mm is not None:
+        depth[patch.nodes] = 1e3 * patch.repositioned_depth_mm
+    grid.point_data["worn_depth_um"] = depth
+    marked = np.zeros(len(depth))
+    marked[state.body.mesh.surface_nodes("grip")] = 1.0
+    grid.point_data["gripped"] = marked
+    forces = state.forces
+    grid.field_data["cycle"] = [forces.cycle]
+    grid.field_data["position"] = [state.position]
+    grid.field_data["drive_um"] = [forces.drive_um[state.position]]
+    grid.set_active_scalars("von_mises_MPa", preference="point")
+    return grid
+
+
+INSIDE_POINTS = Inside(BodyState, worn_body, lambda _, forces: forces.meshed[0].least_extent_mm, body_grid)
+body_states = INSIDE_POINTS.states
+
+
+def stressed_grid(state: InnerState[Any], kind: pyvista.CellType) -> pyvista.UnstructuredGrid:
+    """A body's elements, all of one kind of cell, with the point and cell data that bodies of any dimension have.
+
+    Point data: displacement_um, stress_MPa, von_mises_MPa, tresca_MPa, principal_MPa, hydrostatic_MPa.  Cell data:
+    von_mises_MPa, scaled_jacobian.  Field data: bulk_stress_MPa of a body that carries any.
+    """
+    import pyvista
+
+    mesh, turn = state.body.mesh, state.to_world
+    stress = turned(state.stress, turn)
+    values = principal(stress)
+    grid = pyvista.UnstructuredGrid({kind: mesh.cells}, state.world_points_um(state.places_mm))
+    points, cells = grid.point_data, grid.cell_data
+    points["displacement_um"] = 1e3 * state.displacement @ turn.T
+    points["stress_MPa"] = stress
+    points["von_mises_MPa"] = von_mises(stress)
+    points["tresca_MPa"] = values[:, 0] - values[:, 2]
+    points["principal_MPa"] = values
+    points["hydrostatic_MPa"] = hydrostatic(stress)
+    cells["von_mises_MPa"] = von_mises(state.stress_at_points).mean(axis=1)
+    cells["scaled_jacobian"] = mesh.scaled_jacobians()
+    if state.forces.bulk_stress_MPa is not None:
+        grid.field_data["bulk_stress_MPa"] = state.forces.bulk_stress_MPa[state.position]
+    return grid
+
+
+def integration_point_cloud(state: BodyState) -> pyvista.PolyData:
+    """The integration points of a body in µm, in the test's axes, with stress_MPa and von_mises_MPa as computed."""
+    import pyvista
+
+    points = state.body.points.positions.reshape(-1, 3)
+    cloud = pyvista.PolyData(state.world_points_um(points))
+    stress = turned(state.stress_at_points.reshape(-1, 6), state.to_world)
+    cloud.point_data["stress_MPa"] = stress
+    cloud.point_data["von_mises_MPa"] = von_mises(stress)
+    return cloud

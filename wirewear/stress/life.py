@@ -1,0 +1,350 @@
+"""How many cycles a body of a run lasts until a crack begins in it, where, and on which plane."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from geometry import Elastic
+from geometry.arrays import Array
+from solvers.elasticity.strain import interpolation
+from wirewear.base.errors import ResultError
+from wirewear.results import RunResult
+from wirewear.results.scar import called
+from wirewear.stress.averaging import averaging, averaging_radius_mm, kernel_of, linear_weights, widened
+from wirewear.stress.criteria import CrosslandLife, FatemiSocie, LifeCriterion, LifeCurve, SmithWatsonTopper, StressLife
+from wirewear.stress.damage import FLOOR, Ahead, Begun, Damage, Rates, Span
+from wirewear.stress.state import InnerState
+from wirewear.stress.strength import stresses_of
+from wirewear.test.any_study import AnyStudy, life_data
+from wirewear.test.life import CURVE_KEYS, LifeTable
+from wirewear.test.programme import BlockCourse, Schedule
+
+#: The states of a body over a recorded cycle.
+StatesAt = Callable[[int], Sequence[InnerState[Any]]]
+
+_DEPTHS, _GROWTH = 11, 1.35  #: Depths below the surface at which damage is found, and growth of their spacing.
+_FINER = 4  #: Depths from which averages are taken, for each at which damage is found.
+_BESIDE = 4.0  #: Elements beside whatever touches that are looked at.
+_QUANTILE = 1.96  #: Of 95 % of a normal distribution.
+WEAR_STATES = 6  #: Wear states of a life at most, if not asked for more.
+
+
+def criterion_of(table: LifeTable, material: Elastic) -> LifeCriterion:
+    """The criterion that a table states, with its data. Raises StudyError if some are lacking."""
+    modulus, shear = material.youngs_modulus_MPa, material.shear_modulus_MPa
+    limit = table.endurance_cycles
+    if table.criterion in ("crossland", "stress-life"):
+        strength, b = table.required(*CURVE_KEYS[:2])
+        if table.criterion == "stress-life":
+            return StressLife(material, LifeCurve(((strength, b),), limit), strength)
+        # In tension without a mean, √J2,a is σ_a/√3 and σ_H,max a third of σ_a.
+        slope = table.slope
+        return CrosslandLife(slope, LifeCurve(((strength * (3.0**-0.5 + slope / 3.0), b),), limit))
+    strength, b, ductility, c = table.required(*CURVE_KEYS)
+    if table.criterion == "fatemi-socie":
+        factor = table.fatemi_socie_factor
+        weight = 1.0 / strength if factor is None else factor / table.required("yield_strength_MPa")[0]
+        terms = ((strength / 3.0**0.5 / shear, b), (3.0**0.5 * ductility, c))
+        return FatemiSocie(material, LifeCurve(terms, limit), weight)
+    terms = ((strength**2 / modulus, 2.0 * b), (strength * ductility, b + c))
+    return SmithWatsonTopper(material, LifeCurve(terms, limit))
+
+
+@dataclass(frozen=True, eq=False)
+class LifeState:
+    """What a cycle takes of the life of a body at one wear state, in columns on lines (a,) and (t,) of its patch."""
+
+    cycle: int
+    axial_mm: Array
+    transverse_mm: Array
+    share: Array  #: Decimal logarithms (a, t, d) of the share of life per cycle at depths below the worn surface.
+    normal: Array  #: (a, t, d, 3) of the critical planes.
+    worn_mm: Array  #: (a, t).
+
+    def onto(self, axial_mm: Array, transverse_mm: Array) -> tuple[Array, Array]:
+        """Logarithms (c, d) and worn depths (c,) in columns on other lines; beside its own as at their edge."""
+        a, t = linear_weights(self.axial_mm, axial_mm), linear_weights(self.transverse_mm, transverse_mm)
+        share, worn = (np.einsum("ai,tj,ij...->at...", a, t, own) for own in (self.share, self.worn_mm))
+        return share.reshape(-1, share.shape[2]), worn.ravel()
+
+
+def wear_state(
+    states: Sequence[InnerState[Any]], criterion: LifeCriterion, table: LifeTable, depths_mm: Array, worn_mm: Array
+) -> LifeState:
+    """The damage per cycle of a body whose nodes stand in its surface, worn by (n_a, n_t)."""
+    first = states[0]
+    patch, mesh = first.body.patch, first.body.mesh
+    plane = mesh.points.shape[1] == 2
+    loaded = first.places_mm[first.loaded_nodes]
+    reach = averaging_radius_mm(table, plane=plane)
+    margin = reach + _BESIDE * patch.smallest_element
+    rows, columns = (
+        np.flatnonzero((lines >= loaded[:, k].min() - margin) & (lines <= loaded[:, k].max() + margin))
+        for k, lines in enumerate((patch.axial_mm, patch.transverse_mm))
+    )
+    axial, transverse = patch.axial_mm[rows], patch.transverse_mm[columns]
+    # Averages reach beside the patch, and stresses bend more over a spacing of depths than lives may.
+    fine = np.interp(np.arange(_FINER * (_DEPTHS - 1) + 1) / _FINER, np.arange(_DEPTHS), depths_mm)
+    ends = mesh.points.min(axis=0), mesh.points.max(axis=0)
+    wide = [widened(lines, reach, *(end[k] for end in ends)) for k, lines in enumerate((axial, transverse))]
+    grid = np.stack(np.meshgrid(*wide, indexing="ij"), axis=-1).reshape(-1, 2)
+    below = patch.height(grid)[:, None] - fine
+    places = np.concatenate([np.broadcast_to(grid[:, None], (*below.shape, 2)), below[..., None]], axis=2).reshape(
+        -1, 3
+    )
+    taken = interpolation(mesh, places[:, [0, 2]] if plane else places)
+    nodes = np.unique(taken.indices)
+    kernel = kernel_of(table, plane=plane)
+    mean = averaging((axial, transverse, depths_mm), (*wide, fine), kernel) @ taken[:, nodes]
+    history = np.array([mean @ one[nodes] for one in stresses_of(states, nodes)])
+    damage = criterion.damage(history)
+    shape = (len(axial), len(transverse), len(depths_mm))
+    logarithm = np.log10(damage.share, out=np.full(len(damage.share), FLOOR), where=damage.share > 10.0**FLOOR)
+    return LifeState(
+        first.forces.cycle,
+        axial,
+        transverse,
+        logarithm.reshape(shape),
+        damage.normal.reshape(*shape, 3),
+        worn_mm[np.ix_(rows, columns)],
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class BodyLife:
+    """How long a body lasts until a crack begins in it, which is None where it never does."""
+
+    body: str
+    table: LifeTable  #: What was asked, with all data.
+    states: tuple[LifeState, ...]  #: Wear states, in order.
+    damage: Damage  #: Its sums in columns on the lines of the last of them.
+    begun: Begun | None  #: The crack.
+    low: Begun | None  #: 95 % of lives lie between this and the next by the scatter of data alone.
+    high: Begun | None
+    course: BlockCourse  #: The cycles of the run, and what would follow it.
+    to_world: Array  #: From the body's axes to those of the test.
+    plane: bool
+
+    @property
+    def called(self) -> str:
+        return called(self.body)
+
+    @property
+    def averaged(self) -> bool:
+        """Whether stresses are averaged over a length; else lives do not converge with the mesh."""
+        return averaging_radius_mm(self.table, plane=self.plane) > 0.0
+
+    @cached_property
+    def columns_mm(self) -> Array:
+        """Columns (c, 2) in the body's axes, along and across it."""
+        last = self.states[-1]
+        return np.stack(np.meshgrid(last.axial_mm, last.transverse_mm, indexing="ij"), axis=-1).reshape(-1, 2)
+
+    @property
+    def place_um(self) -> tuple[float, float]:
+        """Where the crack begins, x and y in the axes of the test about the body's own origin."""
+        column = self.columns_mm[self._crack.column]
+        x, y, _ = 1e3 * self.to_world @ np.append(column, 0.0)
+        return float(x), float(y)
+
+    @property
+    def depth_um(self) -> float:
+        """How deep below the surface that is worn by then."""
+        worn = float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
+        return 1e3 * max(float(self.damage.levels_mm[self._crack.level]) - worn, 0.0)
+
+    @property
+    def worn_um(self) -> float:
+        """How much is worn off above it by then."""
+        return 1e3 * float(self.damage.worn_mm(min(self._crack.cycles, self.damage.end))[self._crack.column])
+
+    @property
+    def normal(self) -> Array:
+        """The normal (3,) of the plane on which it begins, in the axes of the test; zero of a criterion without."""
+        crack, k = self._crack, int(np.abs(self.damage.depths_mm - 1e-3 * self.depth_um).argmin())
+        cycle = min((one.cycle for one in self.states), key=lambda own: abs(np.log(own / max(crack.cycles, 1.0))))
+        if crack.beyond:
+            shares = [one.cycles * 10.0 ** one.rates.share[crack.column, k] for one in self.damage.ahead]
+            cycle = self.damage.ahead[int(np.argmax(shares))].rates.cycle
+        near = next(one for one in self.states if one.cycle == cycle)
+        x, y = self.columns_mm[crack.column]
+        i, j = (int(np.abs(lines - at).argmin()) for lines, at in ((near.axial_mm, x), (near.transverse_mm, y)))
+        normal = self.to_world @ near.normal[i, j, k]
+        return np.asarray(-normal if normal[0] < 0.0 else normal)
+
+    @property
+    def plane_angle_deg(self) -> float | None:
+        """Angle of that plane to the plane of the contact; None of a criterion without planes."""
+        size = float(np.linalg.norm(self.normal))
+        return float(np.degrees(np.arccos(np.clip(abs(self.normal[2]) / size, 0.0, 1.0)))) if size else None
+
+    @property
+    def _crack(self) -> Begun:
+        if self.begun is None:
+            raise ResultError(f"no crack begins in the {self.called}")
+        return self.begun
+
+    @property
+    def cycles(self) -> float:
+        """Cycles until a crack begins, endless where none does."""
+        return np.inf if self.begun is None else self.begun.cycles
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """Between what 95 % of lives lie, by the scatter of the data alone."""
+        low, high = (np.inf if one is None else one.cycles for one in (self.low, self.high))
+        return low, high
+
+    @cached_property
+    def growth(self) -> tuple[Array, Array]:
+        """Cycles (n,) and the largest sum (n,) of what is there."""
+        steps = [(now.cycle, float(self.damage.of_present(now).max())) for now in self.damage.course()]
+        return np.array([cycle for cycle, _ in steps]), np.array([largest for _, largest in steps])
+
+
+def life_of(
+    result: RunResult,
+    body: str,
+    table: LifeTable,
+    states_at: StatesAt,
+    schedule: Schedule[Any],
+    *,
+    wear_states: int = WEAR_STATES,
+    tell: Callable[[int], None] = lambda _: None,
+) -> BodyLife:
+    """The life of a body from the recorded cycles of its run under a schedule, as many of them as it needs.
+
+    wear_states: of each block at most.  tell: hears of every cycle that is looked at.
+    Raises ResultError if the run has recorded no contact forces of the body in one of its blocks; StudyError if data
+    are lacking; GeometryError if wear distorts a mesh too much.
+    """
+    recorded = recorded_cycles(result, body)
+    course = require_recorded(schedule, recorded, result.label)
+    known: dict[int, LifeState] = {}
+    depths, criterion, first = np.zeros(0), None, None
+    thresholds = 10.0 ** (_QUANTILE * table.scatter * np.array([0.0, -1.0, 1.0]))
+    left = _chosen(recorded, course, wear_states)
+    found: BodyLife | None = None
+
+    def until_ended() -> Iterator[int]:
+        """Cycles in turn, until all lives have ended."""
+        while left and (found is None or found.high is None or found.high.cycles >= left[0]):
+            yield left.pop(0)
+
+    def upcoming() -> Iterator[int]:
+        """With the recorded ones on either side of the life."""
+        yield from until_ended()
+        if found is not None and found.begun is not None and not found.begun.beyond:
+            place = int(np.searchsorted(recorded, found.cycles))
+            yield from [cycle for cycle in recorded[max(place - 1, 0) : place + 1] if cycle not in known]
+        yield from until_ended()
+
+    for cycle in upcoming():
+        tell(cycle)
+        states = states_at(cycle)
+        if criterion is None or first is None:
+            first, criterion = states[0], criterion_of(table, states[0].body.material)
+            step = 0.5 * first.body.patch.smallest_element
+            depths = step * (_GROWTH ** np.arange(_DEPTHS) - 1.0) / (_GROWTH - 1.0)
+        known[cycle] = wear_state(states, criterion, table, depths, _worn(result, body, cycle))
+        if not all(course.among(known, one.block) for one in course.done if one.start < max(known)):
+            continue
+        ordered = tuple(known[one] for one in sorted(known))
+        damage = _damage(result, body, ordered, depths, course, last=max(known) == recorded[-1])
+        begun, low, high = damage.begun(thresholds.tolist())
+        plane = first.body.mesh.points.shape[1] == 2
+        found = BodyLife(body, table, ordered, damage, begun, low, high, course, first.to_world, plane)
+    if found is None:
+        raise ResultError(f"{result.label}: no cycle of the {called(body)} is looked at")
+    return found
+
+
+def recorded_cycles(result: RunResult, body: str) -> list[int]:
+    """The cycles of which there are contact forces of a body."""
+    return sorted({one.cycle for one in result.contact_forces if one.body == body})
+
+
+def require_life(study: AnyStudy[Any], bodies: Sequence[str], values: Mapping[str, Any]) -> None:
+    """Raise StudyError or ResultError where the run of a study will lack what the lives of its bodies need."""
+    life_data(study, bodies, values)
+    cycles = (*study.log.loop_cycles, study.conditions.cycles) if study.log.contact_states else ()
+    require_recorded(study.schedule, cycles, f"the study {study.name!r}")
+
+
+def require_recorded(schedule: Schedule[Any], cycles: Sequence[int], where: str) -> BlockCourse:
+    """The course of a test that records contact forces at these cycles. Raises ResultError if a block has none."""
+    course = BlockCourse.of(schedule, max(cycles, default=schedule.cycles))
+    silent = [
+        course.names[block]
+        for block in dict.fromkeys(one.block for one in course.done)
+        if not course.among(cycles, block)
+    ]
+    if silent:
+        of_blocks = f" of {' and '.join(silent)}" if schedule.blocks else ""
+        raise ResultError(
+            f"{where}: a life needs the contact forces of a recorded cycle{of_blocks}, and there are none: state "
+            "loop_cycles and contact_states in [log], and run it again."
+        )
+    return course
+
+
+def _chosen(recorded: Sequence[int], course: BlockCourse, count: int) -> list[int]:
+    """Of the recorded cycles of each block so many: the first, the last, and between them evenly by logarithms."""
+    chosen: set[int] = set()
+    for block in {one.block for one in course.done}:
+        own = course.among(recorded, block)
+        wanted = np.geomspace(own[-1], own[0], count) if len(own) > count else own
+        chosen |= {own[int(np.abs(np.log(np.array(own) / at)).argmin())] for at in wanted}
+    return sorted(chosen)
+
+
+def _worn(result: RunResult, body: str, cycle: int) -> Array:
+    """The depth (n_a, n_t) worn off a body by a recorded cycle on its patch, in its own axes, in mm."""
+    order = slice(None, None, -1 if result.is_upper(body) else 1)
+    return np.maximum(1e-3 * result.scar(cycle, body).depth_um[:, order], 0.0)
+
+
+def _damage(
+    result: RunResult, body: str, states: Sequence[LifeState], depths: Array, course: BlockCourse, *, last: bool
+) -> Damage:
+    """Damage in columns on the lines of the last state, up to its cycle, or to the end of the run and beyond."""
+    lines = states[-1].axial_mm, states[-1].transverse_mm
+    on = [one.onto(*lines) for one in states]
+    rates = {one.cycle: Rates(one.cycle, share) for one, (share, _) in zip(states, on, strict=True)}
+    # Of a block's later turns only the last may be recorded: the nearest turn stands for the others.
+    of_block = {one.block: [rates[c] for c in course.among(rates, one.block)] for one in course.done}
+    end = course.end if last else float(states[-1].cycle)
+    spans = []
+    for stage in course.done:
+        if stage.start >= end:
+            break
+        inside = [one for one in of_block[stage.block] if one.cycle in stage]
+        nearest = min(of_block[stage.block], key=lambda one: abs(one.cycle - stage.end))
+        spans.append(Span(stage.start, min(stage.end, end), tuple(inside or [nearest])))
+    cycles = np.array([0.0, *(one.cycle for one in states)])
+    worn = np.array([np.zeros(len(on[0][1])), *(depth for _, depth in on)])
+    evolution, deepest = result.evolution["cycle"], result.evolution[f"max_depth_{body}_um"]
+
+    def worn_mm(cycle: float) -> Array:
+        """Between two states as the deepest point of the scar has it."""
+        later = int(np.clip(np.searchsorted(cycles, cycle), 1, len(cycles) - 1))
+        before, after = cycles[later - 1], cycles[later]
+        low, here, high = np.interp([before, min(cycle, after), after], [0.0, *evolution], [0.0, *deepest])
+        part = (here - low) / (high - low) if high > low else (min(cycle, after) - before) / (after - before)
+        return np.asarray(worn[later - 1] + part * (worn[later] - worn[later - 1]))
+
+    def speed_mm(block: int) -> Array:
+        """What a cycle of the block wears: over the last tenth of the run, or as long as it lasted last."""
+        stage = course.latest(block)
+        first, final = max(stage.start, 0.9 * stage.end), min(stage.end, end)
+        return (worn_mm(final) - worn_mm(first)) / (final - first)
+
+    # Up to a state before the last one, what follows is not asked.
+    following = course.ahead if last else ()
+    ahead = [Ahead(one.end - one.start, of_block[one.block][-1], speed_mm(one.block)) for one in following]
+    return Damage(depths, spans, worn_mm, ahead)

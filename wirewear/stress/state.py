@@ -1,0 +1,346 @@
+"""A body at one position of a cycle: its stresses from displacements; fatigue indicators of stress histories.
+
+Histories are (s, n, 6): s positions of a closed cycle, n material points. Linear elasticity: strains follow by Hooke's
+law, so an indicator says where cracks begin first, and compares tests; a life needs data of the material.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, ClassVar, Generic, Self, TypeVar
+
+import numpy as np
+from scipy.sparse import csr_matrix, diags
+from scipy.spatial import cKDTree
+
+from geometry import BodyMesh, ContactPatch, Elastic, PlanarMesh, QuadMesh
+from geometry.arrays import Array, IntArray
+from solvers.drive import section_stress
+from solvers.elasticity.placement import rotation_to_world
+from solvers.elasticity.strain import IntegrationPoints, integration_points, scattered, tensors
+from solvers.stress.interior import Interior
+from solvers.stress.line_surface_stress import LineSurfaceStress
+from solvers.stress.surface_stress import SurfaceStress
+from wirewear.results import ContactForces, RunResult
+
+if TYPE_CHECKING:
+    import pyvista
+
+
+M = TypeVar("M", BodyMesh, PlanarMesh)
+
+_DIRECTIONS = 240
+
+#: Angles by which planes are tilted about the best one so far, rad.
+_TILTS = (0.08, 0.04, 0.02, 0.01)
+_BALL_STEPS = 60
+_AT_ONCE = 2000  #: Stress histories whose planes are searched at once.
+
+
+@dataclass(frozen=True, eq=False)
+class SolvedBody(Generic[M]):
+    """A body with its nodes in the worn surface, or where they were when fresh, and its factors."""
+
+    #: What corrects the stresses at its contact surface between the nodes.
+    corrected: ClassVar[type[SurfaceStress] | type[LineSurfaceStress]]
+    meshed: M
+    material: Elastic
+    interior: Interior
+    points: IntegrationPoints
+
+    @classmethod
+    def of(cls, meshed: M, material: Elastic) -> Self:
+        """With its factors; held rigidly where it has no bedding."""
+        held = meshed.mesh.surface_nodes("grip") if meshed.bedding is None else np.zeros(0, dtype=np.int64)
+        interior = Interior(meshed.mesh, material, held, meshed.bedding)
+        return cls(meshed, material, interior, integration_points(meshed.mesh))
+
+    @property
+    def mesh(self) -> Any:
+        """Its elements: a `HexMesh`, or of a line contact a `QuadMesh`."""
+        return self.meshed.mesh
+
+    @property
+    def patch(self) -> ContactPatch:
+        """Its contact patch."""
+        return self.meshed.patch
+
+    @cached_property
+    def surface(self) -> Any:
+        """Its contact surface, for corrections of the stresses at it."""
+        made: Any = self.corrected
+        return made.of(self.meshed, self.material)
+
+
+B = TypeVar("B", bound=SolvedBody[Any])
+
+
+@dataclass(frozen=True, eq=False)
+class InnerState(Generic[B]):
+    """A body at one position of a cycle; all in the body's own axes, lengths in mm, stresses in MPa."""
+
+    body: B
+    forces: ContactForces
+    position: int  #: Its place in `forces`.
+    displacement: Array  #: (n, 3) of the nodes.
+    is_upper: bool  #: It stands above and is held.
+
+    @classmethod
+    def of(cls, body: B, forces: ContactForces, positions: Sequence[int], *, is_upper: bool) -> tuple[Self, ...]:
+        """The body at positions of a cycle."""
+        positions = list(positions)
+        nodes = body.patch.nodes.ravel()[forces.nodes]
+        displacements = body.interior.displacements(nodes, forces.force_N[positions])
+        return tuple(cls(body, forces, k, moved, is_upper) for k, moved in zip(positions, displacements, strict=True))
+
+    @cached_property
+    def stress_at_points(self) -> Array:
+        """Stresses (m, q, 6) at the integration points of the m elements."""
+        return self.stress_at(self.body.points)
+
+    def stress_at(self, points: IntegrationPoints) -> Array:
+        """Stresses (m, q, 6) at some of the body's integration points: what the finite elements compute of the
+        contact's forces, and the bulk stress of a bar whose axis lies at the middle of the body's height.
+        """
+        found, bulk = points.stresses(self.body.material, self.displacement), self.forces.bulk_stress_MPa
+        if bulk is None:
+            return found
+        mesh, places = self.body.mesh, points.positions.reshape(-1, points.mesh.points.shape[1])
+        across = 0.0
+        if isinstance(mesh, QuadMesh):
+            places, across = _beneath(places), self.body.material.poissons_ratio
+        depth = -0.5 * float(mesh.points[:, -1].min())
+        return found + section_stress(bulk[self.position], places, depth, across).reshape(found.shape)
+
+    @cached_property
+    def stress(self) -> Array:
+        """Stresses (n, 6) projected to the nodes."""
+        return self.body.points.at_nodes(self.stress_at_points)
+
+    @cached_property
+    def applied(self) -> Array:
+        """Contact forces (n, 3) on all nodes in N, of a planar body in N/mm."""
+        force = np.zeros((len(self.body.mesh.points), 3))
+        force[self.loaded_nodes] = self.forces.force_N[self.position]
+        return force
+
+    @property
+    def patch_nodes(self) -> IntArray:
+        """Nodes of the mesh on the contact patch, in the order of the patch's flattened grid."""
+        return self.body.patch.nodes.ravel()
+
+    @property
+    def loaded_nodes(self) -> IntArray:
+        """Nodes of the mesh that carry force at any position of the cycle."""
+        return np.asarray(self.patch_nodes[self.forces.nodes])
+
+    @property
+    def places_mm(self) -> Array:
+        """The nodes (n, 3); those of a planar body at y = 0."""
+        points = self.body.mesh.points
+        return points if points.shape[1] == 3 else _beneath(points)
+
+    @property
+    def node_sizes(self) -> Array:
+        """Volume (n,) of the body that belongs to each node, mm³ or per mm of thickness."""
+        points, mesh = self.body.points, self.body.mesh
+        shares = np.einsum("mq,qc->mc", points.volumes, points.shapes)
+        return scattered(mesh.cells, shares[:, :, None], len(mesh.points))[:, 0]
+
+    @property
+    def name(self) -> str:
+        return self.forces.body
+
+    @property
+    def to_world(self) -> Array:
+        """The matrix (3, 3) from the body's axes to the test's: x along the motion, z towards the upper body."""
+        return rotation_to_world(upper=self.is_upper, axis_angle_rad=float(np.radians(self.forces.axis_angle_deg)))
+
+    @property
+    def origin_um(self) -> Array:
+        """Where the body's first point of contact is in the axes of the test, moved with its holder, (3,)."""
+        forces, k = self.forces, self.position
+        if self.is_upper:
+            return np.array([forces.holder_x_um[k], 0.0, forces.holder_z_um[k]])
+        return np.array([forces.drive_um[k], 0.0, 0.0])
+
+    def world_points_um(self, points_mm: Array) -> Array:
+        """Points (k, 3) of the body's own axes in the axes of the test, in µm."""
+        return np.asarray(1e3 * points_mm @ self.to_world.T + self.origin_um)
+
+
+S = TypeVar("S", bound=InnerState[Any])
+
+
+@dataclass(frozen=True)
+class Inside(Generic[S]):
+    """How bodies of a kind of contact are looked into."""
+
+    state: type[S]  #: What a body is at one position.
+    #: One as it was when such forces acted, with its nodes in the worn surface or where they were when fresh.
+    body: Callable[[RunResult, ContactForces, bool], Any]
+    least_extent_mm: Callable[[RunResult, ContactForces], float]  #: Its thickness.
+    grid: "Callable[[S], pyvista.UnstructuredGrid]"  #: Of a state, in µm.
+
+    def states(
+        self, result: RunResult, body: str, cycle: float, at: Sequence[str | int] | None = None, *, worn: bool = True
+    ) -> tuple[S, ...]:
+        """A body of a run at positions of the cycle recorded nearest to `cycle`, all recorded ones by default.
+
+        worn: the nodes stand in the worn surface and the forces act there; else they stand where they were when fresh,
+        as in a run that does not move nodes.
+        Raises ResultError if the run has recorded no such forces or positions, and GeometryError if wear distorts the
+        mesh too much.
+        """
+        result = result.computed
+        forces = result.forces(cycle, body)
+        chosen = list(range(len(forces.phase))) if at is None else [forces.position(one) for one in at]
+        of_body = self.body(result, forces, worn)
+        found = self.state.of(of_body, forces, chosen, is_upper=result.is_upper(body))
+        if at is None:
+            # Of a whole cycle nothing is left to be solved, and factors are most of a body's memory.
+            of_body.interior.forget()
+        return found
+
+
+def _beneath(points: Array) -> Array:
+    """Points (n, 2) of a planar body at y = 0, (n, 3)."""
+    return np.column_stack([points[:, 0], np.zeros(len(points)), points[:, 1]])
+
+
+#: A parameter (n, k) of stress tensors (s, n, 3, 3) over a cycle on planes of k normals each, (n, k, 3).
+OnPlanes = Callable[[Array, Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class CriticalPlanes:
+    """A parameter (n,), the largest over all planes, and the normals of these (n, 3)."""
+
+    parameter: Array
+    normal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Crossland:
+    """Crossland's two stresses (n,) in MPa: amplitude of the root of J2, and largest hydrostatic stress."""
+
+    amplitude_MPa: Array
+    hydrostatic_MPa: Array
+
+    def equivalent_MPa(self, slope: float) -> Array:
+        """√J2,a + slope · σ_H,max, to be compared with the fatigue limit in torsion."""
+        return self.amplitude_MPa + slope * self.hydrostatic_MPa
+
+
+def smith_watson_topper(history: Array, material: Elastic) -> CriticalPlanes:
+    """σ_n,max · Δε_n / 2 in MPa on the plane where it is largest (Smith, Watson & Topper, J. Materials 5 (1970) 767).
+
+    On planes as by Socie, J. Eng. Mater. Technol. 109 (1987) 293; a plane that is never pulled has 0.
+    """
+    return critical_planes(history, lambda stress, normals: swt_on_planes(stress, normals, material))
+
+
+def critical_planes(history: Array, on_planes: OnPlanes) -> CriticalPlanes:
+    """The planes where a parameter is largest, searched in 240 directions spread evenly over a hemisphere.
+
+    They are refined about the best one to 0.6°.
+    """
+    parts = [_critical(history[:, k : k + _AT_ONCE], on_planes) for k in range(0, max(history.shape[1], 1), _AT_ONCE)]
+    return CriticalPlanes(np.concatenate([p for p, _ in parts]), np.concatenate([n for _, n in parts]))
+
+
+def crossland(history: Array) -> Crossland:
+    """√J2 of the cycle as the radius of the smallest ball about the path of the deviatoric stress over √2.
+
+    Crossland, Proc. Int. Conf. Fatigue of Metals, 1956; the ball by Badoiu & Clarkson, Comput. Geom. 40 (2008) 14.
+    """
+    pressure = history[..., :3].mean(axis=-1)
+    path = history.copy()
+    path[..., :3] -= pressure[..., None]
+    # Shears count twice in the norm of the tensor.
+    path[..., 3:] *= np.sqrt(2.0)
+    centre = 0.5 * (path.max(axis=0) + path.min(axis=0))
+    radius = np.full(path.shape[1], np.inf)
+    for k in range(_BALL_STEPS):
+        distance = np.linalg.norm(path - centre, axis=-1)
+        farthest = distance.argmax(axis=0)
+        points = np.arange(path.shape[1])
+        radius = np.minimum(radius, distance[farthest, points])
+        centre = centre + (path[farthest, points] - centre) / (k + 2.0)
+    return Crossland(radius / np.sqrt(2.0), pressure.max(axis=0))
+
+
+def averaging(points_mm: Array, volumes_mm3: Array, chosen: IntArray, length_mm: float) -> csr_matrix:
+    """The matrix (k, n) of means over balls of diameter `length_mm` about chosen points (k,), weighted by volume (n,).
+
+    What gradients beneath a contact ask for: a material's crack needs stress over a length, not at a point (Taylor,
+    Int. J. Fatigue 21 (1999) 413). A length of zero leaves values as they are.
+    """
+    size = len(points_mm)
+    if length_mm <= 0.0:
+        return csr_matrix((np.ones(len(chosen)), (np.arange(len(chosen)), chosen)), shape=(len(chosen), size))
+    near = cKDTree(points_mm).query_ball_point(points_mm[chosen], 0.5 * length_mm)
+    counts = np.array([len(each) for each in near])
+    columns = np.concatenate([np.asarray(each, dtype=np.int64) for each in near])
+    rows = np.repeat(np.arange(len(chosen)), counts)
+    weights = csr_matrix((volumes_mm3[columns], (rows, columns)), shape=(len(chosen), size))
+    return csr_matrix(diags(1.0 / np.asarray(weights.sum(axis=1)).ravel()) @ weights)
+
+
+def _critical(history: Array, on_planes: OnPlanes) -> tuple[Array, Array]:
+    stress = tensors(history)
+    # Directions (n, 3) spread evenly over half a sphere, by the golden angle.
+    k = np.arange(_DIRECTIONS)
+    z = (k + 0.5) / _DIRECTIONS
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * k
+    r = np.sqrt(1.0 - z**2)
+    spread = np.column_stack([r * np.cos(angle), r * np.sin(angle), z])
+    values = on_planes(stress, np.broadcast_to(spread, (history.shape[1], *spread.shape)))
+    best = values.argmax(axis=1)
+    normal, parameter = spread[best], values.max(axis=1)
+    for tilt in _TILTS:
+        tried = _tilted(normal, tilt)
+        values = on_planes(stress, tried)
+        best, found = values.argmax(axis=1), values.max(axis=1)
+        better = found > parameter
+        normal = np.where(better[:, None], tried[np.arange(len(best)), best], normal)
+        parameter = np.maximum(parameter, found)
+    return parameter, normal
+
+
+def swt_on_planes(stress: Array, normals: Array, material: Elastic) -> Array:
+    """σ_n,max Δε_n / 2 (n, k) of tensors (s, n, 3, 3) on planes (n, k, 3), in MPa."""
+    normal = normal_stresses(stress, normals)
+    nu, modulus = material.poissons_ratio, material.youngs_modulus_MPa
+    trace = np.trace(stress, axis1=-2, axis2=-1)[..., None]
+    strain = ((1.0 + nu) * normal - nu * trace) / modulus
+    return np.asarray(np.maximum(normal.max(axis=0), 0.0) * 0.5 * np.ptp(strain, axis=0))
+
+
+def normal_stresses(stress: Array, normals: Array) -> Array:
+    """Normal stresses (s, n, k) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    squares = (normals[..., None] * normals[..., None, :]).reshape(*normals.shape[:2], 9)
+    columns = np.moveaxis(stress.reshape(*stress.shape[:2], 9), 0, 1)
+    found: Array = np.moveaxis(columns @ np.swapaxes(squares, 1, 2), 1, 0)
+    return found
+
+
+def stress_vectors(stress: Array, normals: Array) -> Array:
+    """Stress vectors (s, n, k, 3) of tensors (s, n, 3, 3) on planes (n, k, 3)."""
+    return np.asarray(np.einsum("snij,nkj->snki", stress, normals, optimize=True))
+
+
+def _tilted(normal: Array, angle_rad: float) -> Array:
+    """Eight directions (n, 8, 3) at an angle from each of (n, 3)."""
+    first, second = in_plane(normal)
+    turn = np.arange(8) * np.pi / 4.0
+    aside = np.cos(turn)[:, None] * first[:, None] + np.sin(turn)[:, None] * second[:, None]
+    return np.asarray(np.cos(angle_rad) * normal[:, None] + np.sin(angle_rad) * aside)
+
+
+def in_plane(normal: Array) -> tuple[Array, Array]:
+    """Two directions (..., 3) at right angles to each other and to normals (..., 3)."""
+    helper = np.where(np.abs(normal[..., 2:]) < 0.9, [0.0, 0.0, 1.0], [1.0, 0.0, 0.0])
+    first = np.cross(normal, helper)
+    first /= np.linalg.norm(first, axis=-1, keepdims=True)
+    return first, np.cross(normal, first)

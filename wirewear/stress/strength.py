@@ -1,0 +1,252 @@
+"""What a cycle does to a wire's material: the largest von Mises stress, yield, and fatigue indicators, with places."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from geometry import Elastic
+from geometry.arrays import Array, IntArray
+from solvers.elasticity.strain import von_mises
+from solvers.stress.interior import all_at_nodes
+from wirewear.base.errors import ResultError, counted
+from wirewear.results import RunResult
+from wirewear.results.scar import called
+from wirewear.stress.bodies import INSIDE_POINTS
+from wirewear.stress.state import InnerState, Inside, averaging, crossland, smith_watson_topper
+
+if TYPE_CHECKING:
+    import pyvista
+
+
+@dataclass(frozen=True, eq=False)
+class MaterialPoints:
+    """Points (k, 3) of a body in mm, stresses over a cycle (s, k, 6) in MPa, the node that shows each (k,)."""
+
+    points_mm: Array
+    history: Array
+    node: IntArray
+
+
+def material_points(states: Sequence[InnerState[Any]], nodes: IntArray) -> MaterialPoints:
+    """Stresses of a body over a cycle at nodes (k,) of its mesh, corrected on the surface, and at points of its edges.
+
+    To the nodes come the points where the contact ends at any of the positions.
+    """
+    body, places = states[0].body, states[0].places_mm
+    patch, on_patch = body.patch, states[0].patch_nodes
+    loaded = [body.surface.under(state.applied[on_patch]) for state in states]
+    number = np.full(len(places), -1)
+    number[on_patch] = np.arange(patch.size)
+    on_surface = np.flatnonzero(number[nodes] >= 0)
+    grid = patch.grid()[number[nodes[on_surface]]]
+    stresses = stresses_of(states, np.append(nodes, states[0].loaded_nodes))
+    history = stresses[:, nodes]
+    for k, one in enumerate(loaded):
+        history[k, on_surface] += one.correction(grid)
+    edges = np.vstack([one.edge() for one in loaded])
+    corners, weights, _ = patch.locate(edges)
+    between = np.einsum("kc,skcv->skv", weights, stresses[:, on_patch[corners]])
+    at_edges = between + np.array([one.correction(edges) for one in loaded])
+    nearest = cKDTree(grid).query(edges)[1]
+    return MaterialPoints(
+        np.vstack([places[nodes], np.column_stack([edges, patch.height(edges)])]),
+        np.concatenate([history, at_edges], axis=1),
+        np.concatenate([nodes, nodes[on_surface[nearest]]]),
+    )
+
+
+def stresses_of(states: Sequence[InnerState[Any]], nodes: IntArray) -> Array:
+    """Stresses (s, n, 6) of a body over a cycle as they are at nodes (k,) and near them."""
+    body = states[0].body
+    points = body.points.around(nodes)
+    return all_at_nodes(points, (state.stress_at(points) for state in states))
+
+
+@dataclass(frozen=True)
+class Where:
+    """A largest value in MPa and its place in µm, in the axes of the test about the wire's own origin."""
+
+    value_MPa: float
+    x_um: float
+    y_um: float
+    depth_um: float  #: Below the worn surface.
+    position: int = -1  #: The recorded position at which it occurs, -1 for one of a whole cycle.
+
+
+@dataclass(frozen=True)
+class StrengthAsked:
+    """What stresses are compared with, and the length over which they are averaged; no yield strength is None."""
+
+    yield_strength_MPa: float | None = None
+    crossland_slope: float = 0.3
+    averaging_length_um: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Strength:
+    """A body over one recorded cycle at its nodes `nodes` (k,) near the contact.
+
+    wire: one of the bodies of the result.
+    grid: the body as `body_grid` gives it where its von Mises stress is largest, with the fields of the cycle at the
+    nodes as point data: largest_von_mises_MPa, smith_watson_topper_MPa, critical_plane_normal, crossland_MPa,
+    crossland_amplitude_MPa, largest_hydrostatic_MPa; all zero farther away.  surface: (t, 4) facets of its contact
+    patch, none of a line contact.  All are of stresses averaged over a stated length; where it is 0, those at the
+    surface are corrected between the nodes, and a node shows the worst point nearest to it.
+    """
+
+    cycle: int
+    wire: str
+    grid: pyvista.UnstructuredGrid
+    surface: IntArray
+    nodes: IntArray
+    asked: StrengthAsked
+    von_mises: Where
+    critical_plane: Where
+    crossland: Where
+
+    @property
+    def body(self) -> str:
+        return called(self.wire)
+
+    @property
+    def yields(self) -> bool | None:
+        """Whether the largest von Mises stress exceeds the stated yield strength."""
+        limit = self.asked.yield_strength_MPa
+        return None if limit is None else self.von_mises.value_MPa > limit
+
+
+def strength_of(
+    result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
+) -> Strength:
+    """Stresses of a body over the cycle recorded nearest to `cycle`, at all its recorded positions, at nodes near the
+    contact. Averages are over balls, of a line contact over discs.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length;
+    GeometryError if wear distorts the mesh too much.
+    """
+    states = inside.states(result, body, assessable(result, body, cycle, asked, inside))
+    first = states[0]
+    chosen, patch = _near(first), first.body.patch
+    averaged = asked.averaging_length_um > 0.0
+    material = _averaged(states, chosen, asked.averaging_length_um) if averaged else material_points(states, chosen)
+    flat = first.body.mesh.points.shape[1] == 2
+    shown = Shown(
+        cycle=first.forces.cycle,
+        wire=first.name,
+        to_world=first.to_world,
+        material=first.body.material,
+        surface=np.zeros((0, 4), dtype=np.int64) if flat else first.body.mesh.surfaces["contact"],
+        grid=lambda position: inside.grid(states[position]),
+        depth_mm=lambda point: float(patch.height(point[None, :2])[0] - point[2]),
+    )
+    return assessed(shown, material, chosen, asked)
+
+
+def assessable(
+    result: RunResult, body: str, cycle: float, asked: StrengthAsked, inside: Inside[Any] = INSIDE_POINTS
+) -> int:
+    """The cycle recorded nearest to `cycle`, seen without any computation to allow what is asked of a body.
+    Raises ResultError if no contact forces of it are recorded, or it is smaller than the averaging length.
+    """
+    forces, length_um = result.forces(cycle, body), asked.averaging_length_um
+    if length_um > 1e3 * inside.least_extent_mm(result, forces):
+        over = f"stresses cannot be averaged over {length_um:g} µm"
+        raise ResultError(f"{over}: the {called(body)} is thinner than that.")
+    return forces.cycle
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A body whose strength is assessed: how it is called, turned and drawn."""
+
+    cycle: int
+    wire: str
+    to_world: Array
+    material: Elastic
+    surface: IntArray
+    grid: Callable[[int], pyvista.UnstructuredGrid]  #: Of its state at a position.
+    depth_mm: Callable[[Array], float]  #: Of a point (3,) below its surface.
+
+
+def assessed(body: Shown, points: MaterialPoints, nodes: IntArray, asked: StrengthAsked) -> Strength:
+    """The strength of a body from the stresses of a cycle at points of its material."""
+    equivalent = von_mises(points.history)
+    planes = smith_watson_topper(points.history, body.material)
+    limits = crossland(points.history)
+    combined = limits.equivalent_MPa(asked.crossland_slope)
+    worst = int(np.unravel_index(int(equivalent.argmax()), equivalent.shape)[0])
+    grid = body.grid(worst)
+    fields = {
+        "largest_von_mises_MPa": (equivalent.max(axis=0), None),
+        "smith_watson_topper_MPa": (planes.parameter, None),
+        "critical_plane_normal": (planes.normal @ body.to_world.T, planes.parameter),
+        "crossland_MPa": (np.maximum(combined, 0.0), None),
+        "crossland_amplitude_MPa": (limits.amplitude_MPa, combined),
+        "largest_hydrostatic_MPa": (limits.hydrostatic_MPa, combined),
+    }
+    for name, (values, by) in fields.items():
+        result = np.zeros((grid.n_points, *values.shape[1:]))
+        order = np.argsort(values if by is None else by, kind="stable")
+        result[points.node[order]] = values[order]
+        grid.point_data[name] = result
+
+    def where(values: Array, position: int = -1) -> Where:
+        k = int(values.argmax())
+        depth = body.depth_mm(points.points_mm[k])
+        x, y, _ = 1e3 * body.to_world @ points.points_mm[k]
+        return Where(float(values[k]), float(x), float(y), 1e3 * depth if depth > 1e-9 else 0.0, position)
+
+    return Strength(
+        cycle=body.cycle,
+        wire=body.wire,
+        grid=grid,
+        surface=body.surface,
+        nodes=nodes,
+        asked=asked,
+        von_mises=where(equivalent.max(axis=0), worst),
+        critical_plane=where(planes.parameter),
+        crossland=where(combined),
+    )
+
+
+def _averaged(states: Sequence[InnerState[Any]], nodes: IntArray, length_um: float) -> MaterialPoints:
+    """Means over balls, or discs, about nodes. They keep the elements' means, so nothing is to be corrected."""
+    first = states[0]
+    mean = averaging(first.body.mesh.points, first.node_sizes, nodes, 1e-3 * length_um)
+    return MaterialPoints(
+        first.places_mm[nodes], np.array([mean @ one for one in stresses_of(states, mean.indices)]), nodes
+    )
+
+
+def yield_sentence(course: Sequence[Strength]) -> str:
+    """Where a body yields first and until which cycle, from its strengths over those that were looked at."""
+    first, body = course[0], course[0].body
+    if first.asked.yield_strength_MPa is None:
+        return f"{body}: no yield strength is stated."
+    yielding = [one for one in course if one.yields]
+    limit = f"{first.asked.yield_strength_MPa:g} MPa"
+    if not yielding:
+        largest = max(one.von_mises.value_MPa for one in course)
+        return f"{body}: nothing yields; the largest von Mises stress is {largest:.0f} of {limit}."
+    begin, last = yielding[0], yielding[-1]
+    after = [one.cycle for one in course if one.cycle > last.cycle]
+    until = f"; the next one looked at, {counted(after[0])}, does not" if after else ", the last one looked at"
+    return (
+        f"{body}: yields at {limit} from cycle {counted(begin.cycle)} ({begin.von_mises.value_MPa:.0f} MPa, "
+        f"{begin.von_mises.depth_um:.1f} µm deep at x = {begin.von_mises.x_um:.0f} µm) to cycle {counted(last.cycle)}"
+        f"{until}. Stresses beyond yield are elastic ones."
+    )
+
+
+def _near(state: InnerState[Any]) -> IntArray:
+    """Nodes within a contact's extent of where there ever is contact."""
+    places = state.places_mm
+    loaded = places[state.loaded_nodes]
+    extents = np.ptp(loaded, axis=0)[:2]
+    reach = 0.5 * float(extents[: state.body.mesh.points.shape[1] - 1].min()) + 1e-3
+    distance, _ = cKDTree(loaded).query(places, distance_upper_bound=reach)
+    return np.flatnonzero(np.isfinite(distance))

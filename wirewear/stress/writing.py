@@ -1,0 +1,245 @@
+"""Fields of a cycle as files: one VTU a body and position, a PVD over them, pictures; strengths as a table and maps."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from rich import box
+from rich.table import Table
+
+from geometry.arrays import Array
+from wirewear.base.errors import ResultError
+from wirewear.base.writing import in_one_step, write_bytes, write_csv, writing
+from wirewear.pictures.style import INK, cycle_name, new_figure, panel_letters, save
+from wirewear.results import RunResult
+from wirewear.stress.bodies import (
+    BodyState,
+    Tracked,
+    body_grid,
+    body_states,
+    fanned,
+    integration_point_cloud,
+    plane_section,
+    section,
+    untracked,
+)
+from wirewear.stress.pictures import STRESS_COLOURS
+from wirewear.stress.strength import Strength
+
+_MAPS = {
+    "largest_von_mises_MPa": "largest von Mises stress",
+    "smith_watson_topper_MPa": "Smith–Watson–Topper",
+    "crossland_MPa": "Crossland",
+}
+
+#: Height of all but the panels, and width of a panel, of a line contact's picture, in inches.
+_FRAME, _PANEL = 1.6, 2.3
+_LEVELS = 11
+
+
+def write_fields(
+    result: RunResult,
+    folder: Path,
+    *,
+    cycle: float,
+    at: Sequence[str | int] | None = ("mid-forward",),
+    bodies: Sequence[str] = (),
+    worn: bool = True,
+    integration_points: bool = False,
+    pictures: bool = True,
+    animation: bool = False,
+    tracked: Tracked = untracked,
+) -> list[Path]:
+    """Write `<body>_<cycle>_<position>.vtu`, `cycle_<cycle>.pvd` over them, and pictures of each position; returns all.
+
+    Where the bodies are apart, nothing is drawn.
+
+    at: names or numbers of positions, None for all that are recorded.  integration_points: also as clouds of points,
+    `<body>_<cycle>_<position>_points.vtp`.  animation: a GIF over the positions.  tracked: shows how far bodies,
+    files and pictures are.  The time of the PVD file is the share of the cycle passed.
+    Raises ResultError if nothing is recorded there, or the folder cannot be written; GeometryError if wear distorts a
+    mesh too much.
+    """
+    from wirewear.stress.pictures import animate_cycle
+
+    by_body = [body_states(result, one, cycle, at, worn=worn) for one in tracked(bodies or result.bodies, "solving")]
+    moments = list(zip(*by_body, strict=True))
+    logged = moments[0][0].forces.cycle
+    written = []
+    with writing(ResultError, f"cannot write fields to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        for states in tracked(moments, "writing"):
+            for state in states:
+                written.append(_write_state(folder, state))
+                if integration_points:
+                    written.append(_write_points(folder, state))
+        written.append(_write_series(folder / f"cycle_{logged:07d}.pvd", moments))
+    touching = [states for states in moments if any(state.applied.any() for state in states)]
+    if pictures:
+        for states in tracked(touching, "drawing"):
+            written.extend(_draw(folder, states))
+    if animation and touching:
+        written.append(animate_cycle(touching, folder / f"cycle_{logged:07d}.gif", tracked))
+    return written
+
+
+def _name(state: BodyState) -> str:
+    return f"{state.forces.body}_{state.forces.cycle:07d}_{state.position:03d}"
+
+
+def _draw(folder: Path, states: Sequence[BodyState]) -> list[Path]:
+    from wirewear.stress.pictures import draw_cut, draw_section, draw_tractions
+
+    place = f"{states[0].forces.cycle:07d}_{states[0].position:03d}"
+    return [
+        save(lambda: draw_section(states), folder / f"section_{place}.png"),
+        save(lambda: draw_cut(states), folder / f"cut_{place}.png"),
+        save(lambda: draw_tractions(states), folder / f"tractions_{place}.png"),
+    ]
+
+
+def _write_state(folder: Path, state: BodyState) -> Path:
+    path = folder / f"{_name(state)}.vtu"
+    with in_one_step(path) as partial:
+        body_grid(state).save(partial)
+    return path
+
+
+def _write_points(folder: Path, state: BodyState) -> Path:
+    path = folder / f"{_name(state)}_points.vtp"
+    with in_one_step(path) as partial:
+        integration_point_cloud(state).save(partial)
+    return path
+
+
+def _write_series(path: Path, moments: Sequence[Sequence[BodyState]]) -> Path:
+    root = ET.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection = ET.SubElement(root, "Collection")
+    for states in moments:
+        for part, state in enumerate(states):
+            time = f"{state.forces.phase[state.position]:.9g}"
+            ET.SubElement(collection, "DataSet", timestep=time, group="", part=str(part), file=f"{_name(state)}.vtu")
+    ET.indent(root)
+    return write_bytes(path, ET.tostring(root, xml_declaration=True, encoding="utf-8"))
+
+
+def strength_table(strengths: Sequence[Strength]) -> Table:
+    """One line for each cycle and wire."""
+    table = Table(box=box.SIMPLE, pad_edge=False)
+    for heading in (
+        "cycle",
+        "body",
+        "von Mises [MPa]",
+        "depth [µm]",
+        "yields",
+        "SWT [MPa]",
+        "depth",
+        "Crossland [MPa]",
+        "depth",
+    ):
+        table.add_column(heading, justify="left" if heading in ("body", "yields") else "right")
+    for one in strengths:
+        table.add_row(
+            cycle_name(one.cycle),
+            one.wire,
+            f"{one.von_mises.value_MPa:.0f}",
+            f"{one.von_mises.depth_um:.1f}",
+            {None: "", True: "yes", False: "no"}[one.yields],
+            f"{one.critical_plane.value_MPa:.2f}",
+            f"{one.critical_plane.depth_um:.1f}",
+            f"{one.crossland.value_MPa:.0f}",
+            f"{one.crossland.depth_um:.1f}",
+        )
+    return table
+
+
+def write_strength(one: Strength, folder: Path) -> tuple[Path, Path]:
+    """Write a VTU file with its fields and a picture of its maps. Raises ResultError if they cannot be written."""
+    path = folder / f"strength_{one.wire}_{one.cycle:07d}.vtu"
+    with writing(ResultError, f"cannot write strengths to {folder}"):
+        folder.mkdir(parents=True, exist_ok=True)
+        with in_one_step(path) as unfinished:
+            one.grid.save(unfinished)
+        return path, save(partial(draw_strength, one), path.with_suffix(".png"))
+
+
+def write_strength_table(strengths: Sequence[Strength], folder: Path) -> Path:
+    """Write strength.csv. Raises ResultError if it cannot be written."""
+    with writing(ResultError, f"cannot write strengths to {folder}"):
+        return write_csv(folder / "strength.csv", [_row(one) for one in strengths])
+
+
+def draw_strength(strength: Strength) -> Figure:
+    """Each field from above, on the surface, and beneath it in the section along the motion; a line's beneath only."""
+    above = len(strength.surface) > 0
+    points = np.asarray(strength.grid.points)[strength.nodes]
+    low, high = points.min(axis=0), points.max(axis=0)
+    figure = new_figure(4.2 if above else _FRAME + _PANEL * float((high[2] - low[2]) / (high[0] - low[0])))
+    panels = figure.subplots(2 if above else 1, len(_MAPS), squeeze=False)
+    for column, (name, title) in zip(panels.T, _MAPS.items(), strict=True):
+        values = np.asarray(strength.grid.point_data[name])
+        levels = np.linspace(0.0, float(values.max()) or 1.0, _LEVELS)
+        if above:
+            surface = fanned(np.asarray(strength.grid.points)[:, :2], values, strength.surface)
+            column[0].tricontourf(surface.places, surface.values, levels=levels, cmap=STRESS_COLOURS)
+            column[0].set_ylim(low[1], high[1])
+        _draw_beneath(column[-1], strength, name, float(0.5 * (low[1] + high[1])), levels)
+        column[-1].set(ylim=(low[2], high[2]), xlabel="x, along the motion [µm]")
+        column[0].set_title(title)
+        for axes in column:
+            axes.set(aspect="equal", xlim=(low[0], high[0]))
+            axes.grid(visible=False)
+        figure.colorbar(
+            ScalarMappable(Normalize(0.0, levels[-1]), STRESS_COLOURS),
+            ax=list(column),
+            label="MPa",
+            location="bottom",
+            shrink=0.8,
+        )
+    if above:
+        panels[0][0].set_ylabel("on the surface: y [µm]")
+    panels[-1][0].set_ylabel("beneath it: z [µm]" if above else "z [µm]")
+    panel_letters(list(panels.ravel()))
+    length = strength.asked.averaging_length_um
+    averaged = f"averaged over {length:g} µm" if length > 0.0 else "not averaged"
+    bulk = ", with the bulk stress" if "bulk_stress_MPa" in strength.grid.field_data else ""
+    title = f"{strength.body}, cycle {cycle_name(strength.cycle)}, stresses {averaged}{bulk}"
+    figure.suptitle(title, fontsize=9, color=INK)
+    return figure
+
+
+def _draw_beneath(axes: Axes, strength: Strength, name: str, at_um: float, levels: Array) -> None:
+    """The section where y has that value; of a line contact the plane that it is."""
+    flat = not len(strength.surface)
+    # Beyond its nodes nothing is computed.
+    cut = plane_section(strength.grid, name, within=strength.nodes) if flat else section(strength.grid, 1, at_um, name)
+    axes.tricontourf(cut.places, np.clip(cut.values, 0.0, 0.9999 * levels[-1]), levels=levels, cmap=STRESS_COLOURS)
+
+
+def _row(one: Strength) -> dict[str, float | int | str | bool | None]:
+    row: dict[str, float | int | str | bool | None] = {
+        "cycle": one.cycle,
+        "wire": one.wire,
+        "averaging_length_um": one.asked.averaging_length_um,
+        "yield_strength_MPa": one.asked.yield_strength_MPa,
+        "yields": one.yields,
+        "crossland_slope": one.asked.crossland_slope,
+    }
+    for name, where in (
+        ("von_mises", one.von_mises),
+        ("smith_watson_topper", one.critical_plane),
+        ("crossland", one.crossland),
+    ):
+        row |= {
+            f"{name}_MPa": where.value_MPa,
+            f"{name}_x_um": where.x_um,
+            f"{name}_y_um": where.y_um,
+            f"{name}_depth_um": where.depth_um,
+        }
+    return row

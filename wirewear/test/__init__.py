@@ -1,0 +1,22 @@
+"""What a study's TOML file may hold, and how it is read.
+
+What it offers is loaded when it is first asked for: the command line lists the levels of fidelity, and reads no study.
+"""
+
+from typing import TYPE_CHECKING
+
+from geometry.lazy import loaded_late
+from wirewear.test.fidelity import FIDELITIES
+
+if TYPE_CHECKING:
+    from wirewear.test.any_study import AnyStudy
+    from wirewear.test.bodies import Body
+    from wirewear.test.study import LineStudy, Study, load_study, parse_study, study_from_tables
+    from wirewear.test.tables import FidelitySettings
+
+__all__ = [
+    "FIDELITIES", "AnyStudy", "Body", "FidelitySettings", "LineStudy", "Study", "load_study", "parse_study",
+    "study_from_tables",
+]  # fmt: skip
+
+__getattr__ = loaded_late(__name__)

@@ -1,0 +1,266 @@
+"""Bodies of a contact at a point as a study states them: how they are curved, stand, and are meshed."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from math import cos, inf, radians, sin, sqrt
+from typing import Literal, Self, TypeVar
+
+import numpy as np
+
+from geometry import BlockGeometry, BodyGeometry, Elastic, GradedAxis, Layering, Turned, WireGeometry
+from geometry.arrays import Array
+from wirewear import reference
+from wirewear.base.errors import StudyError
+from wirewear.test.drive import BulkTable
+from wirewear.test.faces import Face, half_width_of
+from wirewear.test.surfaces import LayerTable, StatedSurface
+
+_COARSE_PER_DIAMETER = 0.155
+_COARSE_PER_EXTENT = 0.2  #: Largest element of a block far from the contact, as a share of its smaller extent.
+#: How far a block's face falls to its sides over its sharper radius: a ball's corner, at 0.85 radii, is still meshed
+#: soundly.
+_FALL = 0.2
+_STRAIGHT = 4.0  #: Half-width of a straight block over the other body's radius, or its patch.
+_FLATTEST = 1e-3  #: Gaps flatter one way than the other by this are those of lines; equal cylinders come to it at 3.6°.
+
+Found = TypeVar("Found")
+
+
+@dataclass(frozen=True)
+class Body(ABC):
+    """One body; axis_angle_deg is the angle of its axis to the motion, about the normal that points upwards."""
+
+    name: str
+    youngs_modulus_MPa: float
+    poissons_ratio: float
+    grip_stiffness_N_per_mm3: float | Literal["rigid"]
+    axis_angle_deg: float
+    #: As it was measured before the test, None of one that has its unworn shape.
+    surface: StatedSurface | None = field(default=None, kw_only=True)
+    layers: tuple[LayerTable, ...] = field(default=(), kw_only=True)  #: On it, outermost first.
+    bulk: BulkTable | None = field(default=None, kw_only=True)  #: Stress that it carries beside the contact.
+
+    @property
+    def material(self) -> Elastic:
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+    @property
+    @abstractmethod
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        """One over the radii of its surface along its axis and across, 0 where it is straight."""
+
+    @property
+    def face(self) -> Face | None:
+        """The face of a pad, None of a body that its curvatures describe."""
+        return None
+
+    @property
+    def has_axis(self) -> bool:
+        """Whether its curvatures along and across its axis differ."""
+        along, across = self.curvatures_per_mm
+        return along != across
+
+    @property
+    def diameters_mm(self) -> tuple[float, float]:
+        """Along its axis and across, infinite where it is straight."""
+        along, across = (2.0 / k if k else float("inf") for k in self.curvatures_per_mm)
+        return along, across
+
+    def curvature_per_mm(self, turned_deg: float = 0.0) -> Array:
+        """Curvature K (2, 2) of its surface ½ rᵀKr along and across the motion, with its axis turned further."""
+        angle = radians(self.axis_angle_deg + turned_deg)
+        turn = np.array([[cos(angle), -sin(angle)], [sin(angle), cos(angle)]])
+        return np.asarray(turn @ np.diag(self.curvatures_per_mm) @ turn.T)
+
+    @property
+    def bedding_N_per_mm3(self) -> float | None:
+        """Stiffness of an elastic grip per area, None of a rigid one."""
+        return None if isinstance(self.grip_stiffness_N_per_mm3, str) else self.grip_stiffness_N_per_mm3
+
+    @abstractmethod
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BodyGeometry:
+        """The geometry that is meshed under a patch. Raises StudyError if the patch does not fit on it."""
+
+
+@dataclass(frozen=True)
+class Wire(Body):
+    """A wire or, with a bore, a tube: its tables put together; a length of None leaves it to the program."""
+
+    diameter_mm: float
+    length_mm: float | None
+    grip_angle_deg: float
+    grip_length_mm: float | None
+    held_at: Literal["back", "ends"] = "back"
+    bore_mm: float = 0.0
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        return 0.0, 2.0 / self.diameter_mm
+
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> WireGeometry:
+        """A round bar held about its back or at its ends."""
+        reach, limit = transverse.half_extent_mm, 0.42 * self.diameter_mm
+        if reach > limit:
+            raise StudyError(
+                f"the {self.name} wire is too thin for this test: the contact is expected to need {1e3 * reach:.0f} um "
+                f"to each side of its crown, but at most {1e3 * limit:.0f} um of a wire of {self.diameter_mm:g} mm can "
+                "be meshed; lower the cycles, load, stroke or wear coefficient, or give a smaller scar_half_width_um "
+                "in [mesh]"
+            )
+        shortest = 2.0 * axial.half_extent_mm / 0.9
+        length = self.length_mm or max(2.2 * self.diameter_mm, shortest + self.diameter_mm)
+        if length < shortest:
+            raise StudyError(
+                f"length_mm = {length:g} of the {self.name} wire is too short: stroke and scar need at least "
+                f"{shortest:.3g} mm"
+            )
+        return WireGeometry(
+            self.diameter_mm,
+            length,
+            axial,
+            transverse,
+            _COARSE_PER_DIAMETER * self.diameter_mm,
+            grip_half_angle_rad=0.5 * radians(self.grip_angle_deg),
+            grip_half_length_mm=None if self.grip_length_mm is None else 0.5 * self.grip_length_mm,
+            grip_stiffness_N_per_mm3=self.bedding_N_per_mm3,
+            layering=layering,
+            gripped_at_ends=self.held_at == "ends",
+            bore_mm=self.bore_mm,
+        )
+
+
+@dataclass(frozen=True)
+class BlockBody(Body):
+    """A block with the face of a ball, a barrel, a cylinder or a flat, held at its back and sides."""
+
+    curvatures: tuple[float, float]
+    half_width_mm: float | None
+    height_mm: float | None
+    #: The radius by which its extents are chosen where they are left to the program, its own or the other body's.
+    size_mm: float
+    of_pad: Face | None = None  #: The face of a pad, whose curvatures are 0.
+
+    @property
+    def curvatures_per_mm(self) -> tuple[float, float]:
+        return self.curvatures
+
+    @property
+    def face(self) -> Face | None:
+        return self.of_pad
+
+    def geometry(self, axial: GradedAxis, transverse: GradedAxis, layering: Layering) -> BlockGeometry:
+        """A block as wide as its radii allow, or where it is straight as keeps its sides far from the contact.
+
+        Held as it is, it approaches less than a half-space by about 0.5 a² / size of a ball's contact of radius a.
+        """
+        along, across = (
+            self._half_width(curvature, axis.half_extent_mm)
+            for curvature, axis in zip(self.curvatures, (axial, transverse), strict=True)
+        )
+        sharpest = max(self.curvatures)
+        height = self.height_mm or (1.0 / sharpest if sharpest else min(along, across))
+        coarse = _COARSE_PER_EXTENT * min(along, across, height)
+        face = None if self.of_pad is None else Turned(self.of_pad)
+        size, held = (along, across, height), self.bedding_N_per_mm3
+        return BlockGeometry(*self.curvatures, *size, axial, transverse, coarse, held, layering, face)
+
+    @property
+    def _called(self) -> str:
+        return f"{self.name} body" if self.name in ("lower", "upper") else self.name
+
+    def _half_width(self, curvature: float, reach_mm: float) -> float:
+        """Half of the block's extent in the direction of a curvature, for a patch that reaches so far.
+        Raises StudyError if it would be too narrow for the patch, or too wide for its radius.
+        """
+        straight = _STRAIGHT * max(self.size_mm, reach_mm)
+        fall = _FALL / max(self.curvatures) if curvature else 0.0
+        widest = sqrt(fall * (2.0 / curvature - fall)) if curvature else inf
+        width = self.half_width_mm or min(straight, widest)
+        if width > widest:
+            raise StudyError(
+                f"half_width_mm = {width:g} of the {self._called} is too wide: a block on it reaches at most "
+                f"{widest:.4g} mm to each side, where it falls by {_FALL:g} of its radius"
+            )
+        if reach_mm > 0.9 * width:
+            raise StudyError(
+                f"the {self._called} is too small for this test: the contact is expected to need "
+                f"{1e3 * reach_mm:.0f} um to each side of its middle, but at most {900.0 * width:.0f} um can be "
+                "meshed; lower the cycles, load, stroke or wear coefficient, or give a smaller scar_half_width_um in "
+                "[mesh]"
+            )
+        return width
+
+
+@dataclass(frozen=True)
+class Gap:
+    """Between two unworn bodies: rᵀHr for r along and across the motion, `form` H (2, 2) in 1/mm.
+
+    Sheared by x → x + shear·y, which no motion along x feels, it is (along·x² + y²)/2R: crossed wires of radius R have
+    along = sin²θ and shear = −cot θ, a ball on a flat is as wires at 90°.
+    """
+
+    form: Array
+
+    @classmethod
+    def of(cls, driven: Body, held: Body, turned_deg: float = 0.0) -> Self:
+        """The gap of two bodies; the held one may be turned further, by degrees.
+        Raises StudyError if one has the face of a pad, whose worn shapes are similar to no other's.
+        """
+        if driven.face or held.face:
+            raise StudyError(
+                "what a pad wears under other loads and strokes is not known: it has no radius of its own."
+            )
+        return cls(0.5 * (driven.curvature_per_mm() + held.curvature_per_mm(turned_deg)))
+
+    @property
+    def spot_mm(self) -> Array:
+        """H⁻¹: squares of half widths, over its depth, of what a plane cuts off."""
+        return np.asarray(np.linalg.inv(self.form), dtype=np.float64)
+
+    @property
+    def radius_mm(self) -> float:
+        """Effective radius R of the sheared gap, mm."""
+        return 0.5 * float(self.spot_mm[1, 1])
+
+    @property
+    def along(self) -> float:
+        """Curvature along the motion over that across, once sheared."""
+        return 2.0 * float(self.form[0, 0]) * self.radius_mm
+
+    @property
+    def shear(self) -> float:
+        """λ = H_xy/H_xx: x → x + λ·y takes the cross term away, and no motion along x feels it."""
+        return float(self.form[0, 1] / self.form[0, 0])
+
+
+def touch_along_line(driven: Body, held: Body) -> bool:
+    """Whether two bodies touch along a line or nearly so."""
+    crossing = radians(held.axis_angle_deg - driven.axis_angle_deg)
+    small, large, _ = reference.gap_curvatures(driven.curvatures_per_mm, held.curvatures_per_mm, crossing)
+    return small <= _FLATTEST * large
+
+
+def hertz_of(normal_load_N: float, driven: Body, held: Body) -> reference.PointContact:
+    """The contact of two unworn bodies; its angle is that of its major axis from the driven body's.
+    Raises StudyError if a pad is too small for the load.
+    """
+    if (face := driven.face or held.face) is not None:
+        modulus = reference.contact_modulus(driven.material, held.material)
+        return on_pad(lambda: reference.turned_contact(face, normal_load_N, modulus, half_width_of(face)))
+    pair = driven.curvatures_per_mm, held.curvatures_per_mm, radians(held.axis_angle_deg - driven.axis_angle_deg)
+    return reference.hertz_bodies(normal_load_N, *pair, first=driven.material, second=held.material)
+
+
+def unworn_stiffness_N_per_um(normal_load_N: float, driven: Body, held: Body) -> float:
+    """Mindlin's of a circle as large as that contact."""
+    modulus = reference.tangential_contact_modulus(driven.material, held.material)
+    return 1e-3 * reference.mindlin_stiffness(modulus, hertz_of(normal_load_N, driven, held).contact_radius_mm)
+
+
+def on_pad(found: Callable[[], Found]) -> Found:
+    """A pad's contact or scar, as `found` returns it. Raises StudyError if its face does not reach so far."""
+    try:
+        return found()
+    except ValueError as problem:
+        raise StudyError(f"the pad is too small for this test: {problem}; lower load, cycles or wear.") from None

@@ -1,0 +1,280 @@
+"""The keys of a study's TOML file: which values each may take, in its unit, and what a table is.
+
+The keys carry their units; values are kept as given. A key's checks stand in its `Quantity`.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict
+from itertools import pairwise
+from math import inf
+from typing import Annotated, Any, Literal, NamedTuple, TypeVar, cast, get_args
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, PlainSerializer, PlainValidator, model_validator
+from pydantic.fields import FieldInfo
+
+from solvers import FrictionLaw, SolverError, WearLaw
+from solvers.laws.friction_law import friction_law
+from solvers.laws.wear_law import wear_law
+from wirewear.base.errors import Quantity, finite_number, shown
+from wirewear.effects import Effect, effects_of_tables, tables_of_effects
+from wirewear.test.materials import material_named
+
+FORMAT = 1
+
+_CYCLES = Quantity("cycles", 1, 1e9, whole=True)
+AXIS = Quantity("deg", -180.0, 180.0)  #: Of the angle of a body's axis to the motion.
+
+_FRICTION = '"coulomb" or a table such as { name = "shear-limited", shear_strength_MPa = 800.0 }'
+_WEAR = '"energy" or a table such as { name = "energy-threshold", threshold_mJ_per_mm2 = 500.0 }'
+
+#: Said of a rotational stiffness.
+NO_PIVOT = "says that the holder rotates, but pivot_height_mm, the height of its pivot above the contact, is missing"
+
+
+def checked_format(value: object) -> int:
+    """FORMAT, the only version there is; anything else raises ValueError."""
+    if value != FORMAT or isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but this version of wirewear reads format {FORMAT}")
+    return FORMAT
+
+
+def checked_text(value: object) -> str:
+    """A text that is not blank; anything else raises ValueError."""
+    if not isinstance(value, str) or not value.strip():
+        raise ValueError(f'is {shown(value)}, but must be a text such as "steel wires"')
+    return value
+
+
+def one_of(*words: str) -> Callable[[object], str]:
+    """A check for a key that takes one of a few words."""
+    choice = " or ".join(f'"{word}"' for word in words)
+
+    def check(value: object) -> str:
+        if value not in words:
+            raise ValueError(f"is {shown(value)}, but must be {choice}")
+        return str(value)
+
+    return check
+
+
+def _checked_flag(value: object) -> bool:
+    if not isinstance(value, bool):
+        raise ValueError(f"is {shown(value)}, but must be true or false")
+    return value
+
+
+def _checked_cycle_list(value: object) -> tuple[int, ...]:
+    if not isinstance(value, list | tuple):
+        raise ValueError(f"is {shown(value)}, but must be a list of cycle numbers such as [1, 100, 1000]")
+    cycles = []
+    for item in value:
+        try:
+            cycles.append(int(_CYCLES(item)))
+        except ValueError as problem:
+            raise ValueError(f"holds an item that {problem}") from None
+    return tuple(sorted(set(cycles)))
+
+
+def _checked_material(value: object) -> str:
+    return material_named(value).name
+
+
+def with_constants_of_material(table: Any) -> Any:
+    """A table that names its material, with that material's constants; a validator before all others.
+    Raises ValueError if the table gives other constants as well.
+    """
+    if not isinstance(table, Mapping) or table.get("material") is None:
+        return table
+    try:
+        elastic = material_named(table["material"]).elastic
+    except ValueError:
+        return table  # to be told at its key
+    constants = {"youngs_modulus_MPa": elastic.youngs_modulus_MPa, "poissons_ratio": elastic.poissons_ratio}
+    for key, own in constants.items():
+        if table.get(key, own) != own:
+            raise ValueError(
+                f"gives {key} = {shown(table[key])} beside the material {table['material']!r}, which has {own:g}: give "
+                "the constants or the material, not both"
+            )
+    return {**table, **constants}
+
+
+MaterialName = Annotated[str, PlainValidator(_checked_material)]
+Effects = Annotated[tuple[Effect[Any], ...], PlainValidator(effects_of_tables), PlainSerializer(tables_of_effects)]
+Diameter = Annotated[float, PlainValidator(Quantity("mm", 0.02, 20.0))]
+Length = Annotated[float, PlainValidator(Quantity("mm", 0.05, 200.0))]
+YoungsModulus = Annotated[float, PlainValidator(Quantity("MPa", 1e3, 1.5e6))]
+PoissonsRatio = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.49))]
+CrossingAngle = Annotated[float, PlainValidator(Quantity("deg", 5.0, 175.0))]
+NormalLoad = Annotated[float, PlainValidator(Quantity("N", 1e-3, 1e4))]
+Amplitude = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+AxisAngle = Annotated[float, PlainValidator(AXIS)]
+MotionAngle = Annotated[float, PlainValidator(Quantity("deg", -90.0, 90.0))]
+GripAngle = Annotated[float, PlainValidator(Quantity("deg", 12.0, 220.0))]
+GripStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm3", 1.0, 1e9, words=("rigid",)))]
+Frequency = Annotated[float, PlainValidator(Quantity("Hz", 1e-4, 1e3))]
+Cycles = Annotated[int, PlainValidator(_CYCLES)]
+Friction = Annotated[float, PlainValidator(Quantity("1", 0.0, 2.0))]
+WearCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_J", 0.0, 1e-2))]
+ArchardCoefficient = Annotated[float, PlainValidator(Quantity("mm3_per_N_m", 0.0, 1e-2))]
+ExplicitJump = Annotated[float, PlainValidator(Quantity("cycles", 0.01, 1e6))]
+Share = Annotated[float, PlainValidator(Quantity("1", 0.0, 1.0))]
+HolderStiffness = Annotated[float | Literal["rigid"], PlainValidator(Quantity("N_per_mm", 1.0, 1e7, words=("rigid",)))]
+RotationalStiffness = Annotated[
+    float | Literal["rigid"], PlainValidator(Quantity("N_mm_per_rad", 1.0, 1e10, words=("rigid",)))
+]
+PivotHeight = Annotated[float, PlainValidator(Quantity("mm", 0.1, 1e3))]
+WornDepth = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e4))]
+WornVolume = Annotated[float, PlainValidator(Quantity("mm3", 1e-9, 1e3))]
+AccumulatedEnergy = Annotated[float, PlainValidator(Quantity("J", 1e-6, 1e9))]
+HeldEnergy = Annotated[float, PlainValidator(Quantity("mJ", 1e-6, 1e6))]
+Approach = Annotated[float, PlainValidator(Quantity("um", 1e-3, 1e3))]
+SpringStiffness = Annotated[float, PlainValidator(Quantity("N_per_mm", 0.0, 1e5))]
+ElementSize = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+PressureLength = Annotated[float, PlainValidator(Quantity("um", 0.1, 5e3))]
+IncrementsPerCycle = Annotated[int, PlainValidator(Quantity("1", 16, 4000, whole=True, multiple_of=4))]
+ContactStates = Annotated[int, PlainValidator(Quantity("1", 0, 4000, whole=True))]
+Tolerance = Annotated[float, PlainValidator(Quantity("1", 1e-6, 0.5))]
+Refinement = Annotated[float, PlainValidator(Quantity("1", 0.25, 4.0))]
+RelativeScatter = Annotated[float, PlainValidator(Quantity("1", 0.0, 0.3))]
+AngleScatter = Annotated[float, PlainValidator(Quantity("deg", 0.0, 10.0))]
+NodeMotion = Annotated[float, PlainValidator(Quantity("um", 0.0, 1e3))]
+CycleList = Annotated[tuple[int, ...], BeforeValidator(_checked_cycle_list)]
+CheckedFlag = Annotated[bool, PlainValidator(_checked_flag)]
+
+
+Law = TypeVar("Law", FrictionLaw, WearLaw)
+
+
+def _law_of(value: object, kind: type[Any], made: Callable[[str, Mapping[str, float]], Law], example: str) -> Law:
+    """The law that a key's value describes; ValueError when there is none such."""
+    if isinstance(value, kind):
+        return cast("Law", value)
+    table = {"name": value} if isinstance(value, str) else value
+    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+        raise ValueError(f"is {shown(value)}, but must be {example}")
+    parameters = {key: number for key, number in table.items() if key != "name"}
+    for key, number in parameters.items():
+        try:
+            parameters[key] = finite_number(number)
+        except ValueError as problem:
+            raise ValueError(f"gives {key}, which {problem}") from None
+    try:
+        return made(table["name"], parameters)
+    except SolverError as problem:
+        raise ValueError(f"is {shown(value)}: {problem}") from None
+
+
+def _described(law: FrictionLaw | WearLaw) -> str | dict[str, Any]:
+    parameters = asdict(law)
+    return {"name": law.name, **parameters} if parameters else law.name
+
+
+#: A key that takes a friction law.
+FrictionLawKey = Annotated[
+    FrictionLaw,
+    PlainValidator(lambda value: _law_of(value, FrictionLaw, friction_law, _FRICTION)),
+    PlainSerializer(_described),
+]
+
+#: A key that takes a wear law.
+WearLawKey = Annotated[
+    WearLaw, PlainValidator(lambda value: _law_of(value, WearLaw, wear_law, _WEAR)), PlainSerializer(_described)
+]
+
+
+def pairs_of(
+    value: object, example: str, least: float = -inf, *, given: str = "is", must: str = "be a list of"
+) -> tuple[tuple[float, float], ...]:
+    """A list of pairs of finite numbers, none below the least.
+    Raises ValueError, with an example and in words that go on from the key's name, if it is none.
+    """
+    points = []
+    for item in value if isinstance(value, list | tuple) else [None]:
+        pair = item if isinstance(item, list | tuple) else []
+        if len(pair) != 2 or any(isinstance(x, bool) or not isinstance(x, int | float) or x < least for x in pair):
+            raise ValueError(f"{given} {shown(value)}, but must {must} pairs such as {example}")
+        try:
+            points.append((finite_number(pair[0]), finite_number(pair[1])))
+        except ValueError as problem:
+            raise ValueError(f"{given} {shown(value)}, one of whose numbers {problem}") from None
+    return tuple(points)
+
+
+def _checked_points(value: object) -> tuple[tuple[float, float], ...]:
+    points = pairs_of(value, "[[0, 1.0], [10000, 0.5]]", 0.0)
+    if any(not later[0] > earlier[0] for earlier, later in pairwise(points)):
+        raise ValueError(f"is {shown(value)}, but the first numbers of its pairs must increase")
+    return points
+
+
+Points = Annotated[tuple[tuple[float, float], ...], BeforeValidator(_checked_points)]
+
+
+class Table(BaseModel):
+    """A table of the study: immutable, and without keys that it does not know."""
+
+    # Checks are built when a table is first read: those of most kinds of contact are never.
+    model_config = ConfigDict(frozen=True, extra="forbid", defer_build=True)
+
+
+def merged(base: Mapping[str, Any], overrides: Mapping[str, Any]) -> dict[str, Any]:
+    """`base` with the keys of `overrides` in their place, table by table."""
+    whole = dict(base)
+    for key, value in overrides.items():
+        below = whole.get(key)
+        whole[key] = merged(below, value) if isinstance(value, Mapping) and isinstance(below, Mapping) else value
+    return whole
+
+
+def values_in_no_variant(tables: Table, variants: Sequence[Table]) -> Iterator[tuple[str, str, object]]:
+    """Table, key and value of what a file gives for all variants while each of them has another value."""
+    for name in sorted(tables.model_fields_set):
+        own = getattr(tables, name)
+        for key in sorted(own.model_fields_set) if isinstance(own, Table) and variants else ():
+            value = getattr(own, key)
+            if all(getattr(getattr(other, name), key, None) != value for other in variants):
+                yield name, key, value
+
+
+class OfMaterial(Table):
+    """A table whose elastic constants are given, or follow from the name of a material."""
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_constants(cls, table: Any) -> Any:
+        return with_constants_of_material(table)
+
+
+class NamedTable(Table):
+    """A whole file: what every study states first."""
+
+    format: Annotated[int, PlainValidator(checked_format)] = Field(
+        description="version of this file's format", examples=[FORMAT]
+    )
+    name: Annotated[str, PlainValidator(checked_text)] = Field(
+        description="title of the study", examples=["steel wires"]
+    )
+
+
+def quantity_of(field: FieldInfo) -> Quantity | None:
+    """The `Quantity` that checks a key, if it holds a number."""
+    inside_optional = [item for part in get_args(field.annotation) for item in getattr(part, "__metadata__", ())]
+    for item in [*field.metadata, *inside_optional]:
+        if isinstance(item, PlainValidator) and isinstance(item.func, Quantity):
+            return item.func
+    return None
+
+
+def table_of(field: FieldInfo) -> type[Table] | None:
+    """The table that a key holds, or each item of its list, if there is one."""
+    held = get_args(field.annotation)
+    candidates: tuple[Any, ...] = (field.annotation, *held, *(item for one in held for item in get_args(one)))
+    return next((c for c in candidates if isinstance(c, type) and issubclass(c, Table)), None)
+
+
+class Inconsistency(NamedTuple):
+    """A key that does not fit another, and the rest of the sentence that begins with it."""
+
+    keys: tuple[str, ...]
+    problem: str

@@ -1,0 +1,338 @@
+"""Tables of a line contact's study: a pad on a flat in plane strain, of a length across the motion."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Annotated, Any, ClassVar, Literal, Self, TypeVar
+
+from pydantic import Field, PlainValidator
+
+from geometry import Elastic, PlanarGeometry
+from solvers import Coulomb, Drive, EnergyLaw, WearLaw, WearRates
+from wirewear.base.errors import Quantity, StudyError
+from wirewear.effects import Seam
+from wirewear.test import keys
+from wirewear.test.drive import BULK, BulkTable, bulk_of
+from wirewear.test.faces import PadFaceOrFile
+from wirewear.test.keys import Inconsistency
+from wirewear.test.lengths import GROWING, PLANAR_KINDS, given_length_mm, key_of_whole, lengthened, whole_test
+from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface, layers_of
+from wirewear.test.tables import CommonTables, DrivenConditions, FrictionTable, StatesItsKind
+from wirewear.test.template import Template
+
+CYLINDER_ON_FLAT = PLANAR_KINDS[1]  #: A line contact whose pad is a cylinder.
+
+Extent = Annotated[float, PlainValidator(Quantity("mm", 0.05, 500.0))]
+
+TITANIUM = {"youngs_modulus_MPa": 116000.0, "poissons_ratio": 0.3}  #: An alloy like Ti-6Al-4V.
+
+
+AnyTable = TypeVar("AnyTable", bound=keys.Table)
+
+
+class MaterialTable(keys.OfMaterial):
+    """An elastic material."""
+
+    material: keys.MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[116000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+
+    @property
+    def elastic(self) -> Elastic:
+        return Elastic(self.youngs_modulus_MPa, self.poissons_ratio)
+
+
+class ResolutionTable(keys.Table):
+    """Resolution in space and time; what is left out follows from --fidelity."""
+
+    contact_mesh_um: keys.ElementSize | None = Field(None, description="element size under the contact")
+    far_mesh_mm: Extent = Field(1.0, description="largest element far from the contact")
+    increments_per_cycle: keys.IncrementsPerCycle | None = Field(None, description="time steps of one cycle")
+
+
+class HeldTable(MaterialTable):
+    """A body whose back is held."""
+
+    grip_width_mm: Extent | None = Field(
+        None, description="width of the back that is held, about its middle; all by default"
+    )
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
+        "rigid", description='stiffness of the grip per area, a number or "rigid"'
+    )
+    surface: StatedSurface | None = Field(None, description="its surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+    bulk: BulkTable | None = Field(None, description=BULK)
+
+    def held(self, geometry: PlanarGeometry) -> PlanarGeometry:
+        """A geometry with this body's grip."""
+        stiffness, width = self.grip_stiffness_N_per_mm3, self.grip_width_mm
+        return replace(
+            geometry,
+            grip_half_width_mm=None if width is None else 0.5 * width,
+            grip_stiffness_N_per_mm3=None if isinstance(stiffness, str) else stiffness,
+        )
+
+
+class Pad(PadFaceOrFile, HeldTable):
+    """The pad, held by the rig, above the specimen."""
+
+    height_mm: Extent = Field(10.0, description="height of the pad between its contact and its holder")
+    half_width_mm: Extent | None = Field(
+        None, description="half of the pad's width; without it 10 or 0.8 radii, or as far as its profile goes"
+    )
+
+
+class Specimen(HeldTable):
+    """The flat, moved by the drive, below the pad."""
+
+    height_mm: Extent = Field(10.0, description="height of the specimen between its contact and its moved back")
+    half_width_mm: Extent | None = Field(
+        None, description="half of the specimen's width; without it 10 or what it needs"
+    )
+
+
+class LineConditions(DrivenConditions):
+    """What is asked of the rig."""
+
+    frequency_Hz: keys.Frequency = Field(1.0, description="cycles per second")
+
+
+class LineContactTable(FrictionTable):
+    """The friction law, and how long the contact is."""
+
+    length_mm: Extent = Field(1.0, description="length of the contact across the motion", examples=[10.0])
+
+
+class WearOfBodies(keys.Table):
+    """Wear of each body: by dissipated energy, or by Archard's law in load times sliding distance."""
+
+    WEAR: ClassVar[tuple[str, ...]] = tuple(
+        f"{body}_{law}"
+        for law in ("energy_wear_coefficient_mm3_per_J", "archard_wear_coefficient_mm3_per_N_m")
+        for body in ("pad", "specimen")
+    )
+
+    pad_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
+        None, description="worn volume of the pad per dissipated energy"
+    )
+    specimen_energy_wear_coefficient_mm3_per_J: keys.WearCoefficient | None = Field(
+        None, description="worn volume of the specimen per dissipated energy"
+    )
+    pad_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
+        None, description="worn volume of the pad per load and sliding distance"
+    )
+    specimen_archard_wear_coefficient_mm3_per_N_m: keys.ArchardCoefficient | None = Field(
+        None, description="worn volume of the specimen per load and sliding distance"
+    )
+
+    @property
+    def coefficients(self) -> dict[str, float]:
+        """All four by their keys, 0 of a body that does not wear by that law."""
+        return {key: getattr(self, key) or 0.0 for key in self.WEAR}
+
+
+class LineWear(WearOfBodies):
+    """Wear of each body, and its law."""
+
+    law: keys.WearLawKey | None = Field(
+        None, description='"energy", or a table of another law\'s name and parameters, for energy coefficients'
+    )
+
+    @property
+    def of_law(self) -> WearLaw:
+        """The law of the energy coefficients."""
+        return self.law or EnergyLaw()
+
+
+class LineMeshing(ResolutionTable):
+    """Resolution in space and time, and the extent of the fine mesh."""
+
+    scar_half_width_um: keys.ElementSize | None = Field(
+        None, description="half-width of the finely meshed patch beyond the stroke; without it, predicted"
+    )
+    jump_tolerance: keys.Tolerance | None = Field(None, description="relative error allowed to one cycle jump")
+    mesh_refinement: keys.Refinement = Field(1.0, description="elements are smaller than asked for by this factor")
+    increments_refinement: keys.Refinement = Field(
+        1.0, description="time steps are shorter than asked for by this factor"
+    )
+
+
+class _OfPadAndSpecimen(StatesItsKind):
+    """What a study of a line contact states first."""
+
+    pad: Pad = Field(description="the pad")
+    specimen: Specimen = Field(description="the flat")
+
+
+class LineTables(CommonTables, _OfPadAndSpecimen):
+    """A whole study of a line contact without its variants."""
+
+    kind: Annotated[Literal["line-contact", "cylinder-on-flat"], PlainValidator(keys.one_of(*PLANAR_KINDS))] = Field(
+        description="kind of contact", examples=[PLANAR_KINDS[0]]
+    )
+    conditions: LineConditions = Field(description="load, stroke, motion and length of the test")
+    contact: LineContactTable = Field(description="friction and length")
+    wear: LineWear = Field(LineWear(), description="wear of both bodies; without this table nothing wears")
+    mesh: LineMeshing = Field(LineMeshing(), description="resolution")
+
+    @property
+    def contact_kind(self) -> str:
+        """A cylinder on a flat is one of them."""
+        return PLANAR_KINDS[0]
+
+    @classmethod
+    def known(cls, data: Mapping[str, Any], where: str, variant: Mapping[str, Any] | None = None) -> dict[str, Any]:
+        length_mm = given_length_mm(variant or {}) or given_length_mm(data)
+        base, own = (whole_test(tables, where, StudyError, length_mm) for tables in (data, variant or {}))
+        return keys.merged(base, own)
+
+    def known_as(self, key: str, value: Any) -> tuple[str, Any]:
+        return key_of_whole(key, value, self.contact.length_mm)
+
+    @property
+    def layers(self) -> dict[str, tuple[LayerTable, ...]]:
+        """Layers of the specimen and of the pad."""
+        return {"specimen": self.specimen.layers, "pad": self.pad.layers}
+
+    @property
+    def materials(self) -> dict[str, Elastic]:
+        """Elastic constants of the specimen and of the pad."""
+        return {"specimen": self.specimen.elastic, "pad": self.pad.elastic}
+
+    @property
+    def drive(self) -> Drive:
+        bodies = [(body.bulk, body.elastic) for body in (self.specimen, self.pad)]
+        return replace(self.conditions.drive, bulk=bulk_of(bodies, plane_strain=True))
+
+    @property
+    def wear_rates(self) -> WearRates:
+        rates = self.energy_coefficients()
+        return WearRates(
+            upper_mm3_per_mJ=1e-3 * rates[0],
+            lower_mm3_per_mJ=1e-3 * rates[1],
+            law=self.wear.of_law,
+            upper_layers=layers_of(self.pad.layers, self.contact.friction),
+            lower_layers=layers_of(self.specimen.layers, self.contact.friction),
+        )
+
+    @property
+    def worn_by_sliding(self) -> float:
+        return sum(self.energy_coefficients()) * self.contact.friction
+
+    def energy_coefficients(self) -> tuple[float, float]:
+        """Wear of pad and specimen per dissipated energy, in mm³/J.
+
+        Archard's law h = k p s is the energy law h = α µ p s with α = k/µ wherever Coulomb friction slides.
+        """
+        wear, friction = self.wear, self.contact.friction
+
+        def combined(energy: float, archard: float) -> float:
+            return energy + (archard / friction if archard > 0.0 else 0.0)
+
+        pad_energy, specimen_energy, pad_archard, specimen_archard = wear.coefficients.values()
+        return combined(pad_energy, pad_archard), combined(specimen_energy, specimen_archard)
+
+    def of_length(self, length_mm: float) -> Self:
+        """The test on another length of the contact, with as much load, force and energy to the millimetre."""
+        if length_mm == self.contact.length_mm:
+            return self
+        factor = length_mm / self.contact.length_mm
+
+        def of(table: AnyTable) -> AnyTable:
+            return table.model_copy(update=lengthened(dict(table), factor))
+
+        changed = {name: of(own) for name in GROWING if (own := getattr(self, name)) is not None} | {
+            "programme": tuple(
+                block.model_copy(update={"conditions": lengthened(block.conditions, factor)})
+                for block in self.programme
+            ),
+            "contact": self.contact.model_copy(update={"length_mm": length_mm}),
+            "effects": tuple(
+                replace(effect, **lengthened({name: getattr(effect, name) for name in effect.parameters()}, factor))
+                for effect in self.effects
+            ),
+        }
+        return self.model_copy(update=changed)
+
+    def contradiction(self) -> Inconsistency | None:
+        """A pad without a face, a holder that tips over, or two laws of wear."""
+        return self._of_bodies() or self._of_holder() or self._of_wear()
+
+    def _of_bodies(self) -> Inconsistency | None:
+        if (wanted := self.pad.missing_face(round_alone=self.kind == CYLINDER_ON_FLAT)) is not None:
+            return Inconsistency(("pad",), f"does not say which face it has: {wanted}")
+        for name in ("pad", "specimen"):
+            if (bulk := getattr(self, name).bulk) is not None and (told := bulk.unfit(is_round=False)):
+                return Inconsistency((name, "bulk"), told)
+        if any(effect.seam is Seam.SPECIMENS for effect in self.effects):
+            return Inconsistency(
+                ("effects",), "hold one that changes how crossed wires are mounted, which a pad is not"
+            )
+        return None
+
+    def _of_holder(self) -> Inconsistency | None:
+        holder, key = self.holder, ("holder", "rotational_stiffness_N_mm_per_rad")
+        stiffness = holder.rotational_stiffness_N_mm_per_rad
+        if stiffness == "rigid":
+            return None
+        if holder.pivot_height_mm is None:
+            return Inconsistency(key, keys.NO_PIVOT)
+        leaning = self.conditions.normal_load_N * holder.pivot_height_mm
+        if stiffness > leaning:
+            return None
+        return Inconsistency(
+            key,
+            f"is {stiffness:g}, but below {leaning:g}, load times pivot height, the pad tips over: give a stiffer "
+            "spring or a lower pivot",
+        )
+
+    def _of_wear(self) -> Inconsistency | None:
+        wear, law, friction = self.wear, self.wear.of_law, self.contact
+        for body in ("pad", "specimen"):
+            energy, archard = (key for key in wear.WEAR if key.startswith(body))
+            if wear.coefficients[energy] > 0.0 and wear.coefficients[archard] > 0.0:
+                return Inconsistency(
+                    ("wear", energy), f"and {archard} are both given, but a body wears by one law: give one of the two"
+                )
+        by_archard = any(value > 0.0 for key, value in wear.coefficients.items() if "archard" in key)
+        if by_archard and not isinstance(friction.friction_law, Coulomb):
+            return Inconsistency(
+                ("contact", "friction_law"),
+                f"is {friction.friction_law.name!r}, but line contacts compute Archard wear from Coulomb's friction "
+                "energy: give energy wear coefficients instead",
+            )
+        if law.coefficient == "archard" or (by_archard and not isinstance(law, EnergyLaw)):
+            return Inconsistency(
+                ("wear", "law"),
+                f"is {law.name!r}, but line contacts take Archard's law by {' and '.join(wear.WEAR[2:])}, and all "
+                "others by energy wear coefficients",
+            )
+        if by_archard and friction.friction == 0.0:
+            return Inconsistency(
+                ("contact", "friction"),
+                "is 0, but Archard wear is computed from friction energy: give a small coefficient such as 0.01",
+            )
+        return None
+
+
+#: A titanium cylinder on a titanium flat.
+LINE_CONTACT = Template(
+    PLANAR_KINDS[0],
+    LineTables,
+    ("pad", "specimen", "conditions", "contact", "wear", "holder", "log"),
+    {
+        "pad": {"radius_mm": 40.0, **TITANIUM},
+        "specimen": TITANIUM,
+        "conditions": {
+            "normal_load_N": 3900.0,
+            "displacement_amplitude_um": 35.0,
+            "cycles": 10000,
+            "frequency_Hz": 5.0,
+        },
+        "contact": {"friction": 0.9, "length_mm": 10.0},
+        "wear": {"pad_energy_wear_coefficient_mm3_per_J": 2.0e-5, "specimen_energy_wear_coefficient_mm3_per_J": 4.0e-5},
+        "holder": {"tangential_stiffness_N_per_mm": "rigid"},
+    },
+    "A cylinder on a flat, to be changed into your line contact; loads and stiffnesses are of its whole length.",
+)

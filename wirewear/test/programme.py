@@ -1,0 +1,272 @@
+"""A test's programme: blocks of cycles under conditions of their own, in turn for as long as the test lasts."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import cycle
+from math import ceil
+from typing import Annotated, Any, Generic, Self, TypeVar
+
+from pydantic import Field, PlainValidator
+
+from wirewear.base.errors import counted, shown
+from wirewear.effects import Age, Control, Seam, applied
+from wirewear.effects.seams import ChangesASeam
+from wirewear.test import keys
+
+AnyStudy = TypeVar("AnyStudy")
+
+#: What a block may not change: the length of the whole test, its bodies, and how it is computed.
+_OF_THE_TEST = {
+    "conditions": ("cycles", "motion_angle_deg", "approach_um"),
+    "contact": ("formulation", "primary_wire", "length_mm"),
+    "wear": ("update", "explicit_jump_cycles"),
+    "bulk": (),
+}
+_AMPLITUDE = "displacement_amplitude_um"
+MOST_BLOCKS = 10_000  #: Of a test, repeated ones counted: each is at least a cycle jump of some hundredths of a second.
+
+
+def _values_of(table: str) -> PlainValidator:
+    def check(value: object) -> dict[str, Any]:
+        if not isinstance(value, Mapping):
+            raise ValueError(f"is {shown(value)}, but must be a table such as {{ normal_load_N = 2.0 }}")
+        fixed = next((key for key in _OF_THE_TEST[table] if key in value), None)
+        if fixed is not None:
+            raise ValueError(f"holds {fixed}, which is the same for the whole test: state it in [{table}]")
+        return dict(value)
+
+    return PlainValidator(check)
+
+
+Values = dict[str, Any]
+
+
+class CycleBlock(keys.Table):
+    """Cycles under conditions of their own; what a block does not state is as in the study's tables."""
+
+    name: Annotated[str, PlainValidator(keys.checked_text)] | None = Field(None, description="what the block is called")
+    cycles: keys.Cycles = Field(description="length of the block", examples=[1000])
+    conditions: Annotated[Values, _values_of("conditions")] = Field({}, description="load, stroke and frequency in it")
+    contact: Annotated[Values, _values_of("contact")] = Field({}, description="friction in it, as where it is greased")
+    wear: Annotated[Values, _values_of("wear")] = Field({}, description="wear in it")
+    bulk: Annotated[Values, _values_of("bulk")] = Field({}, description="bulk stress in it, by the bodies' names")
+
+    @property
+    def values(self) -> dict[str, Values]:
+        """The tables that the block states, by their names."""
+        return {name: getattr(self, name) for name in _OF_THE_TEST if getattr(self, name)}
+
+
+def placed(values: Mapping[str, Values], tables: Mapping[str, Any]) -> dict[str, Any]:
+    """A block's values where they stand among a study's tables: a bulk stress in that of its body."""
+    found: dict[str, Any] = {name: own for name, own in values.items() if name != "bulk"}
+    if "bulk" in values:
+        bodies = {name: {"bulk": own} for name, own in values["bulk"].items()}
+        home = next((name for name in ("bodies", "wires") if name in tables), None)
+        found |= bodies if home is None else {home: bodies}
+    return found
+
+
+@dataclass(frozen=True)
+class Stretch(Generic[AnyStudy]):
+    """The cycles after `start` up to `end` of a test, and the study whose conditions they are under."""
+
+    start: int
+    end: int
+    block: int  #: Its number in the programme, from 1.
+    study: AnyStudy
+
+
+@dataclass(frozen=True)
+class Schedule(Generic[AnyStudy]):
+    """A test as stretches of cycles, one after another; blocks in a row that are alike are one stretch."""
+
+    blocks: tuple[CycleBlock, ...]
+    cycles: int
+    alone: AnyStudy  #: The study without its programme.
+    under: Callable[[Mapping[str, Values]], AnyStudy]  #: That study with some values in the tables of a block.
+
+    @cached_property
+    def stretches(self) -> tuple[Stretch[AnyStudy], ...]:
+        """All stretches in the order of the test."""
+        if not self.blocks:
+            return (Stretch(0, self.cycles, 1, self.alone),)
+        studies = [self.under(block.values) for block in self.blocks]
+        found: list[Stretch[AnyStudy]] = []
+        for number, end in _ends(self.blocks, self.cycles):
+            start, own = (found[-1].end if found else 0), studies[number]
+            if found and found[-1].study == own:
+                found[-1] = Stretch(found[-1].start, end, found[-1].block, own)
+            else:
+                found.append(Stretch(start, end, number + 1, own))
+        return tuple(found)
+
+    @cached_property
+    def pulled(self) -> bool:
+        """Whether any body carries a bulk stress in any block."""
+        every: Sequence[Stretch[Any]] = self.stretches
+        return any(own.study.drive.bulk for own in every)
+
+    def at(self, done: float) -> Stretch[AnyStudy]:
+        """The stretch that a cycle belongs to."""
+        return next((own for own in self.stretches if done <= own.end), self.stretches[-1])
+
+
+@dataclass(frozen=True)
+class Stage:
+    """The cycles after `start` up to `end` of a test."""
+
+    start: float
+    end: float
+    block: int  #: What conditions they are under: alike where these are.
+
+    def __contains__(self, cycle: float) -> bool:
+        """Whether that cycle is one of them."""
+        return self.start < cycle <= self.end
+
+
+@dataclass(frozen=True)
+class BlockCourse:
+    """The stages that a test went through, and the turn of its programme that would follow, again and again."""
+
+    done: tuple[Stage, ...]
+    ahead: tuple[Stage, ...]  #: From where the programme stands at the end; of blocks that the test has reached.
+    names: tuple[str, ...]  #: Of the blocks by their numbers.
+
+    @classmethod
+    def of(cls, schedule: Schedule[Any], end: float) -> Self:
+        """The stages of a test that ended after so many cycles, and those still to come."""
+        turn = sum(block.cycles for block in schedule.blocks) or 1
+        alike: list[Any] = []
+        names, every = [], []
+        for own in replace(schedule, cycles=ceil(end) + turn).stretches:
+            if own.study not in alike:
+                alike.append(own.study)
+                names.append((schedule.blocks and schedule.blocks[own.block - 1].name) or f"block {own.block}")
+            every.append(Stage(own.start, own.end, alike.index(own.study)))
+        done = tuple(replace(one, end=min(one.end, end)) for one in every if one.start < end)
+        ahead = [replace(one, start=max(one.start, end)) for one in every if one.end > end]
+        return cls(done, tuple(one for one in ahead if one.block in {each.block for each in done}), tuple(names))
+
+    @property
+    def end(self) -> float:
+        return self.done[-1].end
+
+    @property
+    def not_reached(self) -> tuple[str, ...]:
+        """Names of the blocks that the test ended before."""
+        return tuple(name for block, name in enumerate(self.names) if all(one.block != block for one in self.done))
+
+    def among(self, cycles: Iterable[int], block: int) -> list[int]:
+        """The cycles among these that belong to a block."""
+        return [cycle for cycle in cycles if any(cycle in one for one in self.done if one.block == block)]
+
+    def latest(self, block: int) -> Stage:
+        """The last stage of a block that was at least half as long as its longest one."""
+        own = [one for one in self.done if one.block == block]
+        longest = max(one.end - one.start for one in own)
+        return next(one for one in reversed(own) if one.end - one.start >= 0.5 * longest)
+
+
+def _ends(blocks: Sequence[CycleBlock], cycles: int) -> Iterator[tuple[int, int]]:
+    """The index of each block in turn and the cycle at which it ends, up to the test's end."""
+    done = 0
+    for number in cycle(range(len(blocks))):
+        done = min(done + blocks[number].cycles, cycles)
+        yield number, done
+        if done == cycles:
+            return
+
+
+def held_keys(conditions: object) -> list[str]:
+    """The keys by which conditions state what the drive holds in place of its amplitude: one, or they contradict."""
+    known = type(conditions).model_fields if isinstance(conditions, keys.Table) else {}
+    return [key for key in known if key.startswith("held_") and getattr(conditions, key) is not None]
+
+
+@dataclass(frozen=True)
+class HeldTarget:
+    """The figure that a drive holds in place of its amplitude: slip, motion, reading (µm), energy (mJ) or force (N)."""
+
+    key: str
+    value: float  #: Of the key's contact, a line contact's millimetre.
+
+    @property
+    def figure(self) -> str:
+        return self.key.split("_")[1]
+
+    def first_um(self, friction_N: float, carried_um: float, largest_um: float) -> float:
+        """Amplitude of the drive at which a contact that slides as one spring holds it; largest_um: the drive's.
+
+        carried_um: how far friction carries the rig.
+        """
+        match self.figure:
+            case "slip" | "motion":
+                first = self.value + carried_um
+            case "reading":
+                first = self.value
+            case "energy":
+                first = 1e3 * self.value / (4.0 * friction_N) + carried_um if friction_N else largest_um
+            case _:
+                first = 0.3 * largest_um + self.value * (carried_um / friction_N if friction_N else 0.0)
+        return min(first, largest_um)
+
+
+def held_by(conditions: object) -> HeldTarget | None:
+    """The figure that the drive holds, None where it holds its amplitude."""
+    key = next(iter(held_keys(conditions)), None)
+    return None if key is None else HeldTarget(key, float(getattr(conditions, key)))
+
+
+Asked = TypeVar("Asked", bound=keys.Table)
+
+
+def as_driven(
+    conditions: Asked, blocks: tuple[CycleBlock, ...], effects: Sequence[ChangesASeam]
+) -> tuple[Asked, tuple[CycleBlock, ...]]:
+    """Conditions and blocks as the drive makes them, which effects may have hold its displacement in all of them."""
+    own = [*(key for key in type(conditions).model_fields if key.startswith("held_")), _AMPLITUDE]
+    holds = held_keys(conditions) or [key for block in blocks for key in block.conditions if key in own[:-1]]
+    stated = Control(None if holds else getattr(conditions, _AMPLITUDE))
+    control = applied(effects, Seam.DRIVE, stated, Age.new())
+    if control == stated:
+        return conditions, blocks
+    changed = conditions.model_copy(update=dict.fromkeys(own[:-1]) | {_AMPLITUDE: control.displacement_amplitude_um})
+    rest = [{key: value for key, value in block.conditions.items() if key not in own} for block in blocks]
+    return changed, tuple(
+        block.model_copy(update={"conditions": left}) for block, left in zip(blocks, rest, strict=True)
+    )
+
+
+def too_many(blocks: Sequence[CycleBlock], cycles: int) -> str | None:
+    """Why a programme has more blocks than a run can go through, as the rest of a sentence; None where it has not."""
+    count = cycles / sum(block.cycles for block in blocks) * len(blocks) if blocks else 1.0
+    if count <= MOST_BLOCKS:
+        return None
+    return (
+        f"comes to {counted(count)} blocks in {counted(cycles)} cycles, but a run goes through {counted(MOST_BLOCKS)}"
+    )
+
+
+def worked_cycles(stretches: Sequence[Stretch[Any]], most: float) -> int:
+    """How many cycles that wear by `most` each wear as much as all of a test's."""
+    return max(ceil(worked_course(stretches, lambda own: own.study.worn_per_cycle / most if most else 0.0)[-1][1]), 1)
+
+
+def worked_course(
+    stretches: Sequence[Stretch[AnyStudy]], share: Callable[[Stretch[AnyStudy]], float]
+) -> tuple[tuple[float, float], ...]:
+    """Cycles of a test, and how many of a kind do as much as these; share: what a block's cycle does of one such."""
+    course = [(0.0, 0.0)]
+    for own in stretches:
+        course.append((float(own.end), course[-1][1] + (own.end - own.start) * share(own)))
+    return tuple(course)
+
+
+def logged_ends(blocks: Sequence[CycleBlock], cycles: int) -> set[int]:
+    """The cycles at which the blocks of the first and of the last turn end."""
+    if not blocks:
+        return set()
+    ends = [end for _, end in _ends(blocks, cycles)]
+    return {*ends[: len(blocks)], *ends[-len(blocks) :]}

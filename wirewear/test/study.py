@@ -1,0 +1,183 @@
+"""Studies as values, of contacts at a point and along a line, and how they are read: TOML text, every key checked."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Self, cast
+
+from wirewear.base.errors import StudyError, shown
+from wirewear.base.files import Held, parsed_toml, read_toml, require_no_other
+from wirewear.test.any_study import AnyStudy
+from wirewear.test.bodies import Body
+from wirewear.test.consistency import checked_tables, of_kind
+from wirewear.test.fidelity import FIDELITIES, level_of
+from wirewear.test.lengths import PLANAR_KINDS
+from wirewear.test.lines import LineConditions, LineContactTable, LineMeshing, LineTables, LineWear, Pad, Specimen
+from wirewear.test.tables import (
+    CROSSED_WIRES,
+    Conditions,
+    Contact,
+    ContactTables,
+    FidelitySettings,
+    HolderTable,
+    Mesh,
+    StudyTables,
+    Wear,
+)
+from wirewear.test.wires import Wires
+
+FILE_KEYS = ("profile_file", "file")  #: Keys that name a file.
+
+
+class Study(AnyStudy[ContactTables]):
+    """A study of a contact at a point; its tables are of the types named here."""
+
+    conditions: Conditions
+    contact: Contact
+    wear: Wear | None
+    holder: HolderTable
+    mesh: Mesh
+
+    @property
+    def wires(self) -> Wires:
+        """Both wires as the file of crossed wires states them; see also `bodies`."""
+        return cast("StudyTables", self.tables).wires
+
+    @cached_property
+    def bodies(self) -> tuple[Body, Body]:
+        """The driven body, which lies below, and the one above it, whose holder carries the rig's compliance."""
+        return self.tables.bodies_of_test()
+
+    @property
+    def motion_angle_deg(self) -> float:
+        """Direction of the motion against the driven body's axis."""
+        return -self.bodies[0].axis_angle_deg
+
+    @property
+    def crossing_angle_deg(self) -> float:
+        """Angle of the held body's axis to the driven body's."""
+        return self.bodies[1].axis_angle_deg - self.bodies[0].axis_angle_deg
+
+    def fidelity(self, name: str) -> FidelitySettings:
+        """Settings of the level quick, standard or fine; None where the study leaves the choice to the program.
+        Raises StudyError if there is no such level.
+        """
+        settings: FidelitySettings = level_of({own: getattr(self.tables.fidelity, own) for own in FIDELITIES}, name)
+        return settings
+
+
+class LineStudy(AnyStudy[LineTables]):
+    """A study of a line contact; its tables are of the types named here."""
+
+    conditions: LineConditions
+    contact: LineContactTable
+    wear: LineWear
+    holder: HolderTable
+    mesh: LineMeshing
+
+    @property
+    def pad(self) -> Pad:
+        return self.tables.pad
+
+    @property
+    def specimen(self) -> Specimen:
+        return self.tables.specimen
+
+    def energy_coefficients(self) -> tuple[float, float]:
+        """Wear of pad and specimen per dissipated energy, in mm³/J."""
+        return self.tables.energy_coefficients()
+
+    def of_length(self, length_mm: float) -> Self:
+        """The test and its variants on another length of the contact."""
+        variants = tuple((name, tables.of_length(length_mm)) for name, tables in self.variants)
+        return type(self)(self.tables.of_length(length_mm), variants, self.variant_name)
+
+
+def load_study(path: str | Path) -> Study:
+    """Read a study of a contact at a point from a TOML file.
+    Raises StudyError, in one sentence, if the file cannot be read, or is no valid study of one.
+    """
+    return point_study(read_study(path), str(path))
+
+
+def point_study(data: Mapping[str, Any], where: str) -> Study:
+    """A study of a contact at a point from nested tables.
+    Raises StudyError, in one sentence, if the tables are no valid study of one.
+    """
+    if data.get("kind") in PLANAR_KINDS:
+        raise StudyError(
+            f'{where} is a study of kind "{data["kind"]}", which is not taken here: give one of kind "{CROSSED_WIRES}".'
+        )
+    study: Study = study_from_tables(data, where)
+    return study
+
+
+def read_study(path: str | Path) -> dict[str, Any]:
+    """The tables of the file of a study of any kind.
+    Raises StudyError, in one sentence, if it cannot be read, or is another file of ours or of a laboratory.
+    """
+    require_no_other(Path(path), StudyError, Held.STUDY)
+    return _found_from(Path(path).parent, read_toml(Path(path), StudyError, "study file"))
+
+
+def _found_from(folder: Path, table: dict[str, Any]) -> dict[str, Any]:
+    """The table with the files that it names beside the study's own."""
+    return {
+        key: _found_from(folder, value)
+        if isinstance(value, dict)
+        else str(folder / value)
+        if key in FILE_KEYS and isinstance(value, str)
+        else value
+        for key, value in table.items()
+    }
+
+
+def parse_study(text: str, where: str) -> Study:
+    """Read a study from TOML text; `where` names its origin in messages.
+    Raises StudyError, in one sentence, if the text is no valid study.
+    """
+    return point_study(parsed_toml(text, where, StudyError), where)
+
+
+def study_from_tables(data: Mapping[str, Any], where: str) -> Any:
+    """Build a study of any kind from nested tables such as `Study.resolved()` returns.
+    Raises StudyError, in one sentence, if the tables are no valid study.
+    """
+    known = of_kind(data.get("kind"))[0].known
+    base = {key: value for key, value in data.items() if key != "variants"}
+    tables: Any = checked_tables(known(base, where), where)
+    variants: tuple[tuple[str, Any], ...] = tuple(
+        (name, checked_tables(known(base, where, own), where, known(own, where), f"variants.{name}"))
+        for name, own in variants_in(data, where)
+    )
+    return {LineTables: LineStudy}.get(type(tables), Study)(tables, variants)
+
+
+def variants_in(data: Mapping[str, Any], where: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """Names of the variants in a study's tables, and what each has different.
+    Raises StudyError if they are no tables, or have no proper names.
+    """
+    variants = data.get("variants", {})
+    if not isinstance(variants, Mapping):
+        raise StudyError(
+            f"variants in {where} is {shown(variants)}, but must hold tables like [variants.rigid.holder]."
+        )
+    for name, overrides in variants.items():
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]{0,63}", name):
+            raise StudyError(
+                f"the variant {shown(name)} in {where} needs another name: letters, digits, _ and - only, 64 at most."
+            )
+        if not isinstance(overrides, Mapping):
+            raise StudyError(
+                f"variants.{name} in {where} is {shown(overrides)}, but must be a table like [variants.{name}.holder]."
+            )
+        for key, value in overrides.items():
+            if not isinstance(value, Mapping) and key not in ("effects", "programme"):
+                raise StudyError(
+                    f"{shown(key)} in [variants.{name}] of {where} is {shown(value)}, but a variant holds only tables "
+                    f"such as [variants.{name}.holder]."
+                )
+        yield name, overrides

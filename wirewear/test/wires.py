@@ -1,0 +1,162 @@
+"""The table of both wires of a study or a record: keys with their ranges, defaults and meaning."""
+
+import warnings
+from collections.abc import Mapping
+from dataclasses import fields
+from typing import Annotated, Any
+
+from pydantic import AliasChoices, BeforeValidator, Field
+
+from wirewear.base.errors import AssumedWarning, shown
+from wirewear.test import keys
+from wirewear.test.bodies import Wire, touch_along_line
+from wirewear.test.drive import BULK, BulkTable
+from wirewear.test.surfaces import LAYERS, LayerTable, StatedSurface
+
+#: What must be known of each wire, and counts for the fixed one as well where that does not state its own.
+_NEEDED = ("diameter_mm", "youngs_modulus_MPa", "poissons_ratio")
+_MOTION = "motion_angle_deg"
+_ANGLES = ("crossing_angle_deg", _MOTION)
+_BOTH = AliasChoices("wires", "bodies")
+
+
+def _wires_of_bodies(table: Any) -> Any:
+    """[wires] whose two wires state what it does not, or [bodies.moving] and [bodies.fixed], as a table of both wires.
+    Raises ValueError if one is no wire, or an angle is stated twice.
+    """
+    stated = [table.get(name) for name in ("moving", "fixed")] if isinstance(table, Mapping) else []
+    if not stated or not all(isinstance(own, Mapping) and own for own in stated):
+        return table
+    both, moving, fixed = (dict(keys.with_constants_of_material(own)) for own in (table, *stated))
+    for shape in (own.pop("shape", "wire") for own in (moving, fixed)):
+        if shape != "wire":
+            raise ValueError(f'give a {shown(shape)}, but crossed wires are wires: kind = "point-contact" takes others')
+    shared = [key for key in _NEEDED if key not in both and key in moving]
+    if assumed := [key for key in shared if key not in fixed]:
+        said = f"the fixed wire states no {', no '.join(assumed)}, and is taken to have what the moving wire states"
+        warnings.warn(AssumedWarning(f"{said}."), stacklevel=2)
+    for key in shared:
+        both |= {own: moving.pop(own) for own in (key, "material") if own in moving and own not in both}
+    return {**both, **_angles(both, moving, fixed), "moving": moving, "fixed": fixed}
+
+
+def _angles(both: Mapping[str, Any], moving: dict[str, Any], fixed: dict[str, Any]) -> dict[str, float]:
+    """Crossing and motion angle by the wires' own axis angles, which are taken out of their tables; empty for none.
+    Raises ValueError if one is no angle, or what they come to is stated as well.
+    """
+    given = [own.pop("axis_angle_deg", None) for own in (moving, fixed)]
+    if given == [None, None]:
+        return {}
+    if twice := [key for key in _ANGLES if key in both]:
+        raise ValueError(f"give {twice[0]} beside an axis_angle_deg, which tells it as well: give one of the two")
+    try:
+        first, second = (
+            float(keys.AXIS(default if own is None else own)) for own, default in zip(given, (0.0, 90.0), strict=True)
+        )
+    except ValueError as problem:
+        raise ValueError(f"give an axis_angle_deg that {problem}") from None
+    return {"crossing_angle_deg": (second - first) % 180.0, "motion_angle_deg": (90.0 - first) % 180.0 - 90.0}
+
+
+def with_motion_of_wires(tables: Any) -> Any:
+    """A study's unchecked tables with the direction of motion in the conditions, also where the wires tell it.
+
+    They stay as they are where both tell it, were it an angle of 0, and where the wires cannot be read.
+    """
+    key = next((own for own in _BOTH.choices if isinstance(tables, Mapping) and own in tables), "")
+    wires, conditions = (tables[key], tables.get("conditions")) if key else (None, None)
+    if not isinstance(wires, Mapping) or not isinstance(conditions, Mapping):
+        return tables
+    turned = any("axis_angle_deg" in own for own in wires.values() if isinstance(own, Mapping))
+    try:
+        both = _wires_of_bodies(wires) if turned else wires
+    except ValueError:
+        # To be told at its key.
+        return tables
+    # Results of earlier versions hold a default of 0 beside what the wires tell.
+    twice = conditions.get(_MOTION) is not None if turned else bool(conditions.get(_MOTION))
+    if both.get(_MOTION) is None or twice:
+        return tables
+    rest = {own: value for own, value in both.items() if own != _MOTION}
+    return {**tables, key: rest, "conditions": {**conditions, _MOTION: both[_MOTION]}}
+
+
+class WireOverride(keys.OfMaterial):
+    """What one wire has different from `[wires]`."""
+
+    diameter_mm: keys.Diameter | None = Field(None, description="diameter of this wire")
+    length_mm: keys.Length | None = Field(None, description="modelled length of this wire")
+    material: keys.MaterialName | None = Field(
+        None, description="name of this wire's material, in place of its constants"
+    )
+    youngs_modulus_MPa: keys.YoungsModulus | None = Field(None, description="Young's modulus of this wire")
+    poissons_ratio: keys.PoissonsRatio | None = Field(None, description="Poisson's ratio of this wire")
+    grip_angle_deg: keys.GripAngle | None = Field(None, description="part of this wire's circumference that is held")
+    grip_length_mm: keys.Length | None = Field(None, description="length over which this wire is held")
+    grip_stiffness_N_per_mm3: keys.GripStiffness | None = Field(
+        None, description="stiffness of this wire's grip per area"
+    )
+    surface: StatedSurface | None = Field(None, description="this wire's surface as measured before the test")
+    layers: tuple[LayerTable, ...] = Field((), description=LAYERS)
+    bulk: BulkTable | None = Field(None, description=BULK)
+
+
+class Wires(keys.OfMaterial):
+    """Both wires: the moving one slides along its own axis, the fixed one's holder carries the rig's compliance."""
+
+    diameter_mm: keys.Diameter = Field(description="diameter of the wires", examples=[0.45])
+    material: keys.MaterialName | None = Field(
+        None, description="name of a material of the table, in place of its constants", examples=["Ti-6Al-4V"]
+    )
+    youngs_modulus_MPa: keys.YoungsModulus = Field(description="Young's modulus", examples=[210000.0])
+    poissons_ratio: keys.PoissonsRatio = Field(description="Poisson's ratio", examples=[0.3])
+    crossing_angle_deg: keys.CrossingAngle = Field(
+        90.0, description="angle of the fixed wire's axis to the moving one's, about the normal that points upwards"
+    )
+    motion_angle_deg: keys.MotionAngle | None = Field(
+        None, description="that of the motion to the moving wire's axis, of a study in its conditions"
+    )
+    length_mm: keys.Length | None = Field(None, description="modelled length; without it the program chooses")
+    grip_angle_deg: keys.GripAngle = Field(90.0, description="part of the circumference, about the back, that is held")
+    grip_length_mm: keys.Length | None = Field(
+        None, description="length over which a wire is held, about its middle; without it all of the modelled length"
+    )
+    grip_stiffness_N_per_mm3: keys.GripStiffness = Field(
+        "rigid", description='stiffness of the grip per area, a number or "rigid"'
+    )
+    moving: WireOverride = Field(WireOverride(), description="what the moving wire has different")
+    fixed: WireOverride = Field(WireOverride(), description="what the fixed wire has different")
+
+    def of_test(self, motion_angle_deg: float = 0.0) -> tuple[Wire, Wire]:
+        """The moving and the fixed wire, with such a motion where they do not tell of one."""
+        motion = self.motion_angle_deg or motion_angle_deg
+        return self._wire("moving", -motion), self._wire("fixed", self.crossing_angle_deg - motion)
+
+    def _wire(self, name: str, axis_angle_deg: float) -> Wire:
+        stated = dict(self) | {key: value for key, value in getattr(self, name) if value is not None}
+        names = {field.name for field in fields(Wire)} & WireOverride.model_fields.keys()
+        own: dict[str, Any] = {key: stated.get(key) for key in names}
+        return Wire(name=name, axis_angle_deg=axis_angle_deg, **own)
+
+    def contradiction(self) -> keys.Inconsistency | None:
+        """Wires shorter than they are thick, or that touch along a line."""
+        moving, fixed = self.of_test()
+        for wire in (moving, fixed):
+            if (wire.length_mm or wire.diameter_mm) < wire.diameter_mm:
+                own = (wire.name,) if getattr(self, wire.name).length_mm else ()
+                return keys.Inconsistency(
+                    ("wires", *own, "length_mm"),
+                    f"is {wire.length_mm:g} mm, but must be at least the wire's diameter, {wire.diameter_mm:g} mm",
+                )
+        if touch_along_line(moving, fixed):
+            return keys.Inconsistency(
+                ("wires", "crossing_angle_deg"),
+                f"is {self.crossing_angle_deg:g}°, at which wires so unlike touch along a line or nearly so",
+            )
+        return None
+
+
+#: A key that takes both wires, or two bodies by their names.
+BothWires = Annotated[
+    Wires, BeforeValidator(_wires_of_bodies), Field(description="the two wires", validation_alias=_BOTH)
+]
