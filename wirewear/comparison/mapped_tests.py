@@ -22,6 +22,7 @@ from wirewear.comparison.maps import (
 from wirewear.diagnosis.fit.fit import tables_of_record
 from wirewear.diagnosis.fit.stiffness import rig_compliance
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.loops.figures import RegimeOfTest, regime_of
 from wirewear.records import AnyRecord, read_record
 from wirewear.records.course_checks import accumulated_energy_J
 from wirewear.records.exporting import true_loop
@@ -29,9 +30,7 @@ from wirewear.records.test_tables import Source
 from wirewear.records.values import MeasuredLoop
 from wirewear.results import RunResult, read_loops, read_results
 
-Regime = Literal["partial slip", "mixed", "gross slip"]
-
-REGIMES: tuple[Regime, ...] = ("partial slip", "mixed", "gross slip")
+REGIMES: tuple[RegimeOfTest, ...] = ("partial slip", "mixed", "gross slip")
 
 LEAST_SPREAD = 1.5  #: Energies of tests must differ by this factor for a threshold to be told from their scatter.
 
@@ -64,7 +63,7 @@ class MappedTest:
     displacement_amplitude_um: float  #: δa, mean of all loops.
     worn: tuple[WornTest, ...]  #: Energy and volume of each repeat that tells both.
     slip_amplitude_um: tuple[float, float] = (float("nan"), float("nan"))  #: δ0 at the first and at the last cycle.
-    regime: Regime = "partial slip"  #: "mixed" where some of its loops slide as a whole and others do not.
+    regime: RegimeOfTest = "partial slip"  #: "mixed" where some of its loops slide as a whole and others do not.
     sliding: tuple[SlidingMap, ...] = ()  #: Criteria of sliding by cycle.
     cracks: str | None = None  #: "found" or "none", where the test's owner looked for them.
     contact: FreshContact | None = None  #: The fresh contact behind its rig; None where too little is known of it.
@@ -84,14 +83,6 @@ class MappedTest:
     def volume_mm3(self) -> float:
         """Mean worn volume of a test; NaN where none is known."""
         return float(np.mean([one.volume_mm3 for one in self.worn])) if self.worn else float("nan")
-
-
-def regime_of(figures: Iterable[LoopFigures]) -> Regime:
-    """Gross or partial slip of all loops, or mixed."""
-    slides = {one.regime != "partial slip" for one in figures}
-    if len(slides) == 2:
-        return "mixed"
-    return "gross slip" if slides == {True} else "partial slip"
 
 
 def lines_of(tests: Iterable[MappedTest]) -> tuple[RegressionLine | None, RegressionLine | None]:

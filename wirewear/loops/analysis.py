@@ -20,10 +20,11 @@ from wirewear.loops.energy import (
     narrow,
     slip_amplitude,
 )
-from wirewear.loops.figures import LoopFigures, Measured
+from wirewear.loops.figures import LoopFigures, Measured, Regime
 from wirewear.loops.friction import MIDDLE_SHARE, SlidingFigures, height_at, largest_ratio, peaks, sliding_figures
 from wirewear.loops.lag import branch_earlier, earlier, goes_with_velocity, is_certain, lag_of
 from wirewear.loops.stick_slip import static_overshoot, stick_slip
+from wirewear.loops.sticking import notes_on, slip_of
 from wirewear.loops.stiffness import RESOLVED, bent, corner_of, mean_stiffness, micro_slip_branch, sliding_stiffness
 
 UNTOLD = "the loop's width at its mid force cannot be told: slip_amplitude is any that its area allows"
@@ -179,9 +180,11 @@ def analyse_loop(
     if sliding.friction is not None and sliding.friction.value > 0.0 and loop.normal_force_N is not None:
         read = read.reaching(250.0 * energy.value / (sliding.friction.value * float(np.mean(loop.normal_force_N))))
     ratio = energy_ratio(energy, amplitude, largest_force)
-    if not courses.slide and not viscous and ratio is not None and (hidden := _hidden(courses, ratio)):
-        loop = loop if OPENS in loop.notes else loop.noted(hidden)
-        read = _all_along(read, courses, energy, amplitude)
+    hidden = None if courses.slide or viscous or ratio is None else _hidden(courses, ratio)
+    if hidden is not None:
+        read, loop = _all_along(read, courses, energy, amplitude), loop if OPENS in loop.notes else loop.noted(hidden)
+    seen: Regime = "gross slip" if courses.slide else "contact opened" if OPENS in loop.notes else "partial slip"
+    regime, regimes, sticking = slip_of(loop, courses.both, seen, hides=hidden is not None, viscous=viscous)
     slip = allowed_slip(read, amplitude, energy, largest_force)
     found = LoopFigures(
         displacement_amplitude_um=amplitude,
@@ -205,12 +208,13 @@ def analyse_loop(
         friction_backward=_from_zero(loop, sliding.backward, zero, 1.0),
         static_overshoot=static_overshoot(loop, courses.both) if slides else None,
         stick_slip=stick_slip(loop, courses.both) if slides else None,
-        regime="gross slip" if courses.slide else "contact opened" if OPENS in loop.notes else "partial slip",
+        regime=regime,
+        regimes=regimes,
         outlier_samples=loop.outliers,
         notes=(),
+        sticking=sticking,
     )
-    if viscous:
-        loop = loop.noted(ELLIPSE)
+    loop = loop.noted(ELLIPSE) if viscous else loop
     notes = [*_notes(loop, courses, found, no_line=no_line), *([BY_ENERGY] if reread else [])]
     notes += [UNTOLD] if slip.interval95[1] < read.interval95[0] or slip.interval95[0] > read.interval95[1] else []
     return within_bounds(replace(found, notes=tuple(notes)))
@@ -315,11 +319,7 @@ def _notes(loop: CleanLoop, courses: BranchFits, found: LoopFigures, *, no_line:
             f"the contact sticks: a force of ±{force:.4g} N follows the displacement of ±{stretch:.4g} µm along a line "
             f"of {1e3 * stiffness.value:.4g} N/mm, which is what it is held by"
         )
-    if found.regime == "partial slip":
-        notes.append(
-            "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
-            "slip_amplitude is the loop's half width without global sliding, and the figures of sliding are left out"
-        )
+    notes += notes_on(found.regime, found.sticking)
     return (*notes, *_signal_notes(found))
 
 

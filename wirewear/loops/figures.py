@@ -1,14 +1,19 @@
 """What a loop analysis returns: figures with their uncertainty."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, field
 from math import prod
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from wirewear.base.errors import WirewearError
 
-Regime = Literal["partial slip", "gross slip", "contact opened"]
+if TYPE_CHECKING:
+    from wirewear.loops.sticking import Sticking
+
+Regime = Literal["stick", "partial slip", "gross slip", "contact opened"]
+RegimeOfTest = Literal["partial slip", "mixed", "gross slip"]
 
 
 class LoopError(WirewearError):
@@ -105,8 +110,29 @@ class LoopFigures:
     #: By which share the force first passes the later peaks of the plateau; None if it does not.
     static_overshoot: Measured | None
     stick_slip: StickSlip | None  #: Chatter of the plateaus; None where there is none.
-    #: "gross slip" when a plateau follows the micro-slip branches; else "contact opened" where the normal force falls
-    #: to zero within the cycle, and else "partial slip".
+    #: "gross slip" when a plateau follows the micro-slip branches, or nothing else makes such a loop; else "contact
+    #: opened" where the normal force falls to zero within the cycle, and else "partial slip".
     regime: Regime
+    regimes: tuple[Regime, ...]  #: What doubt leaves of it, in the order of growing slip; "stick" is one of them.
     outlier_samples: tuple[int, ...]  #: Indices of input samples left out as outliers.
     notes: tuple[str, ...]  #: Sentences about what was left out, assumed or corrected.
+    #: All contacts that a loop in partial slip allows for; None where it slides.
+    sticking: "Sticking | None" = field(default=None, compare=False, repr=False)
+
+    @property
+    def friction_partial_slip(self) -> Measured | None:
+        """µ of a loop without a plateau, by energy, stiffness and shape; NaN, open above, where it is only bounded."""
+        return None if self.sticking is None else self.sticking.friction
+
+    @property
+    def used_share(self) -> Measured | None:
+        """Q*/µP of a loop without a plateau; NaN where friction is only bounded."""
+        return None if self.sticking is None else self.sticking.used
+
+
+def regime_of(figures: Iterable[LoopFigures]) -> RegimeOfTest:
+    """Gross or partial slip of all loops, or mixed."""
+    slides = {one.regime != "partial slip" for one in figures}
+    if len(slides) == 2:
+        return "mixed"
+    return "gross slip" if slides == {True} else "partial slip"

@@ -10,6 +10,7 @@ from rich.text import Text
 from wirewear.base.errors import RecordError, counted
 from wirewear.base.files import TABLE_FILE_NAME
 from wirewear.loops import LoopError, LoopFigures
+from wirewear.loops.figures import regime_of
 from wirewear.records import course_checks, loop_checks, swap_checks
 from wirewear.records.remarks import CheckedRecord, RecordReport, Remark, listed, loop_statistics, plural
 from wirewear.records.surface_checks import profile_remarks, scar_remarks
@@ -106,8 +107,7 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
         )
     branches = [branch for item in figures for branch in item.branches]
     few = sum(len(branch.samples) < RESOLVED for branch in branches)
-    if any(item.regime == "partial slip" for item in figures):
-        yield False, "The coefficient of friction in partial slip: the largest force over load is a lower bound."
+    yield from _partial_slip(figures)
     if few > len(branches) // 2:
         yield (
             False,
@@ -120,6 +120,29 @@ def _loops(checked: CheckedRecord) -> Iterator[Verdict]:
         yield False, "The tangential stiffness: behind reversals, most loops show no line."
     else:
         yield True, "The measured tangential stiffness, rig and contact together."
+
+
+def _partial_slip(figures: Sequence[LoopFigures]) -> Iterator[Verdict]:
+    """Friction of loops that do not slide as a whole: within an interval, or bounded below alone."""
+    sticking = [item for item in figures if item.regime == "partial slip"]
+    if not sticking:
+        return
+    if regime_of(figures) == "mixed":
+        yield True, f"That the test is mixed: {len(sticking)} of {plural(len(figures), 'loop')} in partial slip."
+    intervals = [one.interval95 for item in sticking if (one := item.friction_partial_slip) is not None]
+    bounded = [one for one in intervals if np.isfinite(one[1])]
+    if bounded:
+        low, high = min(bounded, key=lambda one: one[1] / max(one[0], 1e-300))
+        told = f"energy, stiffness and shape of one loop leave {low:.2g} to {high:.2g}, those of the others more"
+        yield True, f"The coefficient of friction in partial slip, within bounds: {told}."
+    else:
+        yield (
+            False,
+            (
+                "The coefficient of friction in partial slip: the largest force over load is a lower bound, and nothing"
+                " bounds it above. A longer stroke, or a displacement sensor nearer to the contact, would."
+            ),
+        )
 
 
 def _repeats(record: AnyRecord) -> Iterator[Verdict]:

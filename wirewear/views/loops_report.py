@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import counted
 from wirewear.base.writing import prepared_folder
 from wirewear.loops import LoopError, LoopFigures, Measured, StickSlip, analyse_loop
+from wirewear.loops.figures import regime_of
 from wirewear.pictures.loop import draw_loop, name_axes
 from wirewear.pictures.smooth import chosen_cycles
 from wirewear.pictures.style import GREY, INK, VARIANT_COLOURS, cycle_name, new_figure, panel_letters, save
@@ -48,6 +50,9 @@ SHOWN_BY_SOME = (
     ("friction_backward", "µ backward", 1.0),
     ("static_overshoot", "static peak", 1.0),
 )
+
+#: What loops without a plateau leave.
+WITHOUT_PLATEAU = (("friction_partial_slip", "µ partial slip", 1.0), ("used_share", "Q*/µP", 1.0))
 
 LOOP, FIT, WIDTH = INK, VARIANT_COLOURS[1], VARIANT_COLOURS[0]
 
@@ -89,8 +94,9 @@ def _analysed(loop: SampledLoop) -> AnalysedLoop:
 
 
 def loops_json(source: str, analysed: Sequence[AnalysedLoop]) -> dict[str, Any]:
-    """``{"source", "loops": [{"repeat", "cycle", figure: {"value", "interval95"} or null, "notes", …}]}``."""
-    return {"source": source, "loops": [_json(item) for item in analysed]}
+    """``{"source", "regime", "loops": [{"repeat", "cycle", figure: {"value", "interval95"} or null, "notes", …}]}``."""
+    regime = regime_of(item.figures for item in analysed if item.figures is not None)
+    return {"source": source, "regime": regime, "loops": [_json(item) for item in analysed]}
 
 
 def _json(item: AnalysedLoop) -> dict[str, Any]:
@@ -98,10 +104,10 @@ def _json(item: AnalysedLoop) -> dict[str, Any]:
     if item.figures is None:
         return found | {"refused": item.refusal}
     figures = item.figures
-    for name, _, _ in (*FIGURES, *SHOWN_BY_SOME):
+    for name, _, _ in (*FIGURES, *SHOWN_BY_SOME, *WITHOUT_PLATEAU):
         found[name] = _measured_json(getattr(figures, name))
     found["stick_slip"] = _stick_slip_json(figures.stick_slip)
-    found["regime"] = {"value": figures.regime, "interval95": None}
+    found["regime"] = {"value": figures.regime, "interval95": None, "possible": list(figures.regimes)}
     found["micro_slip_branches"] = [
         {
             "direction": branch.direction,
@@ -127,7 +133,11 @@ def _stick_slip_json(chatter: StickSlip | None) -> dict[str, Any] | None:
 
 
 def _measured_json(measured: Measured | None) -> dict[str, Any] | None:
-    return None if measured is None else {"value": measured.value, "interval95": list(measured.interval95)}
+    """Null for what is not known: a figure, the value of one that is only bounded, an end of an interval."""
+    if measured is None:
+        return None
+    value, low, high = (one if math.isfinite(one) else None for one in (measured.value, *measured.interval95))
+    return {"value": value, "interval95": [low, high]}
 
 
 def loops_table(analysed: Sequence[AnalysedLoop]) -> Table:
@@ -155,6 +165,29 @@ def real_loops_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
     chatter = ["stick-slip share", "slips a cycle", "slips [Hz]", "force drop"]
     heads = [*(head for _, head, _ in SHOWN_BY_SOME), *chatter]
     return _table(analysed, "Free play, static friction and stick-slip", heads, cells)
+
+
+def partial_slip_table(analysed: Sequence[AnalysedLoop]) -> Table | None:
+    """What loops without a plateau tell of friction and regime; None where every loop has one."""
+    if not any(item.figures is not None and item.figures.sticking is not None for item in analysed):
+        return None
+
+    def cells(figures: LoopFigures) -> list[str]:
+        numbers = [_between(getattr(figures, name)) for name, _, _ in WITHOUT_PLATEAU]
+        return [*numbers, " or ".join(one.removesuffix(" slip") for one in figures.regimes)]
+
+    heads = [*(head for _, head, _ in WITHOUT_PLATEAU), "regime may be"]
+    return _table(analysed, "Without a plateau (95 % interval)", heads, cells)
+
+
+def _between(measured: Measured | None) -> str:
+    """A value with the ends of its interval, or what bounds it."""
+    if measured is None:
+        return "–"
+    low, high = measured.interval95
+    if math.isfinite(measured.value):
+        return f"{measured.value:.3g} ({low:.3g} to {high:.3g})"
+    return f"≥ {low:.3g}" if math.isinf(high) else f"{low:.3g} to {high:.3g}"
 
 
 def _table(
@@ -204,12 +237,29 @@ def rounded(measured: Measured, factor: float = 1.0) -> tuple[str, str]:
 
 def remarks(analysed: Sequence[AnalysedLoop]) -> list[str]:
     """Notes and refusals, each once, with the number of loops that it is about where that is not all."""
-    counted: dict[str, int] = {}
+    often: dict[str, int] = {}
     for item in analysed:
         found = item.figures.notes if item.figures else (f"refused: {item.refusal}",)
         for note in (*item.loop.notes, *found):
-            counted[note] = counted.get(note, 0) + 1
-    return [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in counted.items()]
+            often[note] = often.get(note, 0) + 1
+    course = course_of_regimes(analysed)
+    said = [f"{note} ({n} of {len(analysed)} loops)" if n < len(analysed) else note for note, n in often.items()]
+    return said if course is None else [course, *said]
+
+
+def course_of_regimes(analysed: Sequence[AnalysedLoop]) -> str | None:
+    """In which cycles a mixed test slides as a whole; None of other tests."""
+    known = [(item.loop.cycle, item.figures) for item in analysed if item.figures is not None]
+    if regime_of(figures for _, figures in known) != "mixed":
+        return None
+    cycles = sorted({cycle for cycle, _ in known})
+    regimes = [regime_of(figures for at, figures in known if at == cycle) for cycle in cycles]
+    runs = []
+    for regime, run in groupby(zip(regimes, cycles, strict=True), key=lambda one: one[0]):
+        own = [cycle for _, cycle in run]
+        where = f"cycle {counted(own[0])}" if len(own) == 1 else f"cycles {counted(own[0])} to {counted(own[-1])}"
+        runs.append(f"{'some loops in either' if regime == 'mixed' else regime} in {where}")
+    return f"a mixed test: {', '.join(runs)}"
 
 
 def draw_loops(analysed: Sequence[AnalysedLoop], path: Path) -> Path:

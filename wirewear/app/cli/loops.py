@@ -67,6 +67,7 @@ def loops_command(
         draw_loops,
         loops_json,
         loops_table,
+        partial_slip_table,
         real_loops_table,
         remarks,
     )
@@ -84,8 +85,9 @@ def loops_command(
         return
     console = wide_console(170)
     console.print(loops_table(analysed))
-    if (table := real_loops_table(analysed)) is not None:
-        console.print(table)
+    for table in (partial_slip_table(analysed), real_loops_table(analysed)):
+        if table is not None:
+            console.print(table)
     for remark in remarks(analysed):
         click.echo(remark)
     click.echo(picture)

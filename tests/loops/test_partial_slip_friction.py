@@ -1,0 +1,93 @@
+"""Friction of contacts that stick in their middle, read from loops that another principle than the reading's makes."""
+
+import math
+
+import numpy as np
+import pytest
+
+from geometry.arrays import Array
+from tests.synthetic_loops import Recipe, SyntheticLoop, partial_slip_loop
+from wirewear.loops import LoopFigures, analyse_loop
+from wirewear.loops.figures import regime_of
+
+LOAD_N = 40.0
+
+
+def bristles(friction: float, share: float, count: int = 4000) -> tuple[Array, Array]:
+    """Travel [µm] and rise [N] of a branch between ±share of µP, of stiff bristles with evenly spread limits."""
+    limits = np.linspace(0.0, 1.0, count)
+    limits *= friction * LOAD_N / limits.sum()
+    stiffness = 8.0 / count
+    amplitude = limits.max() / stiffness * (1.0 - math.sqrt(1.0 - share))
+    anchors = np.zeros(count)
+    forces = []
+    path = 2.0 * amplitude * np.sin(np.linspace(0.0, math.pi / 2.0, 80)) ** 2 - amplitude
+    for displacement in (*np.linspace(0.0, amplitude, 30), *path[::-1], *path):
+        held = np.clip(stiffness * (displacement - anchors), -limits, limits)
+        anchors = displacement - held / stiffness
+        forces.append(float(held.sum()))
+    branch = np.array(forces[-path.size :])
+    return path - path[0], branch - branch[0]
+
+
+def measured(friction: float, share: float, seed: int, rig_um_per_N: float) -> LoopFigures:
+    """The loop of such bristles behind a rig under a sine, with noise, a drift and a part of a sample's lag."""
+    travel, rise = bristles(friction, share)
+    travel = travel + rig_um_per_N * rise
+    random = np.random.default_rng(seed)
+    count = 240
+    time = np.arange(count) / count
+    half, force_N = 0.5 * travel[-1], 0.5 * rise[-1]
+    angle = 2.0 * math.pi * time + 0.3
+    late = angle - 2.0 * math.pi * random.uniform(-0.3, 0.3) / count
+    forward = np.interp(half * (1.0 + np.sin(late)), travel, rise) - force_N
+    backward = force_N - np.interp(half * (1.0 - np.sin(late)), travel, rise)
+    force = np.where(np.cos(late) >= 0.0, forward, backward) + 0.004 * force_N * random.standard_normal(count)
+    displacement = half * (np.sin(angle) + 0.004 * random.standard_normal(count) + 0.002 * time)
+    return analyse_loop(displacement, force, LOAD_N, time_s=time)
+
+
+@pytest.mark.parametrize("share", [0.5, 0.7, 0.85, 0.95])
+@pytest.mark.parametrize("rig_um_per_N", [0.0, 0.1])
+def test_energy_stiffness_and_shape_together_hold_friction_in_partial_slip(share: float, rig_um_per_N: float) -> None:
+    found = measured(0.6, share, int(100 * share), rig_um_per_N)
+    friction, used = found.friction_partial_slip, found.used_share
+    assert found.regime == "partial slip"
+    assert friction is not None
+    assert used is not None
+    assert friction.interval95[0] < 0.6 < friction.interval95[1]
+    assert used.interval95[0] < share < used.interval95[1]
+    if share >= 0.85:
+        assert friction.interval95[1] < 1.5 * friction.interval95[0]
+
+
+def test_a_loop_too_thin_bounds_friction_below_alone_and_may_stick() -> None:
+    found = measured(0.6, 0.06, 3, 0.5)
+    friction = found.friction_partial_slip
+    assert friction is not None
+    assert math.isnan(friction.value)
+    assert friction.interval95 == pytest.approx((0.036, math.inf), rel=0.05)
+    assert found.regimes == ("stick", "partial slip")
+
+
+def test_the_regime_of_a_loop_at_its_boundary_is_in_doubt() -> None:
+    time, displacement, force = partial_slip_loop(0.9999, 200)
+    random = np.random.default_rng(2)
+    force = force + 0.005 * random.standard_normal(force.size)
+    assert set(analyse_loop(displacement, force, 2.0, time_s=time).regimes) == {"partial slip", "gross slip"}
+
+
+@pytest.mark.parametrize("excess", [1.02, 1.1])
+def test_sliding_by_less_than_a_plateau_needs_is_gross_slip_with_its_friction(excess: float) -> None:
+    threshold_um = 1240.0 / 167.0 + 1.5 * 1240.0 / 2718.0
+    _, displacement, force = SyntheticLoop(Recipe(amplitude_um=excess * threshold_um)).sampled(256)
+    found = analyse_loop(displacement, force, 2.0)
+    assert found.regime == "gross slip"
+    assert found.friction_partial_slip is not None
+    assert found.friction_partial_slip.value == pytest.approx(0.62, rel=0.01)
+
+
+def test_partial_and_gross_slip_make_a_mixed_test() -> None:
+    _, displacement, force = SyntheticLoop(Recipe()).sampled(200)
+    sliding = analyse_loop(displacement, force, 2.0)
+    assert regime_of([measured(0.6, 0.7, 1, 0.0), sliding]) == "mixed"

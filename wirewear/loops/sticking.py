@@ -1,0 +1,306 @@
+"""Friction of a contact that sticks in its middle: what energy, stiffness and shape of one loop leave of it.
+
+After a reversal a contact gives way by twice its first course at half the force (Masing). Under a constant load that
+course is the one of its pressing, scaled (J. Jäger, Arch. Appl. Mech. 65 (1995) 478; M. Ciavarella, J. Mech. Phys.
+Solids 46 (1998) 2349): where P grows with the power 1/n of the approach, it has given way by 1 − (1 − Q/µP)^n of what
+it gives way until it slides. n is ⅔ of bodies as Hertz (Mindlin and Deresiewicz 1953), ½ of cones and of evenly spread
+limits (Iwan 1966), and near 1 of cylinders side by side. Bodies and rig, a spring in series, take the rest.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from geometry.arrays import Array, BoolArray
+from wirewear.loops.branches import Branch, MicroSlip
+from wirewear.loops.cleaning import CleanLoop
+from wirewear.loops.figures import Measured, Regime
+from wirewear.loops.stick_slip import Course
+
+EXPONENTS = np.array([2.0 / 3.0, 0.5, 1.0])  #: n of the shapes that are tried; at 1 the limit, of cylinders.
+CYLINDERS = 0.2  #: Of the travel until cylinders slide, their contact takes no more: the rest is their bodies'.
+
+TRAVELS = np.geomspace(0.8, 60.0, 48)  #: Travels until sliding that are tried, over that of a branch.
+NONE_SEEN = 50.0  #: Where travels beyond this are not told from others, nothing shows that the contact slips.
+SHARES = np.linspace(0.0, 1.0, 13)  #: Shares of the contact in them.
+COARSE = 0.95  #: Where it cannot be closer, a search leaves so much between what it finds and the least that µP may be.
+CLOSER = 2  #: How often as many of both are tried again, about those that the last search leaves.
+
+FEWEST = 24  #: Samples.
+STEADY = 0.05  #: A load that changes by more within the cycle leaves other loops.
+WITHIN95 = 3.84  #: χ² of one number with a probability of 95 %.
+KEPT = 25.0  #: What is farther off than this is forgotten.
+
+MODEL = 5e-4  #: What contacts and sensors depart from any such course by, of the force's amplitude.
+LIMIT = 0.005  #: Relative deviation of µP itself that real pressures leave where a contact all but slides.
+#: Standard deviations of what readings may hide: a lag in samples, an offset of reversals and a drift, of the stroke.
+LAG, OFFSET, DRIFT = 0.5, 1e-3, 3e-3
+
+PARTIAL_SLIP = (
+    "partial slip: no plateau follows the micro-slip branches, so friction_max is a lower bound, "
+    "slip_amplitude is the loop's half width without global sliding, and the figures of sliding are left out"
+)
+
+BY_MICRO_SLIP = (
+    "friction_partial_slip and used_share are read from energy, stiffness and shape of the loop together, for contacts "
+    "from cones to cylinders behind a spring under a steady load"
+)
+
+ONLY_BOUNDED = (
+    "the loop is so thin that a contact which does not slip at all could have left it: its energy bounds friction from "
+    "below alone"
+)
+
+SHORT = (
+    "the contact slides, but no farther than it gives way before: figures that need a plateau are left out, and "
+    "friction_partial_slip is that of the loop's energy, stiffness and shape together"
+)
+
+_REMAINING = np.linspace(1.0, 0.0, 240) ** 1.5  # dense where a contact begins to slide
+
+
+@dataclass(frozen=True, eq=False)
+class Sticking:
+    """Contacts whose loops are told from the measured one by no more than `chi_squared`; arrays have shape (n,)."""
+
+    chi_squared: Array
+    limit_N: Array  #: µP.
+    deviation_N: Array  #: Its standard deviation were all else known.
+    share: Array  #: Q*/µP; 1 where the contact slides.
+    contact_um_per_N: Array  #: Compliance of the contact while all of it sticks; 0 for cylinders, whose is none.
+    rig_um_per_N: Array  #: That of the spring in series.
+    unseen: BoolArray  #: Whether the loop is too thin to tell the contact from one that does not slip at all.
+    load_N: Measured | None  #: The steady load; None where none is known.
+
+    def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
+        """What is left where the contact's compliance is known with a relative standard deviation."""
+        known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
+        return self.kept(self.chi_squared + known**2)
+
+    def kept(self, chi_squared: Array) -> "Sticking":
+        """Those that another χ² leaves near the best of them."""
+        other = chi_squared - chi_squared.min()
+        near = other <= KEPT
+        return Sticking(
+            other[near], self.limit_N[near], self.deviation_N[near], self.share[near], self.contact_um_per_N[near],
+            self.rig_um_per_N[near], self.unseen[near], self.load_N,
+        )  # fmt: skip
+
+    @property
+    def friction(self) -> Measured | None:
+        """µ, with the doubt of the load; without a value where it is only bounded below, None without a load."""
+        if self.load_N is None:
+            return None
+        load, limit = self.load_N, self.limit
+        (low, high), (least, most) = limit.interval95, load.interval95
+        return Measured(limit.value / load.value, (low / most, high / max(least, 1e-300)))
+
+    @property
+    def limit(self) -> Measured:
+        """µP in N; without a value, and with no upper end, where it is only bounded below."""
+        low, high = self._ends
+        if self._unseen:
+            force = float((self.limit_N * self.share)[self._left].min())
+            return Measured(np.nan, (max(force, COARSE * low), np.inf))
+        return Measured(float(self.limit_N[self._best]), (low, high))
+
+    @property
+    def used(self) -> Measured:
+        """Q*/µP; without a value, and from 0, where µP is only bounded below."""
+        if self._unseen:
+            return Measured(np.nan, (0.0, 1.0))
+        share = self.share[self._left]
+        return Measured(float(self.share[self._best]), (float(share.min()), float(share.max())))
+
+    @property
+    def rig(self) -> Measured:
+        """Compliance of bodies and rig in series with the contact, in µm/N."""
+        left = self.rig_um_per_N[self._left]
+        return Measured(float(self.rig_um_per_N[self._best]), (float(left.min()), float(left.max())))
+
+    @property
+    def regimes(self) -> tuple[Regime, ...]:
+        """What the loop allows for, in the order of growing slip."""
+        left = self._left
+        found: list[tuple[Regime, bool]] = [
+            ("stick", self._unseen),
+            ("partial slip", bool(np.any(self.share[left] < 1.0))),
+            ("gross slip", bool(np.any(self.share[left] >= 1.0))),
+        ]
+        return tuple(name for name, is_left in found if is_left)
+
+    @property
+    def _left(self) -> BoolArray:
+        left: BoolArray = self.chi_squared <= WITHIN95
+        return left
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        left = self._left
+        beside = self.deviation_N[left] * np.sqrt(WITHIN95 - self.chi_squared[left])
+        return float((self.limit_N[left] - beside).min()), float((self.limit_N[left] + beside).max())
+
+    @property
+    def _unseen(self) -> bool:
+        return bool(np.any(self.unseen & self._left))
+
+    @property
+    def _best(self) -> int:
+        return int(np.argmin(self.chi_squared))
+
+
+def sticking_of(loop: CleanLoop, courses: tuple[Course, Course]) -> Sticking | None:
+    """What a loop without a plateau leaves; None where its load is not steady, or too few samples lie on it."""
+    load = loop.normal_force_N
+    if load is not None and float(np.ptp(load)) > STEADY * float(np.mean(load)):
+        return None
+    readings = _readings(loop, courses)
+    if readings.travel_um.size < FEWEST:
+        return None
+    tried = _searched(readings, TRAVELS, SHARES)
+    for _ in range(CLOSER):
+        # A corner is found only by travels that are near to it, and what fits best says what noise and model leave.
+        best = tried[:, int(np.argmin(tried[0]))]
+        tried = np.hstack([tried, _about(readings, tried, best[:, None])])
+    tried = np.hstack([tried, _about(readings, tried, tried[:, _chi_squared(readings, tried)[0] <= WITHIN95])])
+    chi_squared, scale = _chi_squared(readings, tried)
+    _, limit, deviation, share, part, travel, exponent = tried
+    per_force = readings.length_um * travel / (2.0 * limit)
+    own = np.where(exponent < 1.0, part * exponent, 0.0)
+    found = Sticking(
+        chi_squared=chi_squared,
+        limit_N=limit,
+        deviation_N=np.hypot(np.sqrt(scale) * deviation, LIMIT * limit),
+        share=share,
+        contact_um_per_N=per_force * own,
+        rig_um_per_N=per_force * (1.0 - part * np.where(exponent < 1.0, 1.0, CYLINDERS)),
+        unseen=travel > NONE_SEEN,
+        load_N=None if load is None else Measured.from_deviation(float(np.mean(load)), loop.normal_noise_N),
+    )
+    return found.kept(chi_squared)
+
+
+def slip_of(
+    loop: CleanLoop, courses: tuple[Course, Course], seen: Regime, *, hides: bool, viscous: bool
+) -> tuple[Regime, tuple[Regime, ...], Sticking | None]:
+    """The regime of a loop whose branches show one, what doubt leaves of it, and contacts that stick in their middle.
+
+    `hides` says that walls may hide a plateau, and `viscous` that the force goes with the velocity.
+    """
+    sticking = sticking_of(loop, courses) if seen == "partial slip" and not (hides or viscous) else None
+    if sticking is None:
+        return seen, ("partial slip", "gross slip") if hides and seen == "partial slip" else (seen,), None
+    left = sticking.regimes
+    return "gross slip" if left == ("gross slip",) else "partial slip", left, sticking
+
+
+def notes_on(regime: Regime, sticking: Sticking | None) -> list[str]:
+    """What a loop without a plateau tells of friction, and what not."""
+    if regime != "partial slip":
+        return [] if sticking is None else [SHORT]
+    if sticking is None:
+        return [PARTIAL_SLIP]
+    return [PARTIAL_SLIP, BY_MICRO_SLIP if np.isfinite(sticking.limit.value) else ONLY_BOUNDED]
+
+
+@dataclass(frozen=True, eq=False)
+class _Readings:
+    """Both branches after one another (n,), forces over their noise, freed from what `basis` (n + k, k) explains."""
+
+    travel_um: Array
+    length_um: float  #: Mean of both.
+    per_noise: Array  #: Inverse of the forces' noise (n,), in 1/N.
+    basis: Array  #: Orthonormal columns of what readings may hide, with the rows that say how likely they do.
+    freed: Array  #: (n + k,)
+    likely: float  #: Squares of what contacts depart from such courses by, over those of the noise.
+
+    def clear(self, columns: Array) -> Array:
+        """Columns (…, n + k) freed from what readings may hide."""
+        cleared: Array = columns - (columns @ self.basis) @ self.basis.T
+        return cleared
+
+
+def _readings(loop: CleanLoop, courses: tuple[Course, Course]) -> _Readings:
+    branches = [branch for branch, _ in courses]
+    travel, force = (np.concatenate([getattr(one, name) for one in branches]) for name in ("travel_um", "force_N"))
+    slope = np.concatenate([_slope(*course) for course in courses])
+    length = float(np.mean([branch.length_um for branch in branches]))
+    direction = np.repeat([float(branch.direction) for branch in branches], [one.travel_um.size for one in branches])
+    forward = direction == branches[0].direction
+    of_displacement = 0.0 if loop.smoothed else loop.displacement_noise_um
+    amplitude = 0.5 * float(np.ptp(np.percentile(force, [1.0, 99.0])))
+    noise = np.sqrt(loop.force_noise_N**2 + (slope * of_displacement) ** 2 + (1e-6 * amplitude) ** 2)
+    speed = np.concatenate([np.gradient(branch.travel_um) for branch in branches])
+    progress = np.concatenate([np.linspace(-0.5, 0.5, branch.travel_um.size) for branch in branches])
+    drift = direction * (progress + np.where(forward, 0.0, 1.0))
+    hidden = np.column_stack([direction, *(slope * one for one in (speed, forward, ~forward, drift))])
+    offset = max(3.0 * loop.displacement_noise_um, OFFSET * length)
+    likely = np.diag([0.0, 1.0 / LAG, 1.0 / offset, 1.0 / offset, 1.0 / (DRIFT * length)])
+    basis = np.linalg.qr(np.vstack([hidden / noise[:, None], likely]))[0]
+    values = np.append(force / noise, np.zeros(hidden.shape[1]))
+    depart = force.size * (MODEL * amplitude / float(np.median(noise))) ** 2
+    return _Readings(travel, length, 1.0 / noise, basis, values - basis @ (basis.T @ values), depart)
+
+
+def _slope(branch: Branch, slip: MicroSlip) -> Array:
+    """Slope of the course fitted to a branch, at its samples (n,), in N/µm."""
+    near = 1e-3 * branch.length_um
+    ends = np.maximum(branch.travel_um - near, 0.0), np.maximum(branch.travel_um, 0.0) + near
+    slope: Array = (slip.force(ends[1]) - slip.force(ends[0])) / (ends[1] - ends[0])
+    return slope
+
+
+def _about(readings: _Readings, tried: Array, left: Array) -> Array:
+    """A closer search of the ranges in which some of the tried contacts lie, and a step of each search beyond them."""
+    parts, travels = np.unique(tried[4]), np.unique(tried[5])
+    low, high = left[4].min(), left[4].max()
+    shares = np.linspace(max(parts[parts < low], default=low), min(parts[parts > high], default=high), SHARES.size)
+    low, high = left[5].min(), left[5].max()
+    ends = max(travels[travels < low], default=low), min(travels[travels > high], default=high)
+    return _searched(readings, np.geomspace(*ends, TRAVELS.size), shares)
+
+
+def _searched(readings: _Readings, travels: Array, shares: Array) -> Array:
+    """Contacts of all shapes, travels until sliding over a branch's, and shares of the contact in them, (7, n).
+
+    Rows: squares that each leaves, µP, its deviation were there noise alone, Q*/µP, share, travel, exponent.
+    """
+    count = readings.travel_um.size
+    tried = []
+    for exponent in EXPONENTS:
+        for share in shares:
+            course = _travel(exponent, share * (1.0 if exponent < 1.0 else CYLINDERS))
+            rise, whole = (
+                1.0 - np.interp(at / travels[:, None], course, _REMAINING)
+                for at in (readings.travel_um / readings.length_um, np.ones(1))
+            )
+            # The closed loop turns at plus and minus half of what a branch rises by.
+            columns = np.zeros((travels.size, readings.basis.shape[0]))
+            columns[:, :count] = (rise - 0.5 * whole) * readings.per_noise
+            columns = readings.clear(columns)
+            power = np.einsum("kn,kn->k", columns, columns)
+            height = (columns @ readings.freed) / power
+            left = readings.freed @ readings.freed - height**2 * power
+            at = np.full(travels.size, share), travels, np.full(travels.size, exponent)
+            tried.append(np.stack([left, 0.5 * height, 0.5 / np.sqrt(power), whole[:, 0], *at]))
+    found = np.concatenate(tried, axis=1)
+    rising: Array = found[:, found[1] > 0.0]
+    return rising
+
+
+def _chi_squared(readings: _Readings, tried: Array) -> tuple[Array, float]:
+    """χ² of the contacts tried, less the least, and the variance of a reading over that of its noise alone."""
+    count = readings.travel_um.size
+    least = float(tried[0].min()) / count
+    # Misfit that noise does not explain is alike in all samples, as a departure of the contact is.
+    beyond = count * max(least - 1.0 - 3.0 * np.sqrt(2.0 / count), 0.0)
+    scale = max(least, 1.0) + readings.likely + beyond
+    return (tried[0] - count * least) / scale, scale
+
+
+def _travel(exponent: float, share: float) -> Array:
+    """Travel over that until sliding, where _REMAINING shares of the force's rise are still to come."""
+    left = _REMAINING
+    own = 1.0 - left**exponent if exponent < 1.0 else 1.0 - left + left * np.log(np.maximum(left, 1e-300))
+    travel: Array = (1.0 - share) * (1.0 - left) + share * own
+    return travel
