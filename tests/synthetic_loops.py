@@ -114,6 +114,36 @@ def partial_slip_loop(ratio: float, samples: int, rig_stiffness: float = 167.0) 
     return time, 1e3 * (own + force / rig_stiffness), force
 
 
+def bristle_loop(
+    limit_N: float, share: float, seed: int, contact_um_per_N: float, rig_um_per_N: float
+) -> tuple[Array, Array, Array]:
+    """Time, displacement (µm) and force (N) between ±share·µP, with noise, a drift and a part of a sample's lag.
+
+    Bristles of one stiffness, whose limits are evenly spread, are dragged to and fro behind a rig.
+    """
+    limits = np.linspace(0.0, 1.0, 2000)
+    limits *= limit_N / limits.sum()
+    stiffness = 1.0 / (contact_um_per_N * limits.size)
+    amplitude = limits[-1] / stiffness * (1.0 - math.sqrt(1.0 - share))
+    path = 2.0 * amplitude * np.sin(np.linspace(0.0, math.pi / 2.0, 80)) ** 2 - amplitude
+    anchors, forces = np.zeros(limits.size), []
+    for displacement in (*np.linspace(0.0, amplitude, 30), *path[::-1], *path):
+        held = np.clip(stiffness * (displacement - anchors), -limits, limits)
+        anchors = displacement - held / stiffness
+        forces.append(float(held.sum()))
+    rise = np.array(forces[-path.size :]) - forces[-path.size]
+    travel = path - path[0] + rig_um_per_N * rise
+    random, count = np.random.default_rng(seed), 240
+    time = np.arange(count) / count
+    half, force_N = 0.5 * travel[-1], 0.5 * rise[-1]
+    angle = 2.0 * math.pi * time + 0.3
+    late = angle - 2.0 * math.pi * random.uniform(-0.3, 0.3) / count
+    forward = np.interp(half * (1.0 + np.sin(late)), travel, rise) - force_N
+    backward = force_N - np.interp(half * (1.0 - np.sin(late)), travel, rise)
+    force = np.where(np.cos(late) >= 0.0, forward, backward) + 0.004 * force_N * random.standard_normal(count)
+    return time, half * (np.sin(angle) + 0.004 * random.standard_normal(count) + 0.002 * time), force
+
+
 def recipe_of(
     friction: float,
     normal_load_N: float,

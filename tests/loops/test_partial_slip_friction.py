@@ -5,45 +5,15 @@ import math
 import numpy as np
 import pytest
 
-from geometry.arrays import Array
-from tests.synthetic_loops import Recipe, SyntheticLoop, partial_slip_loop
+from tests.synthetic_loops import Recipe, SyntheticLoop, bristle_loop, partial_slip_loop
 from wirewear.loops import LoopFigures, analyse_loop
 from wirewear.loops.figures import regime_of
 
 LOAD_N = 40.0
 
 
-def bristles(friction: float, share: float, count: int = 4000) -> tuple[Array, Array]:
-    """Travel [µm] and rise [N] of a branch between ±share of µP, of stiff bristles with evenly spread limits."""
-    limits = np.linspace(0.0, 1.0, count)
-    limits *= friction * LOAD_N / limits.sum()
-    stiffness = 8.0 / count
-    amplitude = limits.max() / stiffness * (1.0 - math.sqrt(1.0 - share))
-    anchors = np.zeros(count)
-    forces = []
-    path = 2.0 * amplitude * np.sin(np.linspace(0.0, math.pi / 2.0, 80)) ** 2 - amplitude
-    for displacement in (*np.linspace(0.0, amplitude, 30), *path[::-1], *path):
-        held = np.clip(stiffness * (displacement - anchors), -limits, limits)
-        anchors = displacement - held / stiffness
-        forces.append(float(held.sum()))
-    branch = np.array(forces[-path.size :])
-    return path - path[0], branch - branch[0]
-
-
 def measured(friction: float, share: float, seed: int, rig_um_per_N: float) -> LoopFigures:
-    """The loop of such bristles behind a rig under a sine, with noise, a drift and a part of a sample's lag."""
-    travel, rise = bristles(friction, share)
-    travel = travel + rig_um_per_N * rise
-    random = np.random.default_rng(seed)
-    count = 240
-    time = np.arange(count) / count
-    half, force_N = 0.5 * travel[-1], 0.5 * rise[-1]
-    angle = 2.0 * math.pi * time + 0.3
-    late = angle - 2.0 * math.pi * random.uniform(-0.3, 0.3) / count
-    forward = np.interp(half * (1.0 + np.sin(late)), travel, rise) - force_N
-    backward = force_N - np.interp(half * (1.0 - np.sin(late)), travel, rise)
-    force = np.where(np.cos(late) >= 0.0, forward, backward) + 0.004 * force_N * random.standard_normal(count)
-    displacement = half * (np.sin(angle) + 0.004 * random.standard_normal(count) + 0.002 * time)
+    time, displacement, force = bristle_loop(friction * LOAD_N, share, seed, 1.0 / 8.0, rig_um_per_N)
     return analyse_loop(displacement, force, LOAD_N, time_s=time)
 
 

@@ -68,39 +68,46 @@ class LoopsOfTests:
         return np.where(known.any(axis=0), total / np.maximum(known.sum(axis=0), 1), np.nan)
 
 
-def loops_of_tests(record: AnyRecord) -> LoopsOfTests:
-    """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm.
-    Raises RecordError if no loop tells friction: none can be analysed, or slides as a whole, or is sampled densely
-    enough.
+def loops_of_tests(record: AnyRecord, *, sliding: bool = True) -> LoopsOfTests:
+    """Figures of at most MOST_CYCLES cycles, evenly chosen in their logarithm; of loops in partial slip, too, where
+    not only of sliding ones.
+    Raises RecordError if none of the sliding ones that are asked for tells friction: none can be analysed, or slides
+    as a whole, or is sampled densely enough.
     """
     cycles = _chosen(record.cycles)
     repeats = tuple(sorted({loop.repeat for loop in record.loops}))
     figures = np.full((len(repeats), len(cycles), len(FITTED)), np.nan)
     deviations, plays = np.zeros_like(figures), np.full((*figures.shape[:2], 2), np.nan)
-    sliding = 0
+    slide = 0
     for i, repeat in enumerate(repeats):
         for j, cycle in enumerate(cycles):
             found = _figures(record, repeat, cycle)
             if found is None:
                 continue
-            sliding += found.regime == "gross slip"
+            slide += found.regime == "gross slip"
             if (play := found.free_play_um) is not None:
                 plays[i, j] = play.value, play.deviation
-            for k, measured in _told(found).items():
+            for k, measured in _told(found, sliding=sliding).items():
                 figures[i, j, k], deviations[i, j, k] = measured.value, measured.deviation
-    if not np.isfinite(figures[:, :, 0]).any():
-        raise RecordError(f"{_why_not(record, sliding)}, so that neither friction nor wear can be fitted.")
-    friction = float(np.nanmean(figures[:, :, 0]))
-    if not FRICTIONS[0] <= friction <= FRICTIONS[1]:
-        raise RecordError(
-            f"the loops of the record {record.name!r} give a coefficient of friction of {friction:.3g}, where one from "
-            f"{FRICTIONS[0]:g} to {FRICTIONS[1]:g} can be fitted: check the units of tangential and normal force."
-        )
+    if sliding:
+        _require_friction(record, figures[:, :, 0], slide)
     other = np.isfinite(plays[:, :, 0]) != _has_play(plays, figures)
     for place in _OF_SHELF:
         figures[other, place] = np.nan
     samples = int(np.median([loop.time_s.size for loop in record.loops]))
     return LoopsOfTests(repeats, np.array(cycles, float), figures, _of_one_test(figures, deviations), plays, samples)
+
+
+def _require_friction(record: AnyRecord, frictions: Array, slide: int) -> None:
+    """See that some loops of a record, of which so many slide as a whole, tell a friction that can be fitted."""
+    if not np.isfinite(frictions).any():
+        raise RecordError(f"{_why_not(record, slide)}, so that neither friction nor wear can be fitted.")
+    friction = float(np.nanmean(frictions))
+    if not FRICTIONS[0] <= friction <= FRICTIONS[1]:
+        raise RecordError(
+            f"the loops of the record {record.name!r} give a coefficient of friction of {friction:.3g}, where one from "
+            f"{FRICTIONS[0]:g} to {FRICTIONS[1]:g} can be fitted: check the units of tangential and normal force."
+        )
 
 
 def _has_play(plays: Array, figures: Array) -> bool:
@@ -141,10 +148,10 @@ def _figures(record: AnyRecord, repeat: int, cycle: int) -> LoopFigures | None:
         return None
 
 
-def _told(found: LoopFigures) -> dict[int, Measured]:
-    """Those of FITTED, by their place, that a loop tells which slides and resists the motion both ways."""
+def _told(found: LoopFigures, *, sliding: bool) -> dict[int, Measured]:
+    """Those of FITTED, by their place, that a loop tells which resists the motion both ways, and slides if asked to."""
     keeps_sign = found.asymmetry is not None and abs(found.asymmetry.value) >= 1.0
-    if found.regime != "gross slip" or keeps_sign:
+    if (sliding and found.regime != "gross slip") or keeps_sign:
         return {}
     known = ((k, getattr(found, name)) for k, name in enumerate(FITTED))
     return {k: one for k, one in known if one is not None and one.value > 0.0 and np.isfinite(one.deviation)}

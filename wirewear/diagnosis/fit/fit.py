@@ -14,6 +14,7 @@ from geometry.arrays import Array
 from wirewear.base.errors import RecordError
 from wirewear.diagnosis.fit import wear
 from wirewear.diagnosis.fit.fast_fit import FITTED, FastFit, LoopsOfTests, fast_fit, loops_of_tests
+from wirewear.diagnosis.fit.partial_slip import StickingFit, fitted_sticking
 from wirewear.diagnosis.fit.stiffness import SPRING, ContactStiffness, contact_stiffness, fitted_tables, with_spring
 from wirewear.diagnosis.fit.values import FittedParameter, FittedTest
 from wirewear.diagnosis.surrogate.nominal import ObserverOf, Stage, require_foreseen
@@ -74,7 +75,7 @@ def check_by_run(fitted: FittedTest, output: Path, fidelity: str, observer_of: O
     """Run the fitted study, and set its loops beside those of the record.
     Raises StudyError, SolverError or RunError if the run cannot be made or written.
     """
-    tests = loops_of_tests(fitted.record)
+    tests = loops_of_tests(fitted.record, sliding=False)
     quiet = observer_of or (lambda _: nullcontext(Observer()))
     (result,) = run_study(fitted.study, fidelity=fidelity, output=output, observer_of=quiet)
     loops = {loop.cycle: true_loop(loop) for loop in read_loops(result)}
@@ -102,13 +103,17 @@ def fit_record(
 
     First estimates come from the loops themselves; the fast model, on the wear states of one finite element run with
     these, then fits friction and rig to the loops of all cycles. Wear coefficients are worn volumes over the friction
-    energy of the whole test, or what is given of them in place of scars.
-    Raises RecordError if the record is unsound, none of its loops slides as a whole, or a worn volume is given and
+    energy of the whole test, or what is given of them in place of scars. Where no loop slides as a whole, friction and
+    rig are what energy, stiffness and shape of single loops leave.
+    Raises RecordError if the record is unsound, none of its loops bounds friction above, or a worn volume is given and
     neither loops nor evolution tell the energy; StudyError or SolverError if a nominal run of the fast model fails.
     """
     record = record.of_block()
-    require_foreseen(record)
     kind, tables = kind_of(record), record.tables
+    sticking = fitted_sticking(record, kind.rigid_N_per_mm)
+    if sticking is not None:
+        return _of_sticking(record, sticking, given)
+    require_foreseen(record)
     with stage("checking the record"):
         told = tuple(remark.text for remark in remarks_told(record))
     with stage("measuring the loops"):
@@ -133,6 +138,19 @@ def fit_record(
     return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=kind.rigid_N_per_mm)
 
 
+def _of_sticking(record: AnyRecord, sticking: StickingFit, given: wear.GivenWear | None) -> FittedTest:
+    """The fit of a test in partial slip, which the fast model does not foresee."""
+    worn, found, notes = wear.fitted_wear(record)
+    if given is not None:
+        worn, notes = wear.wear_given(given, record.tables, worn, found)
+    parameters = sticking.parameters | worn
+    study = fitted_study(record, parameters, record.cycles)
+    told = (remark.text for remark in remarks_told(record))
+    notes = [*told, sticking.note, *notes, *_missing_wear(record, parameters), *_single(record)]
+    rigid = kind_of(record).rigid_N_per_mm
+    return FittedTest(record, study, parameters, found, tuple(notes), rigid_N_per_mm=rigid)
+
+
 def tables_of_record(record: AnyRecord) -> dict[str, Any]:
     """A record's test as tables of a study: what is stated, with the friction of its loops where none is.
     Raises RecordError if friction is not stated, and no loop slides as a whole.
@@ -147,7 +165,9 @@ def tables_of_record(record: AnyRecord) -> dict[str, Any]:
 def _friction_told(record: AnyRecord) -> float:
     """That of the loops of a record that states none."""
     try:
-        return round(_friction_of(loops_of_tests(record)), 3)
+        sticking = fitted_sticking(record, kind_of(record).rigid_N_per_mm)
+        found = _friction_of(loops_of_tests(record)) if sticking is None else sticking.parameters["friction"].value
+        return round(found, 3)
     except RecordError as problem:
         raise RecordError(f"[stated] gives no friction, and {problem}") from None
 
@@ -307,28 +327,37 @@ def _misfit(fitted: FastFit) -> list[str]:
 
 
 def _missing(record: AnyRecord, parameters: dict[str, FittedParameter], tests: LoopsOfTests) -> list[str]:
-    notes = []
-    if wear.total_of(record.tables, parameters) is None:
-        stated = wear.stated_wear(record.tables)
-        wears = f"takes the stated {stated}" if stated is not None else "does not wear"
+    notes = _missing_wear(record, parameters)
+    if notes and wear.stated_wear(record.tables) is None:
         notes.append(
-            f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume; "
-            f"{wear.where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"
+            "friction and rig were fitted as if the bodies wore like steel on steel, by "
+            f"{1e5 * wear.ANY_WEAR_mm3_per_J:g}·10⁻⁵ mm³/J"
         )
-        if stated is None:
-            notes.append(
-                "friction and rig were fitted as if the bodies wore like steel on steel, by "
-                f"{1e5 * wear.ANY_WEAR_mm3_per_J:g}·10⁻⁵ mm³/J"
-            )
-    if len(tests.repeats) == 1:
-        notes.append(
-            "one test alone: the intervals hold its noise and an expected scatter, not how far tests on fresh "
-            "specimens differ; repeat it at least twice"
-        )
+    notes += _single(record)
     if not np.isfinite(tests.figures[:, :, list(FITTED).index("measured_stiffness_N_per_um")]).any():
         notes.append(
             "no loop shows a stiffness: log more samples after the reversals, or measure the rig by pressing on its "
             "holder with a dial gauge"
+        )
+    return notes
+
+
+def _missing_wear(record: AnyRecord, parameters: dict[str, FittedParameter]) -> list[str]:
+    if wear.total_of(record.tables, parameters) is not None:
+        return []
+    stated = wear.stated_wear(record.tables)
+    wears = f"takes the stated {stated}" if stated is not None else "does not wear"
+    said = f"no wear coefficient was fitted, and the study {wears}: loops tell the energy, not the volume"
+    return [f"{said}; {wear.where_volumes(record.tables)}, or give --worn-volume or --wear-coefficient"]
+
+
+def _single(record: AnyRecord) -> list[str]:
+    """What one test alone, and a load that was not measured, leave open."""
+    notes = []
+    if len(record.repeats) == 1:
+        notes.append(
+            "one test alone: the intervals hold its noise and an expected scatter, not how far tests on fresh "
+            "specimens differ; repeat it at least twice"
         )
     if all(loop.normal_force_N is None for loop in record.loops):
         notes.append("the normal force was not measured: friction takes the asked load for granted")

@@ -1,0 +1,98 @@
+"""Friction and rig of a test whose loops all stick in their middle, each as an interval of one loop at best."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.special import stdtrit
+
+from wirewear.base.errors import RecordError, counted
+from wirewear.diagnosis.fit.values import FittedParameter
+from wirewear.loops import LoopError, Measured
+from wirewear.loops.sticking import Sticking
+from wirewear.records import AnyRecord
+
+CONTACT = 0.1  #: Relative standard deviation of an unworn contact's compliance by closed form.
+
+
+@dataclass(frozen=True)
+class StickingFit:
+    """Friction and rig by their names in a fit, and a sentence on what they rest on."""
+
+    parameters: dict[str, FittedParameter]
+    note: str
+
+
+def fitted_sticking(record: AnyRecord, rigid_N_per_mm: float) -> StickingFit | None:
+    """What loops without a plateau leave; None where one has a plateau, or none can be analysed.
+
+    The compliance of the unworn contact is known by closed form, if there is one, in the first logged cycle alone.
+    Raises RecordError if no loop bounds friction above.
+    """
+    loops = _loops(record)
+    if not loops:
+        return None
+    cycles = sorted({cycle for _, cycle in loops})
+    own = None if record.within_longer_strokes else record.tables.contact_stiffness_N_per_um
+    if own is not None:
+        fresh = {key: loop.given(1.0 / own, CONTACT) for key, loop in loops.items() if key[1] == cycles[0]}
+        loops |= fresh
+    frictions = {key: one for key, loop in loops.items() if (one := loop.friction) is not None}
+    bounded = {key: one for key, one in frictions.items() if np.isfinite(one.value)}
+    if not bounded:
+        least = max((one.interval95[0] for one in frictions.values()), default=None)
+        raise RecordError(
+            f"no loop of the record {record.name!r} slides as a whole, and none bounds friction above"
+            + ("" if least is None else f": it is at least {least:.3g}")
+            + ", so that neither friction nor wear can be fitted. One stroke that slides tells friction."
+        )
+    _, cycle = min(bounded, key=lambda key: _width(bounded[key]))
+    keys = [key for key in bounded if key[1] == cycle]
+    friction = _of_tests([bounded[key] for key in keys], "1")
+    rig = _of_tests([_stiffness(loops[key].rig, rigid_N_per_mm) for key in keys], "N_per_mm")
+    known = "" if own is None or cycle != cycles[0] else ", the unworn contact's stiffness taken as known within 10 %"
+    note = (
+        "no loop slides as a whole: friction and rig are those that energy, stiffness and shape of the loops of cycle "
+        f"{counted(cycle)} leave{known}, and no course of friction is fitted"
+    )
+    return StickingFit({"friction": friction, "tangential_stiffness_N_per_mm": rig}, note)
+
+
+def _loops(record: AnyRecord) -> dict[tuple[int, int], Sticking]:
+    """Loops without a plateau by repeat and cycle; none where one of the record has a plateau."""
+    found = {}
+    for loop in record.loops:
+        try:
+            figures = loop.figures(record.tables.conditions.normal_load_N)
+        except LoopError:
+            continue
+        if figures.friction_geometry_independent is not None:
+            return {}
+        if figures.sticking is not None and loop.cycle > 0:
+            found[loop.repeat, loop.cycle] = figures.sticking
+    return found
+
+
+def _width(friction: Measured) -> float:
+    low, high = friction.interval95
+    return high / max(low, 1e-300)
+
+
+def _stiffness(rig_um_per_N: Measured, rigid_N_per_mm: float) -> Measured:
+    """A compliance as a stiffness in N/mm, none stiffer than a rigid rig."""
+    least = 1e3 / rigid_N_per_mm
+    value, high, low = (1e3 / max(one, least) for one in (rig_um_per_N.value, *rig_um_per_N.interval95))
+    return Measured(value, (low, high))
+
+
+def _of_tests(found: Sequence[Measured], unit: str) -> FittedParameter:
+    """Geometric means of values and of their intervals' ends, the scatter between tests beside these by Student's t.
+
+    What the reading of a loop leaves open is alike in all tests, and does not shrink with their number.
+    """
+    logs = np.log([(one.value, *one.interval95) for one in found])
+    value, low, high = logs.mean(axis=0)
+    count = len(found)
+    scatter = float(stdtrit(count - 1, 0.975) * logs[:, 0].std(ddof=1) / np.sqrt(count)) if count > 1 else 0.0
+    ends = value - np.hypot(value - low, scatter), value + np.hypot(high - value, scatter)
+    return FittedParameter(float(np.exp(value)), (float(np.exp(ends[0])), float(np.exp(ends[1]))), unit, count)
