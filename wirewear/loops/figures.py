@@ -3,17 +3,19 @@
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from math import prod
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 
+from geometry.arrays import Array, BoolArray
 from wirewear.base.errors import WirewearError
-
-if TYPE_CHECKING:
-    from wirewear.loops.sticking import Sticking
 
 Regime = Literal["stick", "partial slip", "gross slip", "contact opened"]
 RegimeOfTest = Literal["partial slip", "mixed", "gross slip"]
+
+COARSE = 0.95  #: Where it cannot be closer, a search leaves so much between what it finds and the least that µP may be.
+WITHIN95 = 3.84  #: χ² of one number with a probability of 95 %.
+KEPT = 25.0  #: What is farther off than this is forgotten.
 
 
 class LoopError(WirewearError):
@@ -78,6 +80,96 @@ class StickSlip:
     resolved: bool  #: Whether a slip has samples enough to be counted; else there may be more of them.
 
 
+@dataclass(frozen=True, eq=False)
+class Sticking:
+    """Contacts whose loops are told from the measured one by no more than `chi_squared`; arrays have shape (n,)."""
+
+    chi_squared: Array
+    limit_N: Array  #: µP.
+    deviation_N: Array  #: Its standard deviation were all else known.
+    share: Array  #: Q*/µP; 1 where the contact slides.
+    contact_um_per_N: Array  #: Compliance of the contact while all of it sticks; 0 for cylinders, whose is none.
+    rig_um_per_N: Array  #: That of the spring in series.
+    unseen: BoolArray  #: Whether the loop is too thin to tell the contact from one that does not slip at all.
+    load_N: Measured | None  #: The steady load; None where none is known.
+
+    def given(self, contact_um_per_N: float, doubt: float) -> "Sticking":
+        """What is left where the contact's compliance is known with a relative standard deviation."""
+        known = np.log(np.maximum(self.contact_um_per_N, 1e-300) / contact_um_per_N) / doubt
+        return self.kept(self.chi_squared + known**2)
+
+    def kept(self, chi_squared: Array) -> "Sticking":
+        """Those that another χ² leaves near the best of them."""
+        other = chi_squared - chi_squared.min()
+        near = other <= KEPT
+        return Sticking(
+            other[near], self.limit_N[near], self.deviation_N[near], self.share[near], self.contact_um_per_N[near],
+            self.rig_um_per_N[near], self.unseen[near], self.load_N,
+        )  # fmt: skip
+
+    @property
+    def friction(self) -> Measured | None:
+        """µ, with the doubt of the load; without a value where it is only bounded below, None without a load."""
+        if self.load_N is None:
+            return None
+        load, limit = self.load_N, self.limit
+        (low, high), (least, most) = limit.interval95, load.interval95
+        return Measured(limit.value / load.value, (low / most, high / max(least, 1e-300)))
+
+    @property
+    def limit(self) -> Measured:
+        """µP in N; without a value, and with no upper end, where it is only bounded below."""
+        low, high = self._ends
+        if self._unseen:
+            force = float((self.limit_N * self.share)[self._left].min())
+            return Measured(np.nan, (max(force, COARSE * low), np.inf))
+        return Measured(float(self.limit_N[self._best]), (low, high))
+
+    @property
+    def used(self) -> Measured:
+        """Q*/µP; without a value, and from 0, where µP is only bounded below."""
+        if self._unseen:
+            return Measured(np.nan, (0.0, 1.0))
+        share = self.share[self._left]
+        return Measured(float(self.share[self._best]), (float(share.min()), float(share.max())))
+
+    @property
+    def rig(self) -> Measured:
+        """Compliance of bodies and rig in series with the contact, in µm/N."""
+        left = self.rig_um_per_N[self._left]
+        return Measured(float(self.rig_um_per_N[self._best]), (float(left.min()), float(left.max())))
+
+    @property
+    def regimes(self) -> tuple[Regime, ...]:
+        """What the loop allows for, in the order of growing slip."""
+        left = self._left
+        found: list[tuple[Regime, bool]] = [
+            ("stick", self._unseen),
+            ("partial slip", bool(np.any(self.share[left] < 1.0))),
+            ("gross slip", bool(np.any(self.share[left] >= 1.0))),
+        ]
+        return tuple(name for name, is_left in found if is_left)
+
+    @property
+    def _left(self) -> BoolArray:
+        left: BoolArray = self.chi_squared <= WITHIN95
+        return left
+
+    @property
+    def _ends(self) -> tuple[float, float]:
+        left = self._left
+        beside = self.deviation_N[left] * np.sqrt(WITHIN95 - self.chi_squared[left])
+        return float((self.limit_N[left] - beside).min()), float((self.limit_N[left] + beside).max())
+
+    @property
+    def _unseen(self) -> bool:
+        return bool(np.any(self.unseen & self._left))
+
+    @property
+    def _best(self) -> int:
+        return int(np.argmin(self.chi_squared))
+
+
 @dataclass(frozen=True)
 class LoopFigures:
     """Figures of one force–displacement loop; None where a figure has no meaning, which a note then explains."""
@@ -117,7 +209,7 @@ class LoopFigures:
     outlier_samples: tuple[int, ...]  #: Indices of input samples left out as outliers.
     notes: tuple[str, ...]  #: Sentences about what was left out, assumed or corrected.
     #: All contacts that a loop in partial slip allows for; None where it slides.
-    sticking: "Sticking | None" = field(default=None, compare=False, repr=False)
+    sticking: Sticking | None = field(default=None, compare=False, repr=False)
 
     @property
     def friction_partial_slip(self) -> Measured | None:

@@ -9,7 +9,7 @@ from scipy.special import stdtrit
 from wirewear.base.errors import RecordError, counted
 from wirewear.diagnosis.fit.values import FittedParameter
 from wirewear.loops import LoopError, Measured
-from wirewear.loops.sticking import Sticking
+from wirewear.loops.figures import Sticking
 from wirewear.records import AnyRecord
 
 CONTACT = 0.1  #: Relative standard deviation of an unworn contact's compliance by closed form.
