@@ -1,6 +1,7 @@
-"""Times of samples that come faster than the clock beside them ticks, so that neighbours share one."""
+"""Times of samples whose clock goes back, or ticks more slowly than they come, so that neighbours share one."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,6 +15,14 @@ GAP = 1.5  #: So many ticks at once are none of a clock that ticks on.
 #: Samples from tick to tick differ by no more than so many, or that share of them, unless a gap hides among them.
 UNEVEN = 2.0, 0.3
 
+#: Samples between two places at which a clock goes back are that many or more, on average; else rows are out of order.
+FEWEST_BETWEEN = 8
+
+#: Rows are in order where the drive goes on across such a place by no more than so many of its larger steps (the
+#: percentile), and by that share of its stroke.
+GOES_ON, LARGER_STEPS, OF_STROKE = 3.0, 95.0, 0.02
+
+BACK = "the clock goes back by {:.3g} s{}, as one that wraps or is set again: times were let go on from there"
 EVEN = "neighbouring samples share a time, as the clock goes in steps of {:.3g} s: times were set evenly between them"
 COARSE = "neighbouring samples share a time: steps of the clock, of {:.3g} s, are too coarse to tell how fast they come"
 STILL = "the clock stands still, and tells no time of a sample"
@@ -29,11 +38,54 @@ class Clock:
     gaps: bool = False  #: Of a clock that is too coarse, whether the log has gaps.
 
 
-def read_clock(time_s: Array, *channels: Array) -> Clock:
-    """The clock behind times (n,), NaN where none is known, of samples of other channels (n,).
+def read_clock(time_s: Array, displacement_um: Array, force_N: Array, parts: Sequence[Array] = ()) -> Clock:
+    """The clock behind times (n,), NaN where none is known, of samples of a drive and a force (n,).
 
-    Where neighbours share a time, samples come evenly from one gap to the next.
+    Where the clock goes back while the drive goes on, times go on, too. Where neighbours share a time, samples come
+    evenly from one gap to the next.
+
+    parts: numbers of cycles and of repeats (n,); where one changes, a clock may start again.
     """
+    going_on, note = _going_on(time_s, displacement_um, parts)
+    clock = _between_ticks(going_on, displacement_um, force_N)
+    return replace(clock, note="; ".join(one for one in (note, clock.note) if one))
+
+
+def _going_on(time_s: Array, displacement_um: Array, parts: Sequence[Array]) -> tuple[Array, str]:
+    """Times (n,) that go on where the clock goes back and the rows do not, and a note if there is such a place."""
+    known = np.flatnonzero(np.isfinite(time_s) & np.isfinite(displacement_um))
+    time, x = time_s[known], displacement_um[known]
+    steps, moves = np.diff(time), np.abs(np.diff(x))
+    back = np.flatnonzero(steps < 0.0)
+    if not back.size or time.size < FEWEST_BETWEEN * (back.size + 1) or not np.any(steps > 0.0):
+        return time_s, ""
+    usual = float(np.median(steps[steps > 0.0]))
+    far = max(GOES_ON * float(np.percentile(moves, LARGER_STEPS)), OF_STROKE * float(np.ptp(x)))
+    if np.any(moves[back] > far) or _are_exchanged(time, steps, usual):
+        return time_s, ""
+    changes = np.zeros(steps.size, dtype=bool)
+    for part in parts:
+        changes |= np.diff(part[known]) != 0.0
+    back = back[~changes[back]]
+    if not back.size:
+        return time_s, ""
+    ahead = np.zeros(time_s.size)
+    ahead[known[back + 1]] = usual - steps[back]
+    often = f" {back.size} times" if back.size > 1 else ""
+    return time_s + np.cumsum(ahead), BACK.format(float(np.median(-steps[back])), often)
+
+
+def _are_exchanged(time: Array, steps: Array, usual: float) -> bool:
+    """Whether times (n,), with such steps, are those of a clock that goes on evenly, in another order of rows."""
+    values, counts = np.unique(time, return_counts=True)
+    between = np.diff(values)
+    run = (time.size - 1) / max(np.count_nonzero(steps), 1)
+    most = max(run + UNEVEN[0], run * (1.0 + UNEVEN[1])) if run > GAP else 1.0
+    return bool(counts.max() <= most and np.all(np.abs(between - usual) < (GAP - 1.0) * usual))
+
+
+def _between_ticks(time_s: Array, *channels: Array) -> Clock:
+    """The clock behind times (n,), where neighbours may share one that goes on."""
     known = np.flatnonzero(np.isfinite(time_s))
     time, steps = time_s[known], np.diff(time_s[known])
     shared = steps == 0.0

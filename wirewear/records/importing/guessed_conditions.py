@@ -108,7 +108,8 @@ def _clocked(columns: dict[str, Array]) -> tuple[dict[str, Array], Clock]:
     time, x = columns.get("time_s"), columns["displacement_um"]
     if time is None or time.shape != x.shape:
         return columns, Clock(time)
-    clock = read_clock(time.ravel(), x.ravel(), columns["tangential_force_N"].ravel())
+    parts = [columns[key].ravel() for key in ("repeat", "cycle") if key in columns and columns[key].shape == x.shape]
+    clock = read_clock(time.ravel(), x.ravel(), columns["tangential_force_N"].ravel(), parts)
     rest = {key: own for key, own in columns.items() if key != "time_s"}
     return rest | ({} if clock.time_s is None else {"time_s": clock.time_s.reshape(x.shape)}), clock
 

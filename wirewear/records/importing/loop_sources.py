@@ -179,7 +179,8 @@ def _loops(
     if "cycles" in channels and "cycle" not in channels:
         channels["cycle"] = channels["cycles"] + 1.0
     if "time_s" in channels:
-        clock = read_clock(channels["time_s"], channels["displacement_um"], channels["tangential_force_N"])
+        parts = [channels[key] for key in ("repeat", "cycle") if key in channels]
+        clock = read_clock(channels["time_s"], channels["displacement_um"], channels["tangential_force_N"], parts)
         remarks = (*remarks, clock.note) if clock.note else remarks
         channels = {key: own for key, own in channels.items() if key != "time_s"}
         channels |= {} if clock.time_s is None else {"time_s": clock.time_s}
